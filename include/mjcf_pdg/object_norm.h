@@ -1,0 +1,48 @@
+// Object norm σ between two configurations of an articulated model.
+//
+// Source: Tang & Kim, Eq. 1 (rigid), 13-19 (joint by joint, sequential change).
+// Differs from it:
+//   1. Masses, not volumes, weigh the motion (MuJoCo's body inertias).
+//   2. A free joint is three slides and a ball at the subtree's centre of mass, so that a single
+//      free body gives exactly Eq. 1.
+//   3. Several moving trees add up.
+//   4. Another root link B: the pose change of B moves its whole tree as one rigid piece, and each
+//      joint between the tree's top body and B moves the other side.
+//   5. A second metric, the true mean squared displacement, is offered beside the paper's.
+// Shapes and units: q (nq), r (k), J = ∂r/∂dq (k × n), σ = ‖r‖² [m²].
+#ifndef MJCF_PDG_OBJECT_NORM_H_
+#define MJCF_PDG_OBJECT_NORM_H_
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mjcf_pdg/scene.h"
+#include "mjcf_pdg/types.h"
+
+namespace mjcf_pdg {
+
+struct NormPart {
+  std::string name;   // joint name; "root" for the pose of the root link; body name (displacement)
+  double sigma = 0.0; // [m²]
+};
+
+// σ(q_in, ·). Not thread-safe: one per thread (it poses private MuJoCo data).
+class ObjectNorm {
+ public:
+  ObjectNorm(const Scene& scene, Metric metric, const std::vector<double>& q_in);
+  ~ObjectNorm();
+  ObjectNorm(ObjectNorm&&) noexcept;
+  ObjectNorm& operator=(ObjectNorm&&) noexcept;
+
+  double Sigma(const std::vector<double>& q);
+  std::vector<NormPart> Parts(const std::vector<double>& q);  // adds up to Sigma
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_OBJECT_NORM_H_

@@ -1,0 +1,57 @@
+// The front door: generalized penetration depth PDg of a configuration.
+//
+//   mjcf_pdg::Scene scene = mjcf_pdg::Scene::FromFile("robot.xml");
+//   mjcf_pdg::Solver solver(scene);
+//   mjcf_pdg::Result result = solver.Solve(q_in);   // result.q is free if result.status says so
+#ifndef MJCF_PDG_PDG_H_
+#define MJCF_PDG_PDG_H_
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "mjcf_pdg/object_norm.h"
+#include "mjcf_pdg/scene.h"
+#include "mjcf_pdg/types.h"
+
+namespace mjcf_pdg {
+
+// One per thread; owns all scratch, including private MuJoCo data. Never writes to the user's model.
+class Solver {
+ public:
+  // Throws Error if an option is out of range or the scene has an active equality constraint.
+  explicit Solver(const Scene& scene, const Options& options = {});
+  ~Solver();
+  Solver(Solver&&) noexcept;
+  Solver& operator=(Solver&&) noexcept;
+
+  // The free configuration nearest to q_in (nq). A hard case never throws: see Result::status.
+  // `free_hint`, a configuration known or hoped to be free, becomes one of the starts.
+  // Throws Error for a bad q_in (size, NaN, zero quaternion).
+  Result Solve(const std::vector<double>& q_in,
+               const std::optional<std::vector<double>>& free_hint = std::nullopt);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+struct Verdict {
+  bool free = false;
+  bool certified = false;      // every kept pair has a signed distance (no SDF, no height field)
+  double min_distance = 0.0;   // over kept pairs, signed, cut off at 1 m [m]
+  double limit_excess = 0.0;   // largest violation of a joint limit [rad or m]
+  std::vector<Contact> contacts;  // pairs nearer than `tolerance`, deepest first
+  std::string reason;          // what is not free, in words; empty when free
+};
+
+// Asks twice, by mj_collision and by signed pair distances, whether q is free (SPEC: overlaps of at
+// most `tolerance` beyond what the model or `options.rest` allows, joint limits hold to 1e-6).
+// Shares no code with the solver's own queries. `q_in` is the configuration `rest` refers to.
+// Throws Error for a bad q.
+Verdict Verify(const Scene& scene, const std::vector<double>& q, const Options& options = {},
+               const std::vector<double>* q_in = nullptr);
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_PDG_H_

@@ -1,0 +1,61 @@
+// Scene: an MJCF model seen as a penetration-depth problem: what may move, which pairs count.
+#ifndef MJCF_PDG_SCENE_H_
+#define MJCF_PDG_SCENE_H_
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mjcf_pdg/types.h"
+
+struct mjModel_;
+typedef struct mjModel_ mjModel;
+
+namespace mjcf_pdg {
+
+struct SceneOptions {
+  // Bodies whose own joints and subtrees may move; everything else is frozen. Empty: all joints.
+  std::vector<std::string> movable;
+  // Root link of the object norm (a palm, a torso); empty: every tree's top body.
+  std::string root;
+};
+
+struct SceneTables;  // internal, src/scene_tables.h
+
+// Immutable and shareable between threads. Copies share everything.
+class Scene {
+ public:
+  // All throw Error: no such file, broken XML (with MuJoCo's line), unknown body name, a body
+  // without joints below it, flex or another feature that is not supported (named).
+  static Scene FromFile(const std::string& path, const SceneOptions& options = {});
+  static Scene FromString(const std::string& xml, const SceneOptions& options = {});
+  // The model of a running program: never written to, and it must outlive the scene.
+  static Scene FromModel(const mjModel* model, const SceneOptions& options = {});
+
+  const mjModel* model() const;
+  const SceneTables& tables() const { return *tables_; }
+
+  int nq() const;
+  int dof() const;              // n, the number of movable degrees of freedom
+  int num_kept_pairs() const;   // pairs of geoms that MuJoCo's filters keep
+  std::string GeomName(int geom) const;    // its name, else "#id"
+  std::string JointName(int joint) const;
+  std::string BodyName(int body) const;
+
+  std::vector<std::string> KeyNames() const;      // "" for an unnamed keyframe
+  std::vector<double> KeyQpos(int key) const;     // nq
+  std::vector<double> DefaultQpos() const;        // qpos0
+
+  // Throws Error unless q has nq finite entries and no zero quaternion.
+  void CheckConfiguration(const std::vector<double>& q) const;
+  // Active equality constraints, by name or "#id" and kind; Solver refuses such scenes.
+  std::vector<std::string> ActiveEqualities() const;
+
+ private:
+  explicit Scene(std::shared_ptr<const SceneTables> tables) : tables_(std::move(tables)) {}
+  std::shared_ptr<const SceneTables> tables_;
+};
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SCENE_H_

@@ -1,0 +1,93 @@
+// Symbols, options and results of mjcf-pdg.
+//
+//   q_in, q      configurations in MuJoCo's qpos layout, length nq; unit quaternions (w, x, y, z)
+//   dq           a tangent vector, one entry per *movable* degree of freedom, length n <= nv;
+//                MuJoCo's conventions (a ball's three are body-frame, a free joint's linear three
+//                world-frame)
+//   σ            the object norm between q_in and q [m²]; √σ [m] reads as a root-mean-square motion
+//   r            residual of the norm, σ = ‖r‖²: the paper's X weighted by H, divided by √M [m]
+//   X            the paper's variable: 2 sin(Δq/2) (hinge), Δq (slide), Q (ball), Eq. 26
+//   Q            vector part of a relative unit quaternion, world axes
+//   H, M         the norm's metric (Eq. 28) and the total mass that can move [kg]
+//   C            contact matrix (m × n), rows nᵀ(J_2 - J_1), Eq. 22-23
+//   λ            multipliers of the rows of C
+//   p_W, n_W     a point [m] and a unit normal in world axes; n_W points from geom 1 to geom 2
+//   d            signed distance of a pair of geoms [m], negative when they overlap
+#ifndef MJCF_PDG_TYPES_H_
+#define MJCF_PDG_TYPES_H_
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace mjcf_pdg {
+
+// Bad input: a file, a name, a size, a value. The message is one line that says what and where.
+class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+enum class Metric {
+  kSequential,    // the paper's: joints change one after the other, base to terminal (Eq. 13-19)
+  kDisplacement,  // the true mean squared displacement (1/M) ∫ ‖x(q) - x(q_in)‖² dm
+};
+
+enum class Effort { kFast, kDefault, kMax };
+
+enum class Status {
+  kAlreadyFree,  // q_in was free; q is q_in bit for bit
+  kSolved,       // q is free, verified
+  kUnsolved,     // q is the least penetrating configuration found; `reason` says why
+};
+
+struct Options {
+  Metric metric = Metric::kSequential;
+  double tolerance = 1e-6;  // overlap that still counts as free [m], > 0
+  double clearance = 0.0;   // distance to keep between all kept pairs [m], >= 0
+  double rest = 0.0;        // contacts of q_in no deeper than this may keep their depth [m], >= 0
+  Effort effort = Effort::kDefault;
+  std::uint64_t seed = 0;
+  // Poses of mocap bodies, which are obstacles: 3 and 4 per body; empty: as in the model.
+  std::vector<double> mocap_pos, mocap_quat;
+  // Outer guard on one solve [s]; iterations, not this, normally end it.
+  double time_limit = std::numeric_limits<double>::infinity();
+};
+
+// One pair of geoms that overlap or touch.
+struct Contact {
+  std::array<int, 2> geom = {-1, -1};    // ids in the user's model, in MuJoCo's order
+  std::array<double, 3> normal_W = {};   // unit, from geom 1 to geom 2
+  std::array<double, 3> position_W = {};  // midpoint of the two witness points [m]
+  double distance = 0.0;                 // signed [m]
+};
+
+struct Stats {
+  int iterations = 0;         // local optimization steps, all starts together
+  int collision_queries = 0;  // one configuration against all kept pairs each
+  int starts = 0;             // free-configuration selections tried
+  int lcp_sweeps = 0;         // active-set changes or Gauss-Seidel sweeps
+  double seconds = 0.0;       // the solve with its final verification
+};
+
+struct Result {
+  Status status = Status::kUnsolved;
+  std::vector<double> q;           // nq
+  double sigma = 0.0;              // σ(q_in, q) [m²]
+  double sigma_lower_bound = 0.0;  // proven: no free configuration has a smaller σ [m²]
+  double depth_in = 0.0;           // smallest signed distance at q_in [m]
+  double min_distance = 0.0;       // smallest signed distance at q [m]
+  bool certified = false;          // freeness rests on signed distances alone (no SDF, no height field)
+  std::string start;               // name of the selection that won
+  std::string reason;              // why not solved, in words; empty otherwise
+  std::vector<Contact> contacts_in;  // overlapping pairs at q_in, deepest first
+  std::vector<Contact> contacts;     // touching or overlapping pairs at q, deepest first
+  Stats stats;
+};
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_TYPES_H_

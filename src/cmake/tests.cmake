@@ -1,0 +1,66 @@
+# Tests: every GoogleTest case, each public header alone, and a project that uses the installed package. Benchmarks.
+
+file(GLOB test_sources CONFIGURE_DEPENDS tests/*_test.cc)
+file(GLOB support_sources CONFIGURE_DEPENDS tests/*.cc)
+list(FILTER support_sources EXCLUDE REGEX "_test\\.cc$")
+file(GLOB bench_sources CONFIGURE_DEPENDS bench/*.cc)
+
+# What tests and benchmarks share: the scenes and the slow oracle (tests/*.cc that are no test), internal headers.
+if(support_sources)
+  add_library(mjcf_pdg_test_support STATIC EXCLUDE_FROM_ALL ${support_sources})
+  set(scope PUBLIC)
+else()
+  add_library(mjcf_pdg_test_support INTERFACE)
+  set(scope INTERFACE)
+endif()
+target_include_directories(mjcf_pdg_test_support ${scope} . tests src)
+target_link_libraries(mjcf_pdg_test_support ${scope} mjcf_pdg mjcf_pdg_flags Eigen3::Eigen)
+target_compile_definitions(mjcf_pdg_test_support ${scope} MJCF_PDG_MODEL_DIR="${PROJECT_SOURCE_DIR}/models")
+
+if(MJCF_PDG_BUILD_TESTS)
+  enable_testing()
+  find_package(GTest)
+  if(NOT GTest_FOUND)
+    message(FATAL_ERROR "The tests need GoogleTest: install libgtest-dev and libgmock-dev, "
+            "or set MJCF_PDG_BUILD_TESTS=OFF")
+  endif()
+  include(GoogleTest)
+  target_link_libraries(mjcf_pdg_test_support ${scope} GTest::gmock)
+
+  if(test_sources)
+    add_executable(mjcf_pdg_tests ${test_sources})
+    target_link_libraries(mjcf_pdg_tests PRIVATE mjcf_pdg_test_support GTest::gtest_main)
+    if(TARGET mjcf-pdg)
+      add_dependencies(mjcf_pdg_tests mjcf-pdg)
+      target_compile_definitions(mjcf_pdg_tests PRIVATE MJCF_PDG_PROGRAM="$<TARGET_FILE:mjcf-pdg>")
+    endif()
+    # Cases are listed when ctest starts, not at build time: a crash in start-up is a failed test, not a failed build.
+    gtest_discover_tests(mjcf_pdg_tests DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60)
+  endif()
+
+  if(CMAKE_VERSION VERSION_GREATER_EQUAL 3.24)
+    add_test(NAME public_headers_compile_alone
+             COMMAND "${CMAKE_COMMAND}" --build "${PROJECT_BINARY_DIR}" --config $<CONFIG>
+                     --target all_verify_interface_header_sets)
+  endif()
+
+  if(MJCF_PDG_INSTALL)
+    add_test(NAME consumer_of_installed_package
+             COMMAND "${CMAKE_COMMAND}" -D "build=${PROJECT_BINARY_DIR}" -D "config=$<CONFIG>"
+                     -D "generator=${CMAKE_GENERATOR}" -D "compiler=${CMAKE_CXX_COMPILER}"
+                     -D "flags=${CMAKE_CXX_FLAGS}" -D "mujoco_dir=${mujoco_DIR}"
+                     -D "program=$<TARGET_NAME_IF_EXISTS:mjcf-pdg>"
+                     -P "${PROJECT_SOURCE_DIR}/tests/consumer/run.cmake")
+  endif()
+endif()
+
+if(MJCF_PDG_BUILD_BENCH AND bench_sources)
+  find_package(benchmark QUIET)
+  if(benchmark_FOUND)
+    add_executable(mjcf_pdg_bench ${bench_sources})
+    target_link_libraries(mjcf_pdg_bench PRIVATE mjcf_pdg_test_support benchmark::benchmark_main)
+    set_target_properties(mjcf_pdg_bench PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin$<0:>")
+  else()
+    message(STATUS "Google Benchmark not found: no benchmarks")
+  endif()
+endif()

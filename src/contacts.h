@@ -1,0 +1,62 @@
+// Signed distances and near pairs at a configuration: the solver's eyes.
+//
+// Candidates come from bounding volumes over *all* kept pairs, not from MuJoCo's contacts: with a
+// positive margin MuJoCo 4.0 drops or misplaces box-box contacts, and it misses capsules that
+// pierce boxes. Distances, depths and normals are signed pair distances: mj_geomDistance, our own
+// for capsule-box. SDF and height field pairs have contacts only; those come from mj_collision.
+#ifndef MJCF_PDG_SRC_CONTACTS_H_
+#define MJCF_PDG_SRC_CONTACTS_H_
+
+#include <vector>
+
+#include "capsule_box.h"
+#include "kinematics.h"
+
+namespace mjcf_pdg {
+
+// A kept pair within the margin. Contact-only pairs may appear several times, once per contact.
+struct NearPair {
+  int pair = 0;             // index into SceneTables::pairs
+  double distance = 0.0;    // signed [m]
+  Vector3d p1_W, p2_W;      // witness points on geom 1 and geom 2
+  Vector3d n_W;             // unit, from geom 1 to geom 2; distance = n · (p2 - p1)
+};
+
+// One per thread. Counts its queries.
+class ContactFinder {
+ public:
+  explicit ContactFinder(const SceneTables& tables);
+
+  void SetMocap(const MocapPoses& poses) { posed_.SetMocap(poses); }
+  void Pose(const VectorXd& q) { posed_.Pose(q); }
+  const PosedModel& posed() const { return posed_; }
+
+  // All kept pairs nearer than `margin` at the posed configuration, in the scene's order. One query.
+  const std::vector<NearPair>& Find(double margin);
+
+  // Signed distance of one kept pair at the posed configuration. Exact when below `cutoff` [m];
+  // otherwise returns false and leaves `near` alone. Contact-only pairs: false.
+  bool Distance(int pair, double cutoff, NearPair& near);
+
+  // A lower bound of the pair's distance from bounding volumes alone; -inf if nothing is known.
+  double DistanceBound(int pair) const;
+
+  int queries() const { return queries_; }
+
+ private:
+  bool GeomGap(int geom1, int geom2, double cutoff, SignedGap& gap);
+  void FindContactOnly(double margin);
+  bool BodiesNear(const BodyPair& bodies, double margin) const;
+  bool BoxesNear(int geom1, int geom2, double margin) const;
+
+  const SceneTables& tables_;
+  mjModel model_;  // the scene's query model with our own margin
+  PosedModel posed_;
+  std::vector<NearPair> near_;
+  std::vector<Vector3d> centers_W_;  // of body_spheres
+  int queries_ = 0;
+};
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_CONTACTS_H_

@@ -1,0 +1,77 @@
+// Configurations and tangents: the only place where qpos (nq) meets dq (n), and private MuJoCo data
+// posed at a configuration.
+#ifndef MJCF_PDG_SRC_KINEMATICS_H_
+#define MJCF_PDG_SRC_KINEMATICS_H_
+
+#include <Eigen/Dense>
+#include <memory>
+
+#include "scene_tables.h"
+
+namespace mjcf_pdg {
+
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+// out = q ⊕ dq. `out` may be q. Quaternions of the movable joints come out normalized.
+void Integrate(const SceneTables& tables, const VectorXd& q, const VectorXd& dq, VectorXd& out);
+
+// dq = to ⊖ from: from ⊕ dq = to, rotations the short way round. Frozen joints are not compared.
+void Difference(const SceneTables& tables, const VectorXd& from, const VectorXd& to, VectorXd& dq);
+
+// q with every quaternion normalized.
+VectorXd Normalized(const SceneTables& tables, const VectorXd& q);
+
+// Largest violation of a movable joint's limits at q [rad or m], >= 0.
+double LimitExcess(const SceneTables& tables, const VectorXd& q);
+
+// Moves every limited movable joint of q inside its range.
+void ClampToLimits(const SceneTables& tables, VectorXd& q);
+
+// A ball joint's total rotation angle in [0, π]; `quat` (w, x, y, z).
+double BallAngle(const double* quat);
+
+struct MocapPoses {
+  std::vector<double> pos, quat;  // 3 and 4 per mocap body; empty: as in the model
+};
+
+// Private mjData. One per thread.
+class PosedModel {
+ public:
+  // `model` is one of the scene's private copies and must outlive this object.
+  explicit PosedModel(const mjModel* model);
+
+  void SetMocap(const MocapPoses& poses);
+  // Kinematics of the whole model at q, motion axes of all dofs (cdof) included.
+  void Pose(const VectorXd& q);
+
+  const mjModel* model() const { return model_; }
+  mjData* data() { return data_.get(); }
+  const mjData* data() const { return data_.get(); }
+
+ private:
+  struct Deleter {
+    void operator()(mjData* d) const { mj_deleteData(d); }
+  };
+  const mjModel* model_;
+  std::unique_ptr<mjData, Deleter> data_;
+};
+
+// Jacobians (3 × n each) of the point p_W fixed to `body` and of the body's rotation, world axes.
+void BodyJacobians(const SceneTables& tables, const PosedModel& posed, int body,
+                   const Vector3d& p_W, MatrixXd& jac_p, MatrixXd& jac_r);
+
+inline Eigen::Map<const Vector3d> AsVector(const mjtNum* p) {
+  return Eigen::Map<const Vector3d>(p);
+}
+
+// A row-major 3 × 3 array of MuJoCo's.
+inline Matrix3d AsMatrix(const mjtNum* p) {
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(p);
+}
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_KINEMATICS_H_

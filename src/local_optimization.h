@@ -1,0 +1,79 @@
+// Local optimization: from any configuration, free or not, to a nearby minimum of σ on the contact
+// space.
+//
+// Source: Tang & Kim, Sec. 5.3: linearize the contacts at q, minimize the object norm subject to
+//   C dq + gap >= 0 (Eq. 24-30), move there, repeat until σ stops falling.
+// Differs from it:
+//   1. The start may penetrate; rows are kept for all pairs within a margin (contact_matrix.h).
+//   2. Rows are elastic: a violated contact costs μ per metre, so conflicting contacts have an
+//      answer. Steps are judged by ½σ + μ Σ violation, with a trust radius in object-norm units.
+//   3. The LCP is solved by an active-set method (lcp.h); Gauss-Seidel fails on pinched cases.
+#ifndef MJCF_PDG_SRC_LOCAL_OPTIMIZATION_H_
+#define MJCF_PDG_SRC_LOCAL_OPTIMIZATION_H_
+
+#include <limits>
+#include <vector>
+
+#include "contact_matrix.h"
+#include "lcp.h"
+#include "problem.h"
+#include "witness_memory.h"
+
+namespace mjcf_pdg {
+
+struct LocalOptions {
+  int max_iterations = 60;
+  double trust_radius = 0.3;     // largest step, √σ units [m]
+  double convergence = 1e-4;     // relative decrease of σ that still counts
+  double give_up_sigma = std::numeric_limits<double>::infinity();  // a worse prediction ends it [m²]
+};
+
+struct LocalResult {
+  VectorXd q;
+  double sigma = std::numeric_limits<double>::infinity();  // [m²]
+  bool free = false;     // by the solver's own distances
+  double violation = 0;  // Σ over pairs of the overlap beyond what is accepted [m]
+  int iterations = 0;
+};
+
+class LocalOptimization {
+ public:
+  explicit LocalOptimization(Problem& problem);
+
+  // From `q` (limits may be exceeded, overlaps may be deep). Bounded by options.max_iterations.
+  LocalResult Run(const VectorXd& q, const LocalOptions& options);
+
+  int lcp_steps() const { return lcp_steps_; }
+
+ private:
+  // A configuration with all that its linearization needs.
+  struct Iterate {
+    VectorXd q;
+    double sigma = 0.0;
+    double violation = 0.0;  // Σ overlap beyond `aim`, and limit excess
+    double worst = 0.0;      // largest overlap beyond `accept`
+    std::vector<NearPair> near;
+  };
+
+  void Evaluate(const VectorXd& q, double margin, Iterate& out);
+  void Linearize(const Iterate& at, double margin);
+  // Solves for the step at the current linearization; returns its length ‖z‖ [m].
+  double SolveStep(double trust_radius);
+  double Merit(const Iterate& it) const { return 0.5 * it.sigma + mu_ * it.violation; }
+  bool Free(const Iterate& it) const { return it.worst <= 0.0; }
+
+  Problem& problem_;
+  WitnessMemory memory_;
+  ContactRows rows_;
+  ActiveSetLcp lcp_;
+  int lcp_steps_ = 0;
+  double mu_ = 0.0;
+  double predicted_sigma_ = 0.0;
+
+  VectorXd r_, z_, dq_, y_, lambda_, b_, bounds_;
+  MatrixXd J_, H_, G_, A_;
+};
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_LOCAL_OPTIMIZATION_H_

@@ -1,0 +1,45 @@
+// One penetration-depth problem: what every stage of a solve shares.
+#ifndef MJCF_PDG_SRC_PROBLEM_H_
+#define MJCF_PDG_SRC_PROBLEM_H_
+
+#include <algorithm>
+
+#include "contacts.h"
+#include "mjcf_pdg/types.h"
+#include "norm_evaluator.h"
+
+namespace mjcf_pdg {
+
+// All lengths of the solver follow from the user's tolerance.
+struct Tolerances {
+  explicit Tolerances(double tolerance)
+      : user(tolerance), aim(tolerance - std::max(0.2 * tolerance, 0.6e-6)) {
+    aim = std::max(aim, 0.0);
+    accept = 0.5 * (user + aim);
+  }
+  double user;    // overlap that counts as free [m]
+  double aim;     // overlap the local optimization aims at: inside, MuJoCo's distances jitter [m]
+  double accept;  // overlap it accepts [m]
+};
+
+struct Problem {
+  Problem(const SceneTables& scene_tables, const Options& user_options)
+      : tables(scene_tables),
+        options(user_options),
+        tolerances(user_options.tolerance),
+        norm(scene_tables, user_options.metric),
+        finder(scene_tables) {}
+
+  const SceneTables& tables;
+  const Options& options;
+  Tolerances tolerances;
+  NormEvaluator norm;      // reference q_in
+  ContactFinder finder;
+  VectorXd q_in;           // normalized
+  VectorXd required;       // per kept pair: smallest distance that counts as free [m]
+  double size = 1.0;       // a typical geom radius [m]
+};
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_PROBLEM_H_
