@@ -1,15 +1,17 @@
 // The linear complementarity problem of the constrained optimization, plain matrices only.
 //
-//   find 0 <= λ <= μ with w = A λ - b and, entry by entry,
+//   min ½‖y + z‖² + Σ μ_i s_i   subject to   Gᵀz + s >= -gap,  s >= 0
+//
+// in whitened coordinates (z = H^½ dX, y = H^½ X_c, G = H^-½ C'ᵀ). Its solution is z = G λ - y with
+//
+//   0 <= λ <= μ,  w = Gᵀ G λ - b,  b = Gᵀ y - gap, and entry by entry
 //   w >= 0 where λ = 0,   w = 0 between,   w <= 0 where λ = μ
 //
-// It is the dual of   min ½‖y + z‖² + Σ μ_i s_i   s.t.  G z + s >= -gap, s >= 0
-// with A = G Gᵀ, b = G y - gap and z = Gᵀλ - y; in whitened coordinates the paper's
-// C' H⁻¹ C'ᵀ λ - C' X_c >= 0 (Eq. 12, 30).
+// GᵀG is the paper's C' H⁻¹ C'ᵀ, Gᵀy its C' X_c (Eq. 12, 30).
 // Source: Tang & Kim, Sec. 3.2 and 5.3 (projected Gauss-Seidel).
 // Differs from it:
 //   1. An upper bound μ (elastic rows): conflicting contacts have an answer too. μ = ∞: the paper's.
-//   2. Beside Gauss-Seidel, an active-set method (Goldfarb & Idnani's dual steps with bounds) that
+//   2. Beside Gauss-Seidel, an active-set method (Goldfarb & Idnani's dual steps, with bounds) that
 //      ends in finitely many steps and copes with dependent rows.
 #ifndef MJCF_PDG_SRC_LCP_H_
 #define MJCF_PDG_SRC_LCP_H_
@@ -29,30 +31,33 @@ struct LcpOutcome {
   int steps = 0;
 };
 
-// Projected Gauss-Seidel from the given λ (warm start). A (m × m) symmetric positive semidefinite;
-// rows with a zero diagonal keep λ = 0.
-LcpOutcome SolveProjectedGaussSeidel(const Eigen::MatrixXd& A, const Eigen::VectorXd& b,
-                                     const Eigen::VectorXd& mu, const LcpOptions& options,
-                                     Eigen::VectorXd& lambda);
+// Projected Gauss-Seidel from the given λ (m, warm start). G (n × m), one column per row of C;
+// zero columns keep λ = 0.
+LcpOutcome SolveProjectedGaussSeidel(const Eigen::Ref<const Eigen::MatrixXd>& G,
+                                     const Eigen::VectorXd& b, const Eigen::VectorXd& mu,
+                                     const LcpOptions& options, Eigen::VectorXd& lambda);
 
-// Active-set method from λ = 0. Keeps scratch between calls.
+// Active-set method from λ = 0. Keeps scratch between calls. μ must be finite.
 class ActiveSetLcp {
  public:
-  LcpOutcome Solve(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, const Eigen::VectorXd& mu,
-                   const LcpOptions& options, Eigen::VectorXd& lambda);
+  LcpOutcome Solve(const Eigen::Ref<const Eigen::MatrixXd>& G, const Eigen::VectorXd& b,
+                   const Eigen::VectorXd& mu, const LcpOptions& options, Eigen::VectorXd& lambda);
 
  private:
   enum class Side : char { kLow, kFree, kHigh };
+  using ConstMatrix = Eigen::Ref<const Eigen::MatrixXd>;
 
-  int MostViolated(const Eigen::MatrixXd& A, const Eigen::VectorXd& slack, double tolerance) const;
-  void Enter(const Eigen::MatrixXd& A, const Eigen::VectorXd& mu, int row, double slack_row,
-             Eigen::VectorXd& lambda);
-  void SolveFree(const Eigen::MatrixXd& A, int row);
+  int MostViolated(double tolerance) const;
+  void Enter(const ConstMatrix& G, const Eigen::VectorXd& mu, int row, Eigen::VectorXd& lambda);
+  double SolveFree(const ConstMatrix& G, int row);
 
   std::vector<Side> side_;
   std::vector<int> free_;
-  Eigen::MatrixXd factor_;
-  Eigen::VectorXd direction_;
+  Eigen::VectorXd norms_;      // of G's columns
+  Eigen::VectorXd slack_;      // b - GᵀG λ: positive where a constraint is violated
+  Eigen::VectorXd x_;          // G λ
+  Eigen::MatrixXd factor_;     // of the free rows' Gram matrix
+  Eigen::VectorXd direction_;  // how the free multipliers answer to the entering one
 };
 
 }  // namespace mjcf_pdg

@@ -11,6 +11,9 @@ constexpr double kFirstPrice = 10.0;   // μ [m]
 constexpr double kHighestPrice = 1e4;
 constexpr double kLimitPrice = 1e6;    // joint limits give way to nothing
 constexpr int kPatience = 2;           // steps without progress before the trust radius shrinks
+constexpr double kLeastRadius = 1e-7;  // [m]
+// Margins within which pairs get rows, in units of the scene's size; later three times the step.
+constexpr double kFirstMargin = 0.25, kLeastMargin = 0.02, kLargestMargin = 1.0;
 constexpr double kLimitReach = 0.5;    // joint limits farther than this get no row [rad or m]
 
 }  // namespace
@@ -67,77 +70,83 @@ void LocalOptimization::Linearize(const Iterate& at, double margin) {
 
 double LocalOptimization::SolveStep(double trust_radius) {
   const int n = problem_.tables.n, m = rows_.m;
-  // H = JᵀJ = L Lᵀ; z = Lᵀ dq; y = L⁻¹ Jᵀ r; Gᵀ = L⁻¹ Cᵀ.
-  H_.noalias() = J_.transpose() * J_;
-  H_.diagonal().array() += 1e-8 * H_.diagonal().mean() + 1e-12;
-  Eigen::LLT<Eigen::Ref<MatrixXd>> llt(H_);
+  // H = JᵀJ = L Lᵀ; z = Lᵀ dq; y = L⁻¹ Jᵀ r; G = L⁻¹ Cᵀ.
+  problem_.norm.InnerProduct(J_, H_);
+  whitening_.Factor(H_, problem_.norm.blocks());
   y_.noalias() = J_.transpose() * r_;
-  llt.matrixL().solveInPlace(y_);
-  G_ = rows_.C.topRows(m).transpose();
-  llt.matrixL().solveInPlace(G_);  // n × m
-  A_.noalias() = G_.transpose() * G_;
-  b_ = G_.transpose() * y_ - rows_.gap.head(m);
+  whitening_.SolveLower(y_);
+  G_ = rows_.C.topRows(m).transpose();  // n × m
+  whitening_.SolveLower(G_);
+  b_ = -rows_.gap.head(m);
+  b_.noalias() += G_.transpose() * y_;
   bounds_.resize(m);
   for (int i = 0; i < m; ++i) bounds_[i] = rows_.elastic[i] ? mu_ : kLimitPrice;
   LcpOptions options;
   options.max_steps = 10 * (n + m);
   options.tolerance = 0.01 * problem_.tolerances.user;
-  lcp_steps_ += lcp_.Solve(A_, b_, bounds_, options, lambda_).steps;
-  z_ = G_ * lambda_ - y_;
+  lcp_steps_ += lcp_.Solve(G_, b_, bounds_, options, lambda_).steps;
+  z_ = -y_;
+  z_.noalias() += G_ * lambda_;
   predicted_sigma_ = (y_ + z_).squaredNorm();
   const double length = z_.norm();
   if (length > trust_radius) z_ *= trust_radius / length;
   dq_ = z_;
-  llt.matrixU().solveInPlace(dq_);
+  whitening_.SolveUpper(dq_);
   return std::min(length, trust_radius);
+}
+
+void LocalOptimization::Keep(const Iterate& it, LocalResult& result) const {
+  if (Free(it) && (!result.free || it.sigma < result.sigma)) {
+    result.free = true;
+    result.sigma = it.sigma;
+    result.violation = it.violation;
+    result.q = it.q;
+  }
+}
+
+// One linearization at `current`, one step, judged: `trial` is the new iterate.
+double LocalOptimization::Step(const Iterate& current, double radius, double margin,
+                               Iterate& trial) {
+  if (posed_ != &current) problem_.finder.Pose(current.q);
+  Linearize(current, margin);
+  const double length = SolveStep(radius);
+  problem_.norm.Retract(current.q, dq_, next_);
+  ClampToLimits(problem_.tables, next_);
+  const double reach = std::clamp(3.0 * length, kLeastMargin * problem_.size,
+                                  kLargestMargin * problem_.size);
+  Evaluate(next_, reach, trial);
+  posed_ = &trial;
+  return length;
 }
 
 LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& options) {
   memory_.Clear(problem_.tables.pairs.size());
   mu_ = kFirstPrice;
-  double radius = options.trust_radius;
-  double margin = 0.25 * problem_.size;
-  const double first_margin = margin;
-  Iterate best, trial;
-  Evaluate(q, margin, best);
   LocalResult result;
-  auto keep_if_better = [&](const Iterate& it) {
-    if (Free(it) && (!result.free || it.sigma < result.sigma)) {
-      result.free = true;
-      result.sigma = it.sigma;
-      result.q = it.q;
-    }
-  };
-  keep_if_better(best);
-  Iterate current = best;
-  int impatience = 0;
-  int settled = 0;
-  while (result.iterations < options.max_iterations) {
+  Iterate best, current, trial;
+  Evaluate(q, kFirstMargin * problem_.size, best);
+  Keep(best, result);
+  current = best;
+  posed_ = &current;
+  double radius = options.trust_radius;
+  int impatience = 0, settled = 0, hopeless = 0;
+  while (result.iterations < options.max_iterations && !problem_.Expired()) {
     ++result.iterations;
-    problem_.finder.Pose(current.q);
-    Linearize(current, margin);
-    const double length = SolveStep(radius);
-    if (predicted_sigma_ > options.give_up_sigma && result.iterations > 3) break;
-    problem_.norm.Retract(current.q, dq_, trial.q);
-    VectorXd next = trial.q;
-    ClampToLimits(problem_.tables, next);
-    margin = std::clamp(3.0 * length, 0.02 * problem_.size, 4.0 * first_margin);
-    Evaluate(next, margin, trial);
-    const double previous_sigma = result.sigma;
-    keep_if_better(trial);
-    const double gain = Merit(best) - Merit(trial);
+    const double length = Step(current, radius, kFirstMargin * problem_.size, trial);
+    const double sigma_before = result.sigma;
+    Keep(trial, result);
+    hopeless = Free(trial) && predicted_sigma_ > options.give_up_sigma ? hopeless + 1 : 0;
+    if (hopeless >= 2) break;
     const bool small = length < 1e-7 + 1e-4 * std::sqrt(trial.sigma);
-    if (gain > 0.0) {
-      best = trial;
-      impatience = 0;
-    } else {
-      ++impatience;
-    }
-    current = trial;
-    if (Free(trial) && result.free) {
-      const bool stalls = std::abs(previous_sigma - trial.sigma) <=
-                          options.convergence * trial.sigma;
-      settled = stalls || small ? settled + 1 : 0;
+    const bool better = Merit(trial) < Merit(best);
+    impatience = better ? 0 : impatience + 1;
+    if (better) best = trial;
+    std::swap(current, trial);
+    posed_ = &current;
+    if (Free(current)) {
+      const bool stalls =
+          std::abs(sigma_before - current.sigma) <= options.convergence * current.sigma;
+      settled = stalls ? settled + 1 : 0;
       if (small || settled >= 2) break;
     } else if (small && impatience > 0) {
       // Converged to an overlap: raise its price, or admit that contacts conflict here.
@@ -148,9 +157,10 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
     }
     if (impatience > kPatience) {
       radius = std::min(radius, length) / 4.0;
+      if (radius < kLeastRadius) break;
       current = best;
+      posed_ = nullptr;
       impatience = 0;
-      if (radius < 1e-7) break;
     }
   }
   if (!result.free) {

@@ -14,6 +14,7 @@
 #include <limits>
 #include <vector>
 
+#include "block_cholesky.h"
 #include "contact_matrix.h"
 #include "lcp.h"
 #include "problem.h"
@@ -59,6 +60,8 @@ class LocalOptimization {
   void Linearize(const Iterate& at, double margin);
   // Solves for the step at the current linearization; returns its length ‖z‖ [m].
   double SolveStep(double trust_radius);
+  double Step(const Iterate& current, double radius, double margin, Iterate& trial);
+  void Keep(const Iterate& it, LocalResult& result) const;
   double Merit(const Iterate& it) const { return 0.5 * it.sigma + mu_ * it.violation; }
   bool Free(const Iterate& it) const { return it.worst <= 0.0; }
 
@@ -69,9 +72,11 @@ class LocalOptimization {
   int lcp_steps_ = 0;
   double mu_ = 0.0;
   double predicted_sigma_ = 0.0;
+  const Iterate* posed_ = nullptr;  // whose pose the contact finder holds
 
-  VectorXd r_, z_, dq_, y_, lambda_, b_, bounds_;
-  MatrixXd J_, H_, G_, A_;
+  VectorXd next_, r_, z_, dq_, y_, lambda_, b_, bounds_;
+  MatrixXd J_, H_, G_;
+  BlockCholesky whitening_;
 };
 
 }  // namespace mjcf_pdg

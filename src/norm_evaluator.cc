@@ -71,7 +71,13 @@ struct NormEvaluator::Piece {
 };
 
 NormEvaluator::NormEvaluator(const SceneTables& tables, Metric metric)
-    : tables_(tables), metric_(metric), posed_(&tables.query_model) {}
+    : tables_(tables), metric_(metric), posed_(&tables.query_model) {
+  if (NeedsPose()) {
+    blocks_.push_back({0, tables.n});
+  } else {
+    for (const JointEntry& joint : tables.joints) blocks_.push_back({joint.col, joint.ndof});
+  }
+}
 
 void NormEvaluator::SetReference(const VectorXd& q_in, const MocapPoses& mocap) {
   q_in_ = q_in;
@@ -287,6 +293,16 @@ void NormEvaluator::Linearize(const VectorXd& q, VectorXd& r, MatrixXd& J) {
     J.block<3, 3>(row, col) =
         scale * 2.0 * term.sqrt_inertia_W * QuatVectorJacobian(term.R_in, p);
   }
+}
+
+void NormEvaluator::InnerProduct(const MatrixXd& J, MatrixXd& H) const {
+  H.resize(tables_.n, tables_.n);
+  for (const ColumnRange& block : blocks_) {
+    const auto columns = J.middleCols(block.begin, block.size);
+    H.block(block.begin, block.begin, block.size, block.size).noalias() =
+        columns.transpose() * columns;
+  }
+  H.diagonal().array() += 1e-8 * H.diagonal().mean() + 1e-12;
 }
 
 double NormEvaluator::TermSigma(const NormTerm& term, const VectorXd& r) const {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "block_cholesky.h"
 #include "kinematics.h"
 #include "mjcf_pdg/types.h"
 
@@ -42,9 +43,14 @@ class NormEvaluator {
   const std::vector<NormTerm>& terms() const { return terms_; }
   const VectorXd& q_in() const { return q_in_; }
 
+  // Column ranges of the blocks of H: a joint each where H is block-diagonal, else all in one.
+  const std::vector<ColumnRange>& blocks() const { return blocks_; }
+
   double Sigma(const VectorXd& q);
   void Residual(const VectorXd& q, VectorXd& r);
   void Linearize(const VectorXd& q, VectorXd& r, MatrixXd& J);
+  // H = JᵀJ (n × n, only its blocks are written), made definite where the norm does not see a joint.
+  void InnerProduct(const MatrixXd& J, MatrixXd& H) const;
   // σ of one term, given the residual at q.
   double TermSigma(const NormTerm& term, const VectorXd& r) const;
   std::string TermName(const NormTerm& term) const;
@@ -76,6 +82,7 @@ class NormEvaluator {
   double total_mass_ = 0.0;
   int rows_ = 0;
   std::vector<NormTerm> terms_;
+  std::vector<ColumnRange> blocks_;
   VectorXd r_;  // scratch
 };
 

@@ -3,6 +3,7 @@
 #define MJCF_PDG_SRC_PROBLEM_H_
 
 #include <algorithm>
+#include <chrono>
 
 #include "contacts.h"
 #include "mjcf_pdg/types.h"
@@ -35,9 +36,17 @@ struct Problem {
   Tolerances tolerances;
   NormEvaluator norm;      // reference q_in
   ContactFinder finder;
+  MocapPoses mocap;
   VectorXd q_in;           // normalized
   VectorXd required;       // per kept pair: smallest distance that counts as free [m]
   double size = 1.0;       // a typical geom radius [m]
+  std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
+
+  // The outer guard on time; without a limit the clock is never read.
+  bool Expired() const {
+    return deadline != std::chrono::steady_clock::time_point::max() &&
+           std::chrono::steady_clock::now() > deadline;
+  }
 };
 
 }  // namespace mjcf_pdg

@@ -8,7 +8,8 @@ set(_mujoco_version 4.0.1)
 set(_mujoco_sha256_x86_64 efbfb6e8f2bd63c5f19473f8093f01696937ef453d647b3c7a92620f5873b845)
 set(_mujoco_sha256_aarch64 a401eaea5295a29d50c6fdfdb8df8d73c525ab2153751f91c36bd6ccdff95822)
 
-set(MJCF_PDG_CACHE_DIR "$ENV{MJCF_PDG_CACHE_DIR}" CACHE PATH "Where the fetched MuJoCo is kept (empty: the build folder)")
+set(MJCF_PDG_CACHE_DIR "$ENV{MJCF_PDG_CACHE_DIR}" CACHE PATH
+    "Where the fetched MuJoCo is kept (empty: the build folder)")
 
 # A python3 that has pip. The first on the PATH may be a virtual environment without it.
 function(_mjcf_pdg_find_pip result)
@@ -25,7 +26,7 @@ function(_mjcf_pdg_find_pip result)
           "Run apps/install_deps.sh, or set MuJoCo_ROOT to an unpacked MuJoCo ${_mujoco_version}.")
 endfunction()
 
-function(_mjcf_pdg_download_wheel wheel folder sha256)
+function(_mjcf_pdg_download_wheel folder sha256)
   _mjcf_pdg_find_pip(python)
   message(STATUS "Fetching mujoco-core ${_mujoco_version} with ${python} -m pip")
   file(WRITE "${folder}/requirements.txt" "mujoco-core==${_mujoco_version} --hash=sha256:${sha256}\n")
@@ -62,7 +63,7 @@ function(mjcf_pdg_fetch_mujoco result)
 
   file(GLOB wheel "${folder}/*.whl")
   if(NOT wheel)
-    _mjcf_pdg_download_wheel(wheel "${folder}" ${sha256})
+    _mjcf_pdg_download_wheel("${folder}" ${sha256})
     file(GLOB wheel "${folder}/*.whl")
   endif()
   file(SHA256 "${wheel}" found)  # again, as the wheel may also have been put there by hand

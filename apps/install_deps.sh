@@ -1,0 +1,60 @@
+#!/usr/bin/env bash
+# Installs what building and running mjcf-pdg needs (Debian 12 and newer, Ubuntu 22.04 and newer).
+# Quick when all is there. MJCF_PDG_SKIP_DEPS=1 skips the check, for machines that get the packages in another way.
+# MuJoCo is not among them: CMake finds or fetches it.
+set -euo pipefail
+
+packages=(
+  g++ cmake make
+  python3 python3-pip                              # to fetch MuJoCo
+  libeigen3-dev libassimp-dev zlib1g-dev           # zlib: Debian's assimp needs it to link, but does not depend on it
+  libcli11-dev nlohmann-json3-dev
+  libgtest-dev libgmock-dev libbenchmark-dev
+  libegl-dev libegl-mesa0 libgl1-mesa-dri libpng-dev  # pictures without a screen
+)
+
+if [ -n "${MJCF_PDG_SKIP_DEPS:-}" ]; then
+  exit 0
+fi
+
+if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+  cat >&2 <<'END'
+install_deps: this is not a Debian or Ubuntu system, so please install by hand:
+  a C++20 compiler, CMake 3.22 or newer, make, python3 with pip (or set MuJoCo_ROOT to an unpacked MuJoCo 4.0.x);
+  with headers: Eigen 3.4, assimp 5, zlib, CLI11, nlohmann-json, GoogleTest with GMock, Google Benchmark;
+  for pictures: EGL and libpng with headers, and Mesa's EGL with its software driver (llvmpipe).
+Then run this again with MJCF_PDG_SKIP_DEPS=1.
+END
+  exit 1
+fi
+
+missing=()
+for package in "${packages[@]}"; do
+  status=$(dpkg-query --show --showformat '${db:Status-Status}\n' "$package" 2>/dev/null) || true
+  grep -qx installed <<<"$status" || missing+=("$package")
+done
+if [ ${#missing[@]} -eq 0 ]; then
+  exit 0
+fi
+
+# sudo may ask for a password only where somebody can type it.
+if [ "$(id -u)" -eq 0 ]; then
+  as_root=()
+elif command -v sudo >/dev/null && { sudo -n true 2>/dev/null || [ -t 0 ]; }; then
+  as_root=(sudo)
+else
+  {
+    echo "install_deps: some packages are missing, and installing them needs root. Please have this run:"
+    echo "  apt-get install --no-install-recommends ${missing[*]}"
+    echo "If you have them in another way, set MJCF_PDG_SKIP_DEPS=1."
+  } >&2
+  exit 1
+fi
+
+apt() { # the ${...+...} form: bash before 4.4 calls an empty array unset
+  ${as_root[@]+"${as_root[@]}"} env DEBIAN_FRONTEND=noninteractive \
+    apt-get -q -o DPkg::Lock::Timeout=300 "$@" </dev/null
+}
+echo "Installing ${missing[*]}"
+apt update || echo "install_deps: apt-get update failed, trying with the lists at hand" >&2
+apt install -y --no-install-recommends "${missing[@]}"

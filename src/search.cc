@@ -1,0 +1,153 @@
+#include "search.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "selection.h"
+
+namespace mjcf_pdg {
+
+// How far to go, by effort. Measured in bench/: success first, then σ, then time.
+struct Search::Plan {
+  int starts = 12;            // selections at most
+  int agree = 3;              // starts within 1 % of the best that end the search
+  int hops = 3;               // tries about the best
+  double direct_only = 1.0;   // relative depth up to which the direct start alone is trusted
+};
+
+namespace {
+
+constexpr double kAgreement = 1.01;
+constexpr double kGiveUp = 1.3;   // a start whose prediction is worse than this is dropped
+constexpr double kNoise[] = {7.5, 3.0, 4.5, 12.0};  // spreads of the noisy starts, in turn
+
+LocalOptions Loose() {
+  LocalOptions options;
+  options.max_iterations = 40;
+  options.convergence = 1e-3;
+  return options;
+}
+
+double HalfThickness(const mjModel& m, int geom) {
+  if (m.geom_type[geom] == mjGEOM_PLANE || m.geom_type[geom] == mjGEOM_HFIELD) {
+    return std::numeric_limits<double>::infinity();
+  }
+  return AsVector(m.geom_aabb + 6 * geom + 3).minCoeff();
+}
+
+}  // namespace
+
+Search::Search(Problem& problem) : problem_(problem), local_(problem), random_(0) {}
+
+Search::Plan Search::PlanFor(Effort effort) {
+  switch (effort) {
+    case Effort::kFast:
+      return {12, 1, 0, std::numeric_limits<double>::infinity()};
+    case Effort::kDefault:
+      return {12, 3, 3, 1.0};
+    case Effort::kMax:
+      return {32, 6, 8, 0.3};
+  }
+  return {};
+}
+
+double Search::BestSigma() const {
+  return HasFree() ? outcome_.free.front().sigma : std::numeric_limits<double>::infinity();
+}
+
+int Search::Agreeing() const {
+  int count = 0;
+  for (const Candidate& c : outcome_.free) count += c.sigma <= kAgreement * BestSigma();
+  return count;
+}
+
+double Search::RelativeDepth(const std::vector<NearPair>& overlaps) const {
+  double deepest = 0.0;
+  for (const NearPair& near : overlaps) {
+    const KeptPair& pair = problem_.tables.pairs[near.pair];
+    const double half = std::min(HalfThickness(*problem_.tables.model, pair.geom1),
+                                 HalfThickness(*problem_.tables.model, pair.geom2));
+    deepest = std::max(deepest, -near.distance / std::max(half, 1e-9));
+  }
+  return deepest;
+}
+
+void Search::Try(const VectorXd& q, const std::string& start, const LocalOptions& options) {
+  if (problem_.Expired() && outcome_.starts > 0) return;
+  ++outcome_.starts;
+  LocalOptions bounded = options;
+  if (HasFree()) bounded.give_up_sigma = kGiveUp * BestSigma();
+  LocalResult result = local_.Run(q, bounded);
+  outcome_.iterations += result.iterations;
+  if (result.free) {
+    Candidate candidate{std::move(result.q), result.sigma, start};
+    auto place = std::upper_bound(
+        outcome_.free.begin(), outcome_.free.end(), candidate,
+        [](const Candidate& a, const Candidate& b) { return a.sigma < b.sigma; });
+    outcome_.free.insert(place, std::move(candidate));
+  } else if (outcome_.least_overlap.q.size() == 0 ||
+             result.violation < outcome_.least_overlap.violation) {
+    outcome_.least_overlap = std::move(result);
+    outcome_.least_overlap_start = start;
+  }
+}
+
+// Far from q_in, but free or nearly so: for motions that no local step from q_in can find.
+void Search::TryPaperStarts(const std::vector<NearPair>& overlaps) {
+  for (const VectorXd& q : ConstrainedTranslation(problem_, overlaps)) {
+    Try(q, "constrained_translation", Loose());
+    if (HasFree()) return;
+  }
+}
+
+void Search::TryNoise(const Plan& plan) {
+  double unknown = std::max(outcome_.least_overlap.sigma, 1e-6);
+  if (!std::isfinite(unknown)) unknown = problem_.size * problem_.size;
+  for (int k = 0; outcome_.starts < plan.starts && Agreeing() < plan.agree; ++k) {
+    if (problem_.Expired()) return;
+    const double spread = kNoise[k % 4];
+    if (HasFree()) {
+      Try(GaussianStart(problem_, problem_.q_in, BestSigma(), spread, random_), "noise", Loose());
+    } else {
+      // Nothing free yet: the scale is a guess, widened from try to try.
+      const double widened = spread * (1.0 + 0.5 * k);
+      Try(GaussianStart(problem_, problem_.q_in, unknown, widened, random_), "noise", Loose());
+    }
+  }
+}
+
+void Search::TryHops(const Plan& plan) {
+  for (int k = 0; k < plan.hops && HasFree() && !problem_.Expired(); ++k) {
+    const VectorXd best = outcome_.free.front().q;
+    Try(GaussianStart(problem_, best, BestSigma(), 1.0, random_), "hop", Loose());
+  }
+}
+
+SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
+                          const std::optional<VectorXd>& hint) {
+  outcome_ = {};
+  random_ = Random(problem_.options.seed);
+  const Plan plan = PlanFor(problem_.options.effort);
+  VectorXd direct = problem_.q_in;
+  ClampToLimits(problem_.tables, direct);
+  Try(direct, "direct", LocalOptions{});
+  if (hint) Try(*hint, "user_pose", LocalOptions{});
+  const bool settled = HasFree() && RelativeDepth(overlaps) < plan.direct_only;
+  if (!settled && Agreeing() < plan.agree) {
+    if (HasFree()) Try(MirroredStart(problem_, outcome_.free.front().q), "mirror", Loose());
+    TryNoise(plan);
+    if (!HasFree()) TryPaperStarts(overlaps);
+    TryHops(plan);
+  }
+  return std::move(outcome_);
+}
+
+LocalResult Search::Polish(const VectorXd& q) {
+  LocalOptions options;
+  options.max_iterations = 15;
+  options.convergence = 1e-6;
+  options.trust_radius = 0.05;
+  return local_.Run(q, options);
+}
+
+}  // namespace mjcf_pdg

@@ -1,0 +1,69 @@
+// The search over starts: local optimization from each selection until enough of them agree.
+//
+// The direct start, q_in itself, settles shallow problems alone. Deep ones are decided by which
+// side of an obstacle, or which order of contacts, a start falls on, so varied starts follow:
+// mirrored, normal noise in object-norm units, then hops about the best. No start is trusted; the
+// best free answer wins, and agreement of several starts ends the search early.
+#ifndef MJCF_PDG_SRC_SEARCH_H_
+#define MJCF_PDG_SRC_SEARCH_H_
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "local_optimization.h"
+#include "problem.h"
+#include "random.h"
+
+namespace mjcf_pdg {
+
+struct Candidate {
+  VectorXd q;
+  double sigma = 0.0;  // [m²]
+  std::string start;   // selection it came from
+};
+
+struct SearchOutcome {
+  std::vector<Candidate> free;  // best first
+  LocalResult least_overlap;    // best configuration that is not free; q empty if none was needed
+  std::string least_overlap_start;
+  int starts = 0;
+  int iterations = 0;
+};
+
+class Search {
+ public:
+  explicit Search(Problem& problem);
+
+  // `overlaps`: overlapping pairs at q_in. `hint`: a configuration that may be free.
+  SearchOutcome Run(const std::vector<NearPair>& overlaps, const std::optional<VectorXd>& hint);
+
+  // A last descent from a candidate to full precision.
+  LocalResult Polish(const VectorXd& q);
+
+  int lcp_steps() const { return local_.lcp_steps(); }
+
+ private:
+  struct Plan;
+  static Plan PlanFor(Effort effort);
+
+  void Try(const VectorXd& q, const std::string& start, const LocalOptions& options);
+  void TryPaperStarts(const std::vector<NearPair>& overlaps);
+  void TryNoise(const Plan& plan);
+  void TryHops(const Plan& plan);
+  bool HasFree() const { return !outcome_.free.empty(); }
+  double BestSigma() const;
+  int Agreeing() const;
+  // Deepest overlap in units of the thinner geom's half-thickness: below 1 there is one way out.
+  double RelativeDepth(const std::vector<NearPair>& overlaps) const;
+
+  Problem& problem_;
+  LocalOptimization local_;
+  Random random_;
+  SearchOutcome outcome_;
+};
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_SEARCH_H_

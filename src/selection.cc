@@ -1,0 +1,142 @@
+#include "selection.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mjcf_pdg {
+namespace {
+
+struct Sphere {
+  Vector3d center_W = Vector3d::Zero();
+  double radius = 0.0;
+};
+
+// About the mean of the geoms' centres; planes have no extent and count as points.
+Sphere Enclose(const PosedModel& posed, const std::vector<int>& geoms) {
+  Sphere sphere;
+  const mjData& d = *posed.data();
+  for (int g : geoms) sphere.center_W += AsVector(d.geom_xpos + 3 * g) / geoms.size();
+  for (int g : geoms) {
+    const double reach = (AsVector(d.geom_xpos + 3 * g) - sphere.center_W).norm();
+    sphere.radius = std::max(sphere.radius, reach + posed.model()->geom_rbound[g]);
+  }
+  return sphere;
+}
+
+// A direction in which a tree's base may be translated, and the tangent that does it.
+struct FreeDirection {
+  Vector3d a_W;
+  int col = 0;
+};
+
+std::vector<FreeDirection> BaseDirections(const Problem& problem, int top_body) {
+  std::vector<FreeDirection> directions;
+  for (const JointEntry& joint : problem.tables.joints) {
+    if (joint.body != top_body) continue;
+    if (joint.type == mjJNT_SLIDE) {
+      const double* axis = problem.finder.posed().data()->xaxis + 3 * joint.id;
+      directions.push_back({AsVector(axis), joint.col});
+    } else if (joint.type == mjJNT_FREE) {
+      for (int i = 0; i < 3; ++i) directions.push_back({Vector3d::Unit(i), joint.col + i});
+    }
+  }
+  return directions;
+}
+
+// Geoms of the tree `top_body`, and the geoms of other trees or the world that it overlaps.
+void SplitGeoms(const mjModel& m, int top_body, const SceneTables& tables,
+                const std::vector<NearPair>& overlaps, std::vector<int>& own,
+                std::vector<int>& others) {
+  auto in_tree = [&](int geom) { return m.body_rootid[m.geom_bodyid[geom]] == top_body; };
+  for (int g = 0; g < m.ngeom; ++g) {
+    if (in_tree(g) && (m.geom_contype[g] || m.geom_conaffinity[g])) own.push_back(g);
+  }
+  for (const NearPair& near : overlaps) {
+    const KeptPair& pair = tables.pairs[near.pair];
+    if (in_tree(pair.geom1) == in_tree(pair.geom2)) continue;
+    others.push_back(in_tree(pair.geom1) ? pair.geom2 : pair.geom1);
+  }
+}
+
+// The movable tree in the deepest overlap with something outside it, -1 if none.
+int DeepestTree(const SceneTables& tables, const std::vector<NearPair>& overlaps) {
+  const mjModel& m = *tables.model;
+  int tree = -1;
+  double deepest = 0.0;
+  for (const NearPair& near : overlaps) {
+    const KeptPair& pair = tables.pairs[near.pair];
+    const int body1 = m.geom_bodyid[pair.geom1], body2 = m.geom_bodyid[pair.geom2];
+    if (m.body_rootid[body1] == m.body_rootid[body2] || near.distance >= deepest) continue;
+    deepest = near.distance;
+    tree = m.body_rootid[tables.body_moves[body1] ? body1 : body2];
+  }
+  return tree;
+}
+
+}  // namespace
+
+VectorXd MirroredStart(const Problem& problem, const VectorXd& q) {
+  VectorXd dq, out;
+  Difference(problem.tables, problem.q_in, q, dq);
+  Integrate(problem.tables, problem.q_in, -dq, out);
+  ClampToLimits(problem.tables, out);
+  return out;
+}
+
+VectorXd GaussianStart(Problem& problem, const VectorXd& center, double sigma, double spread,
+                       Random& random) {
+  VectorXd r, dq(problem.tables.n), out;
+  MatrixXd J;
+  problem.norm.Linearize(center, r, J);
+  const double step = spread * std::sqrt(sigma / problem.tables.n);
+  const double floor = 1e-3 * J.norm() / std::sqrt(J.cols());
+  for (int i = 0; i < problem.tables.n; ++i) {
+    dq[i] = random.Normal() * step / std::max(J.col(i).norm(), floor);
+  }
+  for (const JointEntry& joint : problem.tables.joints) {
+    // More than half a turn is the same as less the other way.
+    const int first = joint.type == mjJNT_FREE ? 3 : 0;
+    if (joint.type == mjJNT_SLIDE) continue;
+    for (int k = first; k < joint.ndof; ++k) {
+      dq[joint.col + k] = std::clamp(dq[joint.col + k], -mjPI, mjPI);
+    }
+  }
+  Integrate(problem.tables, center, dq, out);
+  ClampToLimits(problem.tables, out);
+  return out;
+}
+
+std::vector<VectorXd> ConstrainedTranslation(Problem& problem,
+                                             const std::vector<NearPair>& overlaps) {
+  const SceneTables& tables = problem.tables;
+  std::vector<VectorXd> starts;
+  const int tree = DeepestTree(tables, overlaps);
+  if (tree < 0) return starts;
+  problem.finder.Pose(problem.q_in);
+  const PosedModel& posed = problem.finder.posed();
+  const std::vector<FreeDirection> free = BaseDirections(problem, tree);
+  std::vector<int> own, others;
+  SplitGeoms(*tables.model, tree, tables, overlaps, own, others);
+  if (free.empty() || own.empty() || others.empty()) return starts;
+  const Sphere A = Enclose(posed, own), B = Enclose(posed, others);
+  const double distance = A.radius + B.radius;
+
+  auto translate = [&](const Vector3d& direction_W) {
+    VectorXd dq = VectorXd::Zero(tables.n), q;
+    for (const FreeDirection& f : free) dq[f.col] += distance * direction_W.dot(f.a_W);
+    Integrate(tables, problem.q_in, dq, q);
+    ClampToLimits(tables, q);
+    starts.push_back(q);
+  };
+  const Vector3d d = (A.center_W - B.center_W).normalized();
+  Vector3d projected = Vector3d::Zero();
+  for (const FreeDirection& f : free) projected += d.dot(f.a_W) * f.a_W;
+  if (projected.norm() > 0.1) translate(projected.normalized());
+  for (const FreeDirection& f : free) {
+    translate(f.a_W);
+    translate(-f.a_W);
+  }
+  return starts;
+}
+
+}  // namespace mjcf_pdg

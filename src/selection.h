@@ -1,0 +1,33 @@
+// Free-configuration selection: where local optimization starts from.
+//
+// Source: Tang & Kim, Sec. 3.2 and 5.1.
+// Differs from it: a start need not be free, since local optimization takes overlaps too; beside
+// the paper's selections there are starts that only aim at another side of the obstacle.
+#ifndef MJCF_PDG_SRC_SELECTION_H_
+#define MJCF_PDG_SRC_SELECTION_H_
+
+#include <optional>
+#include <vector>
+
+#include "problem.h"
+#include "random.h"
+
+namespace mjcf_pdg {
+
+// q_in moved as far to the other side as q lies on this one: q_in ⊖ (q ⊖ q_in).
+VectorXd MirroredStart(const Problem& problem, const VectorXd& q);
+
+// `center` moved by normal noise, each dof by about `spread` · √(sigma / n) of the object norm.
+VectorXd GaussianStart(Problem& problem, const VectorXd& center, double sigma, double spread,
+                       Random& random);
+
+// Eq. 20: the tree that overlaps most is carried off along its base's free directions, away from
+// the centroid of what it overlaps, by the radii of the enclosing spheres. Candidates in the order
+// to try: the projected direction, then ± the free directions. Empty if the base is fixed or
+// nothing but the tree itself overlaps. `overlaps` are the overlapping pairs at q_in.
+std::vector<VectorXd> ConstrainedTranslation(Problem& problem,
+                                             const std::vector<NearPair>& overlaps);
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_SELECTION_H_

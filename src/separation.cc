@@ -1,0 +1,133 @@
+#include "separation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace mjcf_pdg {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// MuJoCo's own collision queries use all vertices below this, the hull graph from here on.
+constexpr int kGraphFromVertices = 10;
+constexpr int kMaxRootSteps = 10;
+constexpr double kRootRatio = 0.8;  // a step this close to the largest one is good enough
+
+// The largest h in [0, horizon] found with f(h) >= 0, for a concave f. A chord of a concave
+// function lies below it, so a chord's zero is always on the safe side.
+template <typename Function>
+double ConcaveRoot(const Function& f, double horizon) {
+  double low = 0.0, f_low = f(0.0);
+  if (!(f_low >= 0.0)) return 0.0;
+  double high = horizon, f_high = f(horizon);
+  if (f_high >= 0.0) return horizon;
+  for (int i = 0; i < kMaxRootSteps && low < kRootRatio * high; ++i) {
+    if (!(f_high > -kInfinity)) return 0.0;
+    const double chord = low + (high - low) * f_low / (f_low - f_high);
+    const double middle = low > 0.0 ? std::sqrt(low * high) : std::sqrt(chord * high);
+    const double h = i % 2 == 0 ? chord : middle;
+    if (!(h > low && h < high)) break;
+    const double value = f(h);
+    if (value >= 0.0) {
+      low = h;
+      f_low = value;
+    } else {
+      high = h;
+      f_high = value;
+    }
+  }
+  return low;
+}
+
+}  // namespace
+
+Separation::Separation(const mjModel& model) {
+  hulls_.resize(model.nmesh);
+  std::vector<int> kept;
+  for (int mesh = 0; mesh < model.nmesh; ++mesh) {
+    hulls_[mesh].begin = static_cast<int>(kept.size());
+    const int first = model.mesh_vertadr[mesh], count = model.mesh_vertnum[mesh];
+    const int graph = model.mesh_graphadr[mesh];
+    if (graph >= 0 && count >= kGraphFromVertices) {
+      const int hull_count = model.mesh_graph[graph];
+      const int* global = model.mesh_graph + graph + 2 + hull_count;
+      for (int k = 0; k < hull_count; ++k) kept.push_back(first + global[k]);
+    } else {
+      for (int k = 0; k < count; ++k) kept.push_back(first + k);
+    }
+    hulls_[mesh].end = static_cast<int>(kept.size());
+  }
+  vertices_.resize(3, kept.size());
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    vertices_.col(k) = Eigen::Map<const Eigen::Vector3f>(model.mesh_vert + 3 * kept[k]);
+  }
+}
+
+double Separation::MeshSupport(int mesh, const Vector3d& direction) const {
+  const Hull& hull = hulls_[mesh];
+  double best = -kInfinity;
+  for (int k = hull.begin; k < hull.end; ++k) {
+    best = std::max(best, direction.x() * vertices_(0, k) + direction.y() * vertices_(1, k) +
+                              direction.z() * vertices_(2, k));
+  }
+  return best;
+}
+
+double Separation::Support(const PosedModel& posed, int geom, const Vector3d& direction_W) const {
+  const mjModel& m = *posed.model();
+  const double* size = m.geom_size + 3 * geom;
+  const double at_center = direction_W.dot(AsVector(posed.data()->geom_xpos + 3 * geom));
+  const Vector3d u = AsMatrix(posed.data()->geom_xmat + 9 * geom).transpose() * direction_W;
+  switch (m.geom_type[geom]) {
+    case mjGEOM_PLANE:  // a half space, bounded only along its own normal
+      return u.z() > 0.0 && u.head<2>().norm() <= 1e-14 * u.z() ? at_center : kInfinity;
+    case mjGEOM_SPHERE:
+      return at_center + size[0] * u.norm();
+    case mjGEOM_CAPSULE:
+      return at_center + size[0] * u.norm() + size[1] * std::abs(u.z());
+    case mjGEOM_ELLIPSOID:
+      return at_center + u.cwiseProduct(AsVector(size)).norm();
+    case mjGEOM_CYLINDER:
+      return at_center + size[0] * u.head<2>().norm() + size[1] * std::abs(u.z());
+    case mjGEOM_BOX:
+      return at_center + u.cwiseAbs().dot(AsVector(size));
+    case mjGEOM_MESH:
+      return at_center + MeshSupport(m.geom_dataid[geom], u);
+    default:
+      return kInfinity;
+  }
+}
+
+double Separation::Distance(const PosedModel& posed, int geom1, int geom2,
+                            const Vector3d& n_W) const {
+  return -Support(posed, geom2, -n_W) - Support(posed, geom1, n_W);
+}
+
+double Separation::SafeStep(const PosedModel& posed, const KeptPair& pair, const Vector3d& n_W,
+                            const RelativeMotion& motion, double floor, double horizon) const {
+  const double speed = n_W.dot(motion.v_W);
+  const Vector3d tilt = n_W.cross(motion.omega_W);
+  double best = 0.0;
+  if (std::isfinite(motion.acceleration1)) {  // geom 1 moves, geom 2 and the plane rest
+    const double other = -Support(posed, pair.geom2, -n_W) - floor;
+    best = ConcaveRoot(
+        [&](double h) {
+          return other - Support(posed, pair.geom1, n_W + h * tilt) - h * speed -
+                 0.5 * h * h * motion.acceleration1;
+        },
+        horizon);
+  }
+  if (best < horizon && std::isfinite(motion.acceleration2)) {  // the other way round
+    const double other = -Support(posed, pair.geom1, n_W) - floor;
+    const double step = ConcaveRoot(
+        [&](double h) {
+          return other - Support(posed, pair.geom2, -n_W + h * tilt) - h * speed -
+                 0.5 * h * h * motion.acceleration2;
+        },
+        horizon);
+    best = std::max(best, step);
+  }
+  return best;
+}
+
+}  // namespace mjcf_pdg

@@ -1,0 +1,262 @@
+// The outer loop of a solve: check, search, verify, report. What is not verified is not solved.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "lower_bound.h"
+#include "mjcf_pdg/pdg.h"
+#include "problem.h"
+#include "search.h"
+#include "verify.h"
+
+namespace mjcf_pdg {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// A pair this near its required distance is reported as touching, in units of the tolerance.
+constexpr double kTouching = 10.0;
+
+VectorXd ToEigen(const std::vector<double>& q) {
+  return Eigen::Map<const VectorXd>(q.data(), static_cast<Eigen::Index>(q.size()));
+}
+
+std::vector<double> ToStd(const VectorXd& q) { return {q.data(), q.data() + q.size()}; }
+
+// Half of the geoms that may move have a smaller bounding radius.
+double TypicalSize(const SceneTables& tables) {
+  const mjModel& m = *tables.model;
+  std::vector<double> radii;
+  for (int g = 0; g < m.ngeom; ++g) {
+    const bool collides = m.geom_contype[g] || m.geom_conaffinity[g];
+    if (collides && tables.body_moves[m.geom_bodyid[g]] && m.geom_rbound[g] > 0.0) {
+      radii.push_back(m.geom_rbound[g]);
+    }
+  }
+  if (radii.empty()) return 1.0;
+  std::nth_element(radii.begin(), radii.begin() + radii.size() / 2, radii.end());
+  return radii[radii.size() / 2];
+}
+
+void CheckOptions(const Options& options, const SceneTables& tables) {
+  auto require = [](bool holds, const char* message) {
+    if (!holds) throw Error(message);
+  };
+  auto within = [](double x, double low, double high) { return x >= low && x <= high; };
+  require(within(options.tolerance, 1e-9, 1.0), "tolerance must lie between 1e-9 and 1 m");
+  require(within(options.clearance, 0.0, 1e3), "clearance must lie between 0 and 1000 m");
+  require(within(options.rest, 0.0, 1e3), "rest must lie between 0 and 1000 m");
+  require(options.time_limit > 0.0, "the time limit must be positive");
+  const std::size_t mocap = tables.model->nmocap;
+  require(options.mocap_pos.empty() || options.mocap_pos.size() == 3 * mocap,
+          "mocap_pos needs 3 values per mocap body");
+  require(options.mocap_quat.empty() || options.mocap_quat.size() == 4 * mocap,
+          "mocap_quat needs 4 values per mocap body");
+}
+
+Contact ToContact(const SceneTables& tables, const NearPair& near) {
+  const Vector3d middle = 0.5 * (near.p1_W + near.p2_W);
+  Contact contact;
+  contact.geom = {tables.pairs[near.pair].geom1, tables.pairs[near.pair].geom2};
+  contact.normal_W = {near.n_W.x(), near.n_W.y(), near.n_W.z()};
+  contact.position_W = {middle.x(), middle.y(), middle.z()};
+  contact.distance = near.distance;
+  return contact;
+}
+
+}  // namespace
+
+struct Solver::Impl {
+  Impl(const Scene& s, const Options& o)
+      : scene(s),
+        options(o),
+        problem(scene.tables(), options),
+        search(problem),
+        verifier(scene.tables(), options) {
+    problem.size = TypicalSize(scene.tables());
+    const MocapPoses mocap{options.mocap_pos, options.mocap_quat};
+    problem.mocap = mocap;
+    problem.finder.SetMocap(mocap);
+    verifier.SetMocap(mocap);
+  }
+
+  void SetUp(const std::vector<double>& q_in);
+  std::vector<NearPair> Overlaps();
+  bool FrozenOverlap(const std::vector<NearPair>& overlaps) const;
+  bool Accept(const Candidate& candidate, const std::vector<double>& q_in, Result& result);
+  bool AcceptBest(SearchOutcome& outcome, const std::vector<double>& q_in, Result& result);
+  void FillUnsolved(const SearchOutcome& outcome, const std::vector<double>& q_in,
+                    Result& result);
+  void FillContacts(Result& result);
+
+  Scene scene;
+  Options options;
+  Problem problem;
+  Search search;
+  Verifier verifier;
+};
+
+// Everything that refers to q_in: the norm, the required distances, the deadline.
+void Solver::Impl::SetUp(const std::vector<double>& q_in) {
+  const SceneTables& tables = scene.tables();
+  problem.q_in = Normalized(tables, ToEigen(q_in));
+  problem.tolerances = Tolerances(options.tolerance);
+  problem.norm.SetReference(problem.q_in, problem.mocap);
+  problem.required.resize(static_cast<Eigen::Index>(tables.pairs.size()));
+  for (std::size_t k = 0; k < tables.pairs.size(); ++k) {
+    problem.required[static_cast<Eigen::Index>(k)] =
+        tables.pairs[k].moves ? options.clearance - tables.pairs[k].allowed
+                              : -tables.pairs[k].allowed;
+  }
+  problem.finder.Pose(problem.q_in);
+  if (options.rest > 0.0) {
+    for (const NearPair& near : problem.finder.Find(0.0)) {
+      if (near.distance >= -options.rest) {
+        problem.required[near.pair] = std::min(problem.required[near.pair], near.distance);
+      }
+    }
+  }
+}
+
+std::vector<NearPair> Solver::Impl::Overlaps() {
+  std::vector<NearPair> overlaps;
+  problem.finder.Pose(problem.q_in);
+  for (const NearPair& near : problem.finder.Find(options.clearance + options.tolerance)) {
+    if (near.distance < problem.required[near.pair]) overlaps.push_back(near);
+  }
+  return overlaps;
+}
+
+bool Solver::Impl::FrozenOverlap(const std::vector<NearPair>& overlaps) const {
+  return std::any_of(overlaps.begin(), overlaps.end(), [this](const NearPair& near) {
+    return !scene.tables().pairs[near.pair].moves &&
+           near.distance < problem.required[near.pair] - options.tolerance;
+  });
+}
+
+bool Solver::Impl::Accept(const Candidate& candidate, const std::vector<double>& q_in,
+                          Result& result) {
+  const Verdict& verdict = verifier.Check(ToStd(candidate.q), &q_in);
+  if (!verdict.free) return false;
+  result.status = Status::kSolved;
+  result.q = ToStd(candidate.q);
+  result.sigma = problem.norm.Sigma(candidate.q);
+  result.start = candidate.start;
+  result.min_distance = verdict.min_distance;
+  result.certified = verdict.certified;
+  return true;
+}
+
+// Polishes and verifies the candidates, best first. One that the verifier refuses is moved a little
+// further out and asked about again.
+bool Solver::Impl::AcceptBest(SearchOutcome& outcome, const std::vector<double>& q_in,
+                              Result& result) {
+  for (Candidate& candidate : outcome.free) {
+    const LocalResult polished = search.Polish(candidate.q);
+    outcome.iterations += polished.iterations;
+    if (polished.free && polished.sigma < candidate.sigma) {
+      candidate.q = polished.q;
+      candidate.sigma = polished.sigma;
+    }
+    if (Accept(candidate, q_in, result)) return true;
+    const Tolerances usual = problem.tolerances;
+    problem.tolerances.accept = 0.0;
+    problem.tolerances.aim = -options.tolerance;
+    const LocalResult retreated = search.Polish(candidate.q);
+    problem.tolerances = usual;
+    outcome.iterations += retreated.iterations;
+    if (!retreated.free) continue;
+    if (Accept({retreated.q, retreated.sigma, candidate.start}, q_in, result)) return true;
+  }
+  return false;
+}
+
+void Solver::Impl::FillUnsolved(const SearchOutcome& outcome, const std::vector<double>& q_in,
+                                Result& result) {
+  const bool found = outcome.least_overlap.q.size() > 0;
+  const VectorXd& q = found ? outcome.least_overlap.q
+                            : outcome.free.empty() ? problem.q_in : outcome.free.front().q;
+  result.status = Status::kUnsolved;
+  result.q = ToStd(q);
+  result.sigma = problem.norm.Sigma(q);
+  result.start = found ? outcome.least_overlap_start : "direct";
+  const Verdict& verdict = verifier.Check(result.q, &q_in);
+  result.min_distance = verdict.min_distance;
+  result.certified = verdict.certified;
+  result.reason = problem.Expired() ? "time limit reached; " : "";
+  result.reason += "no free configuration found from " + std::to_string(outcome.starts) +
+                   " starts: " + verdict.reason;
+}
+
+void Solver::Impl::FillContacts(Result& result) {
+  problem.finder.Pose(ToEigen(result.q));
+  const double reach = kTouching * options.tolerance;
+  for (const NearPair& near : problem.finder.Find(options.clearance + reach)) {
+    if (near.distance < std::max(0.0, problem.required[near.pair]) + reach) {
+      result.contacts.push_back(ToContact(scene.tables(), near));
+    }
+  }
+  auto deeper = [](const Contact& a, const Contact& b) { return a.distance < b.distance; };
+  std::stable_sort(result.contacts.begin(), result.contacts.end(), deeper);
+}
+
+Solver::Solver(const Scene& scene, const Options& options) {
+  CheckOptions(options, scene.tables());
+  const std::vector<std::string> equalities = scene.ActiveEqualities();
+  if (!equalities.empty()) {
+    throw Error("active equality constraint " + equalities.front() + " is not supported yet");
+  }
+  impl_ = std::make_unique<Impl>(scene, options);
+}
+
+Solver::~Solver() = default;
+Solver::Solver(Solver&&) noexcept = default;
+Solver& Solver::operator=(Solver&&) noexcept = default;
+
+Result Solver::Solve(const std::vector<double>& q_in,
+                     const std::optional<std::vector<double>>& free_hint) {
+  impl_->scene.CheckConfiguration(q_in);
+  if (free_hint) impl_->scene.CheckConfiguration(*free_hint);
+  const Clock::time_point begin = Clock::now();
+  Problem& problem = impl_->problem;
+  if (std::isfinite(impl_->options.time_limit)) {
+    const auto limit = std::chrono::duration<double>(impl_->options.time_limit);
+    problem.deadline = begin + std::chrono::duration_cast<Clock::duration>(limit);
+  }
+  const int queries_before = problem.finder.queries(), lcp_before = impl_->search.lcp_steps();
+
+  Result result;
+  const Verdict& at_start = impl_->verifier.Check(q_in, &q_in);
+  result.depth_in = at_start.min_distance;
+  if (at_start.free) {
+    result.status = Status::kAlreadyFree;
+    result.q = q_in;
+    result.min_distance = at_start.min_distance;
+    result.certified = at_start.certified;
+    result.start = "none";
+    impl_->SetUp(q_in);
+  } else {
+    result.contacts_in = at_start.contacts;
+    impl_->SetUp(q_in);
+    const std::vector<NearPair> overlaps = impl_->Overlaps();
+    result.sigma_lower_bound = SigmaLowerBound(problem, overlaps);
+    SearchOutcome outcome;
+    if (!impl_->FrozenOverlap(overlaps)) {
+      std::optional<VectorXd> hint;
+      if (free_hint) hint = Normalized(problem.tables, ToEigen(*free_hint));
+      outcome = impl_->search.Run(overlaps, hint);
+    }
+    if (!impl_->AcceptBest(outcome, q_in, result)) impl_->FillUnsolved(outcome, q_in, result);
+    result.stats.iterations = outcome.iterations;
+    result.stats.starts = outcome.starts;
+  }
+  impl_->FillContacts(result);
+  // Each verification is one more query of the whole configuration.
+  result.stats.collision_queries = problem.finder.queries() - queries_before + 2;
+  result.stats.lcp_sweeps = impl_->search.lcp_steps() - lcp_before;
+  result.stats.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  return result;
+}
+
+}  // namespace mjcf_pdg

@@ -1,0 +1,501 @@
+#include "verify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace mjcf_pdg {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kFar = 1.0;               // min_distance is cut off here [m]
+constexpr double kLimitTolerance = 1e-6;   // joint limits [rad or m]
+constexpr double kRestRounding = 1e-9;     // a contact of exactly `rest` still rests [m]
+constexpr double kNoDirection = 1e-8;      // witness points nearer than this give no normal [m]
+constexpr double kDistanceTolerance = 1e-9;  // of the convex solver: 1e-6 jitters by 5e-7 m
+constexpr std::size_t kNamed = 4;          // findings named in a reason
+
+bool ContactOnly(int type) { return type == mjGEOM_SDF || type == mjGEOM_HFIELD; }
+
+std::uint64_t PairKey(int geom1, int geom2) {
+  const auto [low, high] = std::minmax(geom1, geom2);
+  return (static_cast<std::uint64_t>(low) << 32) | static_cast<std::uint32_t>(high);
+}
+
+std::string Name(const mjModel* m, int kind, int id) {
+  const char* name = mj_id2name(m, kind, id);
+  return name && *name ? "'" + std::string(name) + "'" : "#" + std::to_string(id);
+}
+
+std::string GeomLabel(const mjModel* m, int geom) {
+  const std::string name = Name(m, mjOBJ_GEOM, geom);
+  if (name[0] != '#') return "geom " + name;
+  return "geom " + name + " (body " + Name(m, mjOBJ_BODY, m->geom_bodyid[geom]) + ")";
+}
+
+std::string Number(double value, const char* unit) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.3g %s", value, unit);
+  return text;
+}
+
+std::string Millimetres(double length) { return Number(1e3 * length, "mm"); }
+
+double DistanceToBox(const Vector3d& p, const Vector3d& half) {
+  return (p.cwiseAbs() - half).cwiseMax(0.0).norm();
+}
+
+// Capsule against box, apart: the distance from the box is convex along the segment center ± arm
+// (box frame), so a golden-section search finds its minimum. Returns the parameter in [-1, 1].
+double NearestOnSegment(const Vector3d& center, const Vector3d& arm, const Vector3d& half) {
+  constexpr double kGolden = 0.6180339887498949;
+  double low = -1.0, high = 1.0;
+  double left = high - kGolden * (high - low), right = low + kGolden * (high - low);
+  auto distance = [&](double t) { return DistanceToBox(center + t * arm, half); };
+  double at_left = distance(left), at_right = distance(right);
+  for (int i = 0; i < 80; ++i) {
+    if (at_left <= at_right) {
+      high = right;
+      right = left;
+      at_right = at_left;
+      left = high - kGolden * (high - low);
+      at_left = distance(left);
+    } else {
+      low = left;
+      left = right;
+      at_left = at_right;
+      right = low + kGolden * (high - low);
+      at_right = distance(right);
+    }
+  }
+  return 0.5 * (low + high);
+}
+
+// How deep the segment center ± arm lies in the box: the least overlap of the two projections over
+// the directions that can bound it. Also the direction, from segment to box.
+double SegmentDepth(const Vector3d& center, const Vector3d& arm, const Vector3d& half,
+                    Vector3d& direction) {
+  double depth = kInfinity;
+  auto consider = [&](const Vector3d& axis) {
+    const double length = axis.norm();
+    if (length <= 1e-9 * arm.norm()) return;
+    const Vector3d n = axis / length;
+    const double overlap = n.cwiseAbs().dot(half) + std::abs(n.dot(arm)) - std::abs(n.dot(center));
+    if (overlap >= depth) return;
+    depth = overlap;
+    direction = n.dot(center) > 0.0 ? Vector3d(-n) : n;
+  };
+  for (int i = 0; i < 3; ++i) {
+    consider(std::max(1.0, arm.norm()) * Vector3d::Unit(i));
+    consider(Vector3d::Unit(i).cross(arm));
+  }
+  return std::max(depth, 0.0);
+}
+
+// Signed distance of a capsule and a box with witness points as mj_geomDistance gives them.
+double CapsuleBoxDistance(const mjModel& m, const mjData& d, int capsule, int box,
+                          double fromto[6]) {
+  const Matrix3d R = AsMatrix(d.geom_xmat + 9 * box);
+  const Vector3d origin = AsVector(d.geom_xpos + 3 * box);
+  const Vector3d half = AsVector(m.geom_size + 3 * box);
+  const double radius = m.geom_size[3 * capsule];
+  const Vector3d center = R.transpose() * (AsVector(d.geom_xpos + 3 * capsule) - origin);
+  const Vector3d arm = R.transpose() * AsMatrix(d.geom_xmat + 9 * capsule).col(2) *
+                       m.geom_size[3 * capsule + 1];
+  Vector3d on_segment = center + NearestOnSegment(center, arm, half) * arm;
+  const Vector3d shadow = on_segment.cwiseMax(-half).cwiseMin(half);
+  double apart = (shadow - on_segment).norm();
+  Vector3d n = apart > 0.0 ? Vector3d((shadow - on_segment) / apart) : Vector3d(Vector3d::UnitX());
+  if (apart <= 1e-9) {
+    apart = -SegmentDepth(center, arm, half, n);
+    const double lean = n.dot(arm);
+    on_segment = center + (lean > 1e-12 ? 1.0 : lean < -1e-12 ? -1.0 : 0.0) * arm;
+  }
+  const double distance = apart - radius;
+  Eigen::Map<Vector3d> from(fromto), to(fromto + 3);
+  from = origin + R * (on_segment + radius * n);
+  to = origin + R * (on_segment + (radius + distance) * n);
+  return distance;
+}
+
+void RequireUsable(bool usable, const char* what) {
+  if (!usable) throw Error(std::string(what) + " is not a usable number");
+}
+
+void CheckOptions(const mjModel& m, const Options& options) {
+  RequireUsable(std::isfinite(options.tolerance) && options.tolerance > 0.0, "tolerance");
+  RequireUsable(std::isfinite(options.clearance) && options.clearance >= 0.0, "clearance");
+  RequireUsable(std::isfinite(options.rest) && options.rest >= 0.0, "rest");
+  auto check = [&](const std::vector<double>& values, int per_body, const char* what) {
+    if (values.empty()) return;
+    if (static_cast<std::ptrdiff_t>(values.size()) != per_body * m.nmocap) {
+      throw Error(std::string(what) + " has " + std::to_string(values.size()) +
+                  " values, the model needs " + std::to_string(per_body * m.nmocap));
+    }
+    for (const double v : values) RequireUsable(std::isfinite(v) && std::abs(v) < mjMAXVAL, what);
+  };
+  check(options.mocap_pos, 3, "mocap_pos");
+  check(options.mocap_quat, 4, "mocap_quat");
+}
+
+}  // namespace
+
+Verifier::Verifier(const SceneTables& tables, const Options& options)
+    : tables_(tables),
+      tolerance_(options.tolerance),
+      clearance_(options.clearance),
+      rest_(options.rest),
+      model_(tables.verify_model),
+      posed_(&model_) {
+  NeutraliseMargins();
+  distance_model_ = model_;
+  distance_model_.opt.ccd_tolerance = std::min(model_.opt.ccd_tolerance, kDistanceTolerance);
+  IndexPairs();
+  readings_.resize(tables.pairs.size());
+  order_.reserve(tables.pairs.size());
+  required_.resize(tables.pairs.size());
+  UpdateRest({});
+}
+
+// MuJoCo detects contacts nearer than margin + gap: a negative sum hides overlaps, a positive one
+// misplaces contacts. Ours are zero, and what a negative sum allows is in KeptPair::allowed. Only
+// geoms without signed distances get a margin, where a clearance must be seen by their contacts.
+void Verifier::NeutraliseMargins() {
+  geom_margin_.assign(model_.ngeom, 0.0);
+  geom_gap_.assign(model_.ngeom, 0.0);
+  body_margin_.assign(model_.nbody, 0.0);
+  pair_margin_.assign(model_.npair, 0.0);
+  pair_gap_.assign(model_.npair, 0.0);
+  if (clearance_ > 0.0) {
+    for (int g = 0; g < model_.ngeom; ++g) {
+      if (!ContactOnly(model_.geom_type[g])) continue;
+      geom_margin_[g] = clearance_;
+      body_margin_[model_.geom_bodyid[g]] = clearance_;
+    }
+    for (int k = 0; k < model_.npair; ++k) {
+      if (ContactOnly(model_.geom_type[model_.pair_geom1[k]]) ||
+          ContactOnly(model_.geom_type[model_.pair_geom2[k]])) {
+        pair_margin_[k] = clearance_;
+      }
+    }
+  }
+  model_.geom_margin = geom_margin_.data();
+  model_.geom_gap = geom_gap_.data();
+  model_.body_margin = body_margin_.data();
+  model_.pair_margin = pair_margin_.data();
+  model_.pair_gap = pair_gap_.data();
+}
+
+void Verifier::IndexPairs() {
+  pair_index_.reserve(tables_.pairs.size());
+  for (int i = 0; i < static_cast<int>(tables_.pairs.size()); ++i) {
+    pair_index_.emplace_back(PairKey(tables_.pairs[i].geom1, tables_.pairs[i].geom2), i);
+  }
+  std::sort(pair_index_.begin(), pair_index_.end());
+}
+
+int Verifier::PairIndex(int geom1, int geom2) const {
+  const std::uint64_t key = PairKey(geom1, geom2);
+  const auto it = std::lower_bound(pair_index_.begin(), pair_index_.end(), std::pair(key, -1));
+  return it != pair_index_.end() && it->first == key ? it->second : -1;
+}
+
+void Verifier::SetMocap(const MocapPoses& poses) {
+  mj_resetData(&model_, posed_.data());  // the model's own poses, where `poses` has none
+  posed_.SetMocap(poses);
+  rest_q_in_.clear();
+}
+
+// What each pair must keep. Empty q_in: nothing rests.
+void Verifier::UpdateRest(const std::vector<double>& q_in) {
+  for (std::size_t i = 0; i < required_.size(); ++i) {
+    const KeptPair& pair = tables_.pairs[i];
+    required_[i] = pair.moves && clearance_ > 0.0 ? clearance_ : -pair.allowed;
+  }
+  rest_q_in_ = q_in;
+  if (q_in.empty()) return;
+  Measure(q_in);
+  for (std::size_t i = 0; i < required_.size(); ++i) {
+    const Reading& reading = readings_[i];
+    double d_in = reading.signed_distance;
+    if (!tables_.pairs[i].has_distance) {
+      d_in = reading.contact < 0 ? kInfinity : posed_.data()->contact[reading.contact].dist;
+    }
+    if (d_in < 0.0 && d_in >= -rest_ - kRestRounding) required_[i] = std::min(required_[i], d_in);
+  }
+}
+
+void Verifier::Measure(const std::vector<double>& q) {
+  posed_.Pose(Eigen::Map<const VectorXd>(q.data(), static_cast<Eigen::Index>(q.size())));
+  for (Reading& reading : readings_) {
+    reading.signed_distance = kInfinity;
+    reading.contact = -1;
+  }
+  verdict_.min_distance = kFar;
+  AskCollision();
+  AskDistances();
+}
+
+// Witness 1. MuJoCo reports a full arena by a warning alone, and drops contacts.
+void Verifier::AskCollision() {
+  mjData& d = *posed_.data();
+  d.warning[mjWARN_CONTACTFULL].number = 0;
+  mj_collision(&model_, &d);
+  arena_full_ = d.warning[mjWARN_CONTACTFULL].number > 0;
+  strangers_.clear();
+  for (int c = 0; c < d.ncon; ++c) {
+    const int pair = PairIndex(d.contact[c].geom[0], d.contact[c].geom[1]);
+    if (pair < 0) {
+      strangers_.push_back(c);
+      continue;
+    }
+    int& deepest = readings_[pair].contact;
+    if (deepest < 0 || !(d.contact[c].dist >= d.contact[deepest].dist)) deepest = c;
+    if (!tables_.pairs[pair].has_distance) {
+      verdict_.min_distance = std::min(verdict_.min_distance, d.contact[c].dist);
+    }
+  }
+}
+
+// Witness 2. Pairs in the order of their bounds: once a bound exceeds all that matters, we are done.
+void Verifier::AskDistances() {
+  const double matters = tolerance_ + clearance_;
+  order_.clear();
+  for (int i = 0; i < static_cast<int>(tables_.pairs.size()); ++i) {
+    if (!tables_.pairs[i].has_distance) continue;
+    const double bound = LowerBound(tables_.pairs[i]);
+    if (bound <= std::max(kFar, matters)) order_.emplace_back(bound, i);
+  }
+  std::sort(order_.begin(), order_.end());
+  for (const auto& [bound, i] : order_) {
+    const double cutoff = std::max(verdict_.min_distance, matters);
+    if (bound > cutoff) break;
+    const KeptPair& pair = tables_.pairs[i];
+    if (BoxBound(pair) > cutoff) continue;
+    Reading& reading = readings_[i];
+    const double distance = SignedDistance(pair, cutoff, reading.fromto);
+    if (distance >= cutoff) continue;
+    reading.signed_distance = std::isnan(distance) ? -kInfinity : distance;
+    verdict_.min_distance = std::min(verdict_.min_distance, reading.signed_distance);
+  }
+}
+
+// From bounding spheres; never above the pair's distance. -inf when nothing is known.
+double Verifier::LowerBound(const KeptPair& pair) const {
+  const mjData& d = *posed_.data();
+  const int a = pair.geom1, b = pair.geom2;
+  const Vector3d between = AsVector(d.geom_xpos + 3 * b) - AsVector(d.geom_xpos + 3 * a);
+  double bound = -kInfinity;
+  if (model_.geom_type[a] == mjGEOM_PLANE) {
+    bound = AsMatrix(d.geom_xmat + 9 * a).col(2).dot(between) - model_.geom_rbound[b];
+  } else if (model_.geom_rbound[a] > 0.0 && model_.geom_rbound[b] > 0.0) {
+    bound = between.norm() - model_.geom_rbound[a] - model_.geom_rbound[b];
+  }
+  return std::isnan(bound) ? -kInfinity : bound;
+}
+
+// From the geoms' oriented boxes: how far apart they are along each box's own axes.
+double Verifier::BoxBound(const KeptPair& pair) const {
+  if (model_.geom_type[pair.geom1] == mjGEOM_PLANE) return -kInfinity;
+  const mjData& d = *posed_.data();
+  Matrix3d R[2];
+  Vector3d center[2], half[2];
+  for (int k = 0; k < 2; ++k) {
+    const int g = k == 0 ? pair.geom1 : pair.geom2;
+    R[k] = AsMatrix(d.geom_xmat + 9 * g);
+    center[k] = AsVector(d.geom_xpos + 3 * g) + R[k] * AsVector(model_.geom_aabb + 6 * g);
+    half[k] = AsVector(model_.geom_aabb + 6 * g + 3);
+  }
+  double bound = -kInfinity;
+  for (const Matrix3d& axes : R) {
+    for (int i = 0; i < 3; ++i) {
+      const Vector3d n = axes.col(i);
+      const double reach = (R[0].transpose() * n).cwiseAbs().dot(half[0]) +
+                           (R[1].transpose() * n).cwiseAbs().dot(half[1]);
+      bound = std::max(bound, std::abs(n.dot(center[1] - center[0])) - reach);
+    }
+  }
+  return bound;
+}
+
+double Verifier::SignedDistance(const KeptPair& pair, double cutoff, double fromto[6]) {
+  if (model_.geom_type[pair.geom1] == mjGEOM_CAPSULE &&
+      model_.geom_type[pair.geom2] == mjGEOM_BOX) {
+    return CapsuleBoxDistance(model_, *posed_.data(), pair.geom1, pair.geom2, fromto);
+  }
+  return mj_geomDistance(&distance_model_, posed_.data(), pair.geom1, pair.geom2, cutoff, fromto);
+}
+
+namespace {
+
+void FillFromContact(const mjContact& source, Contact& contact) {
+  const double sign = source.geom[0] == contact.geom[0] ? 1.0 : -1.0;
+  for (int k = 0; k < 3; ++k) {
+    contact.normal_W[k] = sign * source.frame[k];
+    contact.position_W[k] = source.pos[k];
+  }
+  contact.distance = source.dist;
+}
+
+void FillFromWitnesses(const mjData& d, double distance, const double fromto[6],
+                       Contact& contact) {
+  const Vector3d p1 = AsVector(fromto), p2 = AsVector(fromto + 3);
+  Vector3d n = (p2 - p1) * (distance < 0.0 ? -1.0 : 1.0);
+  if (n.norm() < kNoDirection) {
+    n = AsVector(d.geom_xpos + 3 * contact.geom[1]) - AsVector(d.geom_xpos + 3 * contact.geom[0]);
+  }
+  if (!(n.norm() > 0.0)) n = Vector3d::UnitZ();
+  Eigen::Map<Vector3d>(contact.normal_W.data()) = n.normalized();
+  Eigen::Map<Vector3d>(contact.position_W.data()) = 0.5 * (p1 + p2);
+  contact.distance = distance;
+}
+
+}  // namespace
+
+// Either witness is enough. One exception: where some overlap is permitted and the signed distance
+// confirms one within it, a contact's dist is not believed, for it may be centimetres off.
+void Verifier::JudgePair(int index) {
+  const KeptPair& pair = tables_.pairs[index];
+  const Reading& reading = readings_[index];
+  const mjData& d = *posed_.data();
+  const mjContact* contact = reading.contact < 0 ? nullptr : &d.contact[reading.contact];
+  const double required = required_[index];
+  const double by_contact = contact ? contact->dist : kInfinity;
+  const double by_distance = reading.signed_distance;
+  // Contacts of pairs with a signed distance are asked about overlap only.
+  const double required_contact = pair.has_distance ? std::min(required, 0.0) : required;
+  const bool permitted = pair.has_distance && required < 0.0 && by_distance < 0.0;
+  const bool contact_violates = contact && !permitted &&
+                                !(by_contact >= required_contact - tolerance_);
+  const bool distance_violates = !(by_distance >= required - tolerance_);
+  const bool use_contact = !pair.has_distance || (contact_violates && !distance_violates);
+  const double distance = use_contact ? by_contact : by_distance;
+  Finding finding;
+  finding.violates = contact_violates || distance_violates;
+  if (!finding.violates && !(distance < tolerance_)) return;
+  finding.contact.geom = {pair.geom1, pair.geom2};
+  finding.required = required;
+  finding.frozen = !pair.moves;
+  const bool touching = std::abs(distance) < kNoDirection;
+  if (contact && (use_contact || touching)) {
+    FillFromContact(*contact, finding.contact);
+    finding.contact.distance = distance;
+  } else {
+    FillFromWitnesses(d, distance, reading.fromto, finding.contact);
+  }
+  findings_.push_back(finding);
+}
+
+// Contacts of pairs that are not in our table: MuJoCo's word alone.
+void Verifier::JudgeStrangers() {
+  const mjData& d = *posed_.data();
+  for (const int c : strangers_) {
+    if (d.contact[c].dist >= tolerance_) continue;
+    Finding finding;
+    finding.contact.geom = {d.contact[c].geom[0], d.contact[c].geom[1]};
+    FillFromContact(d.contact[c], finding.contact);
+    finding.violates = !(d.contact[c].dist >= -tolerance_);
+    auto same = [&](const Finding& f) { return f.contact.geom == finding.contact.geom; };
+    const auto known = std::find_if(findings_.begin(), findings_.end(), same);
+    if (known == findings_.end()) {
+      findings_.push_back(finding);
+    } else if (finding.contact.distance < known->contact.distance) {
+      *known = finding;
+    }
+  }
+}
+
+// All joints of the model, frozen ones too. A ball's whole angle counts, twist included.
+void Verifier::CheckLimits(const std::vector<double>& q) {
+  limit_reasons_.clear();
+  verdict_.limit_excess = 0.0;
+  for (int j = 0; j < model_.njnt; ++j) {
+    const int type = model_.jnt_type[j];
+    if (!model_.jnt_limited[j] || type == mjJNT_FREE) continue;
+    const double* value = q.data() + model_.jnt_qposadr[j];
+    const double low = model_.jnt_range[2 * j], high = model_.jnt_range[2 * j + 1];
+    double excess = 0.0;
+    if (type == mjJNT_BALL) {
+      const double sine = std::hypot(value[1], value[2], value[3]);
+      excess = 2.0 * std::atan2(sine, std::abs(value[0])) - high;
+    } else {
+      excess = std::max(low - *value, *value - high);
+    }
+    verdict_.limit_excess = std::max(verdict_.limit_excess, excess);
+    if (excess <= kLimitTolerance) continue;
+    limit_reasons_.push_back("joint " + Name(&model_, mjOBJ_JOINT, j) + " is " +
+                             Number(excess, type == mjJNT_SLIDE ? "m" : "rad") +
+                             " outside its range");
+  }
+}
+
+std::string Verifier::DescribeFinding(const Finding& finding) const {
+  const auto [geom1, geom2] = finding.contact.geom;
+  const double distance = finding.contact.distance;
+  std::string text = GeomLabel(&model_, geom1) + " and " + GeomLabel(&model_, geom2);
+  if (distance < 0.0) {
+    text += " overlap by " + Millimetres(-distance);
+    if (finding.required < 0.0) text += " (" + Millimetres(-finding.required) + " allowed)";
+  } else {
+    text += " are " + Millimetres(distance) + " apart (" + Millimetres(finding.required) +
+            " required)";
+  }
+  if (finding.frozen) text += " and no movable joint can part them";
+  return text;
+}
+
+void Verifier::WriteVerdict() {
+  std::sort(findings_.begin(), findings_.end(), [](const Finding& a, const Finding& b) {
+    return a.contact.distance < b.contact.distance;
+  });
+  for (const Finding& finding : findings_) verdict_.contacts.push_back(finding.contact);
+  // In the reason, what cannot be helped comes first.
+  std::stable_sort(findings_.begin(), findings_.end(),
+                   [](const Finding& a, const Finding& b) { return a.frozen > b.frozen; });
+  std::size_t count = 0;
+  auto add = [&](const std::string& text) {
+    if (count++ < kNamed) verdict_.reason += (verdict_.reason.empty() ? "" : "; ") + text;
+  };
+  if (arena_full_) add("MuJoCo's memory for contacts is full: not verified");
+  for (const Finding& finding : findings_) {
+    if (finding.violates) add(count < kNamed ? DescribeFinding(finding) : std::string());
+  }
+  for (const std::string& text : limit_reasons_) add(text);
+  if (count > kNamed) verdict_.reason += "; and " + std::to_string(count - kNamed) + " more";
+  verdict_.free = count == 0;
+}
+
+const Verdict& Verifier::Check(const std::vector<double>& q, const std::vector<double>* q_in) {
+  const bool rests = rest_ > 0.0 && q_in != nullptr;
+  if (rests ? rest_q_in_ != *q_in : !rest_q_in_.empty()) {
+    UpdateRest(rests ? *q_in : std::vector<double>());
+  }
+  verdict_.contacts.clear();
+  verdict_.reason.clear();
+  findings_.clear();
+  verdict_.free = false;
+  verdict_.certified = !tables_.has_contact_only_pairs;
+  if (!std::all_of(q.begin(), q.end(), [](double v) { return std::isfinite(v); })) {
+    verdict_.reason = "the configuration is not a number";
+    return verdict_;
+  }
+  Measure(q);
+  for (std::size_t i = 0; i < readings_.size(); ++i) JudgePair(static_cast<int>(i));
+  JudgeStrangers();
+  CheckLimits(q);
+  WriteVerdict();
+  return verdict_;
+}
+
+Verdict Verify(const Scene& scene, const std::vector<double>& q, const Options& options,
+               const std::vector<double>* q_in) {
+  scene.CheckConfiguration(q);
+  if (q_in) scene.CheckConfiguration(*q_in);
+  CheckOptions(*scene.model(), options);
+  Verifier verifier(scene.tables(), options);
+  verifier.SetMocap({options.mocap_pos, options.mocap_quat});
+  return verifier.Check(q, q_in);
+}
+
+}  // namespace mjcf_pdg

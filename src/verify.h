@@ -1,0 +1,88 @@
+// The independent check of a configuration, reusable: all scratch is made once.
+//
+// Shares no code with the solver's own queries: neither its prefilter, nor its capsule-box test, nor
+// its reading of MuJoCo's contacts. Two witnesses are asked, and either one's "overlaps" is enough:
+//   1. mj_collision on the scene's verify_model with every margin and gap set to zero, so that a
+//      negative margin hides nothing and a positive one misplaces nothing;
+//   2. the signed distance of every kept pair: mj_geomDistance, for capsule-box our own.
+#ifndef MJCF_PDG_SRC_VERIFY_H_
+#define MJCF_PDG_SRC_VERIFY_H_
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "kinematics.h"
+#include "mjcf_pdg/pdg.h"
+#include "scene_tables.h"
+
+namespace mjcf_pdg {
+
+// One per thread. Neither copyable nor movable: MuJoCo's data points into it.
+class Verifier {
+ public:
+  // Reads tolerance, clearance and rest of `options`; mocap poses come by SetMocap.
+  Verifier(const SceneTables& tables, const Options& options);
+  Verifier(const Verifier&) = delete;
+  Verifier& operator=(const Verifier&) = delete;
+
+  // Empty vectors: as in the model.
+  void SetMocap(const MocapPoses& poses);
+
+  // Is q free? `q_in` is what `rest` refers to; without it nothing rests. Both have nq entries. The
+  // verdict is ours until the next call. Allocates only to name contacts and reasons.
+  const Verdict& Check(const std::vector<double>& q, const std::vector<double>* q_in = nullptr);
+
+ private:
+  // What both witnesses say of one kept pair, or of a contact that is in no kept pair.
+  struct Finding {
+    Contact contact;
+    double required = 0.0;  // smallest distance that counts as free, tolerance aside [m]
+    bool violates = false;
+    bool frozen = false;    // no movable joint lies between the two geoms
+  };
+  struct Reading {          // per kept pair
+    double signed_distance = 0.0;  // by witness 2; infinite when beyond the cutoff [m]
+    int contact = -1;              // index of the deepest mjContact; -1: none
+    double fromto[6] = {};         // witness points of signed_distance
+  };
+
+  void NeutraliseMargins();
+  void IndexPairs();
+  int PairIndex(int geom1, int geom2) const;  // -1 when the pair is not kept
+  void UpdateRest(const std::vector<double>& q_in);
+  void Measure(const std::vector<double>& q);
+  void AskCollision();
+  void AskDistances();
+  double LowerBound(const KeptPair& pair) const;
+  double BoxBound(const KeptPair& pair) const;
+  double SignedDistance(const KeptPair& pair, double cutoff, double fromto[6]);
+  void JudgePair(int pair);
+  void JudgeStrangers();
+  void CheckLimits(const std::vector<double>& q);
+  void WriteVerdict();
+  std::string DescribeFinding(const Finding& finding) const;
+
+  const SceneTables& tables_;
+  const double tolerance_, clearance_, rest_;
+  std::vector<mjtNum> geom_margin_, geom_gap_, body_margin_, pair_margin_, pair_gap_;
+  mjModel model_;           // verify_model with the margins above
+  mjModel distance_model_;  // the same with a finer convex solver, for mj_geomDistance
+  PosedModel posed_;
+
+  std::vector<std::pair<std::uint64_t, int>> pair_index_;  // sorted by geoms
+  std::vector<double> required_;                           // per kept pair, with rest [m]
+  std::vector<double> rest_q_in_;                          // the q_in that required_ stands for
+  std::vector<Reading> readings_;                          // per kept pair
+  std::vector<std::pair<double, int>> order_;              // (bound, kept pair)
+  std::vector<int> strangers_;                             // contacts of pairs that are not kept
+  std::vector<Finding> findings_;
+  std::vector<std::string> limit_reasons_;
+  bool arena_full_ = false;
+  Verdict verdict_;
+};
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_VERIFY_H_

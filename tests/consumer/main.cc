@@ -1,0 +1,22 @@
+// Uses the installed library as the README shows it: a ball that is stuck in the floor.
+#include <cstdio>
+#include <vector>
+
+#include "mjcf_pdg/pdg.h"
+
+int main() {
+  const mjcf_pdg::Scene scene = mjcf_pdg::Scene::FromString(R"(
+      <mujoco>
+        <worldbody>
+          <geom name="floor" type="plane" size="1 1 0.1"/>
+          <body pos="0 0 0.08">
+            <joint type="slide" axis="0 0 1"/>
+            <geom name="ball" size="0.1"/>
+          </body>
+        </worldbody>
+      </mujoco>)");
+  mjcf_pdg::Solver solver(scene);
+  const mjcf_pdg::Result result = solver.Solve(std::vector<double>(1, 0.0));
+  std::printf("up by %g m (expected 0.02)\n", result.q[0]);
+  return result.status == mjcf_pdg::Status::kSolved ? 0 : 1;
+}

@@ -1,0 +1,20 @@
+# Installs the build, moves the installed folder, then builds and runs the consumer against it (and the program in it).
+set(work "${build}/consumer")
+file(REMOVE_RECURSE "${work}")
+file(MAKE_DIRECTORY "${work}")
+
+function(run)
+  execute_process(COMMAND ${ARGV} COMMAND_ERROR_IS_FATAL ANY)
+endfunction()
+
+run("${CMAKE_COMMAND}" --install "${build}" --config "${config}" --prefix "${work}/installed")
+file(RENAME "${work}/installed" "${work}/moved")
+run("${CMAKE_COMMAND}" -S "${CMAKE_CURRENT_LIST_DIR}" -B "${work}/build" -G "${generator}"
+    "-DCMAKE_PREFIX_PATH=${work}/moved" "-Dmujoco_DIR=${mujoco_dir}"
+    "-DCMAKE_CXX_COMPILER=${compiler}" "-DCMAKE_CXX_FLAGS=${flags}"
+    "-DCMAKE_BUILD_TYPE=${config}" "-DCMAKE_RUNTIME_OUTPUT_DIRECTORY=${work}/bin$<0:>")
+run("${CMAKE_COMMAND}" --build "${work}/build" --config "${config}")
+run("${work}/bin/consumer")
+if(program)
+  run("${work}/moved/bin/${program}" --version)
+endif()

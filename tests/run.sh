@@ -1,0 +1,15 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds with all cores, runs every test: bash tests/run.sh [release|debug|sanitize|ci]
+# Default: release, in build/. Where CI is set: ci, which is the same with warnings as errors.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+preset=${1:-release}
+if [ $# -eq 0 ] && [ -n "${CI:-}" ]; then
+  preset=ci
+fi
+
+bash apps/install_deps.sh
+cmake --preset "$preset" -D MJCF_PDG_BUILD_TESTS=ON
+cmake --build --preset "$preset" --parallel "$(nproc)"
+exec ctest --preset "$preset" --parallel "$(nproc)" --no-tests=error </dev/null

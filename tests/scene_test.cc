@@ -1,0 +1,344 @@
+#include "mjcf_pdg/scene.h"
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include "contacts.h"
+#include "mjcf_pdg/object_norm.h"
+#include "scene_tables.h"
+#include "test_support.h"
+
+namespace mjcf_pdg::test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class SceneTest : public MujocoTest {};
+
+std::string WriteFile(const std::string& name, const std::string& text) {
+  const std::string path = ::testing::TempDir() + name;
+  std::ofstream(path, std::ios::binary) << text;
+  return path;
+}
+
+std::vector<std::string> JointNames(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const JointEntry& joint : scene.tables().joints) names.push_back(scene.JointName(joint.id));
+  return names;
+}
+
+std::set<std::pair<int, int>> KeptPairs(const Scene& scene) {
+  std::set<std::pair<int, int>> pairs;
+  for (const KeptPair& pair : scene.tables().pairs) pairs.insert({pair.geom1, pair.geom2});
+  EXPECT_EQ(pairs.size(), scene.tables().pairs.size()) << "a pair is listed twice";
+  return pairs;
+}
+
+// The pairs that MuJoCo reports, in its order of geoms.
+std::set<std::pair<int, int>> CollidingPairs(const mjModel* m) {
+  const DataPtr d(mj_makeData(m));
+  mj_kinematics(m, d.get());
+  mj_comPos(m, d.get());
+  mj_collision(m, d.get());
+  std::set<std::pair<int, int>> pairs;
+  for (int c = 0; c < d->ncon; ++c) pairs.insert({d->contact[c].geom[0], d->contact[c].geom[1]});
+  return pairs;
+}
+
+// Spheres, ellipsoids and boxes so large that every two of them overlap, on bodies that are welded,
+// jointed, static or mocap, with random masks, excludes and explicit pairs.
+std::string EverythingOverlaps(Random& rng) {
+  constexpr int kBodies = 9;
+  std::string world =
+      "<geom name='p0' type='plane' size='0 0 1'/>"
+      "<geom name='p1' type='plane' size='0 0 1'/><geom name='w' size='9'/>";
+  std::vector<std::string> names = {"w", "p0"}, inside(kBodies);
+  std::vector<int> parent(kBodies, -1);
+  for (int b = 0; b < kBodies; ++b) {
+    parent[b] = rng.Index(b + 1) - 1;
+    const bool can_be_mocap = parent[b] < 0;
+    inside[b] = can_be_mocap && rng.Chance(0.2) ? " mocap='true'>" : ">";
+    if (inside[b] == ">" && rng.Chance(0.6)) inside[b] += "<joint type='hinge'/>";
+    inside[b] += "<inertial mass='1' pos='0 0 0' diaginertia='1 1 1'/>";
+    for (int g = rng.Index(3); g > 0; --g) {
+      names.push_back("g" + std::to_string(b) + std::to_string(g));
+      const Eigen::Vector3d pos = rng.InBox(1);
+      const std::string type = rng.Chance(0.7) ? "sphere" : "ellipsoid";
+      inside[b] += "<geom name='" + names.back() + "' type='" + type + "' size='9 9 9' pos='" +
+                   Join(pos.data(), 3) + "' contype='" + std::to_string(rng.Index(4)) +
+                   "' conaffinity='" + std::to_string(rng.Index(4)) + "'/>";
+    }
+  }
+  for (int b = kBodies - 1; b >= 0; --b) {
+    std::string& above = parent[b] < 0 ? world : inside[parent[b]];
+    above += "<body name='b" + std::to_string(b) + "'" + inside[b] + "</body>";
+  }
+  std::string contact;
+  for (int i = 0; i < 3; ++i) {
+    const int b1 = rng.Index(kBodies), b2 = (b1 + 1 + rng.Index(kBodies - 1)) % kBodies;
+    contact += "<exclude body1='b" + std::to_string(b1) + "' body2='b" + std::to_string(b2) + "'/>";
+  }
+  for (int i = 0; i < 3; ++i) {
+    const int n = static_cast<int>(names.size()), g1 = rng.Index(n), g2 = (g1 + 1 + i) % n;
+    contact += "<pair geom1='" + names[g1] + "' geom2='" + names[g2] + "'/>";
+  }
+  const std::string filter = rng.Chance(0.5) ? "disable" : "enable";
+  return "<mujoco><option><flag filterparent='" + filter + "'/></option><worldbody>" + world +
+         "<body name='last'><joint/><geom size='9'/></body></worldbody><contact>" + contact +
+         "</contact></mujoco>";
+}
+
+TEST_F(SceneTest, KeptPairsAreThoseThatMuJoCoFiltersKeep) {
+  Random rng(11);
+  std::size_t kept = 0, possible = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    const std::string xml = EverythingOverlaps(rng);
+    const Scene scene = Scene::FromString(xml);
+    const auto expected = CollidingPairs(scene.model());
+    ASSERT_EQ(KeptPairs(scene), expected) << "trial " << trial << "\n" << xml;
+    kept += expected.size();
+    possible += scene.model()->ngeom * (scene.model()->ngeom - 1) / 2;
+  }
+  // Filters keep some and drop some: the comparison is not vacuous.
+  EXPECT_GT(kept, possible / 5);
+  EXPECT_LT(kept, possible * 4 / 5);
+}
+
+TEST_F(SceneTest, PairsAreGroupedByTheirTwoBodies) {
+  Random rng(12);
+  const Scene scene = Scene::FromString(RandomRobotXml(rng));
+  int next = 0;
+  for (const BodyPair& bodies : scene.tables().body_pairs) {
+    EXPECT_EQ(bodies.begin, next);
+    next = bodies.end;
+    for (int i = bodies.begin; i < bodies.end; ++i) {
+      const KeptPair& pair = scene.tables().pairs[i];
+      EXPECT_EQ(std::minmax(scene.model()->geom_bodyid[pair.geom1],
+                            scene.model()->geom_bodyid[pair.geom2]),
+                std::minmax(bodies.body1, bodies.body2));
+    }
+  }
+  EXPECT_EQ(next, scene.num_kept_pairs());
+}
+
+// Where geom 2 is, seen from geom 1.
+Eigen::Vector3d Relative(const PosedModel& posed, const KeptPair& pair) {
+  const mjData* d = posed.data();
+  return AsMatrix(d->geom_xmat + 9 * pair.geom1).transpose() *
+         (AsVector(d->geom_xpos + 3 * pair.geom2) - AsVector(d->geom_xpos + 3 * pair.geom1));
+}
+
+TEST_F(SceneTest, PairsThatMoveAreThoseWhoseGeomsCanMoveRelativeToEachOther) {
+  Random rng(12);
+  int moving = 0, still = 0;
+  for (int trial = 0; trial < 30; ++trial) {
+    const ModelPtr model = LoadModel(RandomRobotXml(rng));
+    const int body = model->jnt_bodyid[rng.Index(static_cast<int>(model->njnt))];
+    const std::string name = mj_id2name(model.get(), mjOBJ_BODY, body);
+    const Scene scene = Scene::FromModel(model.get(), {.movable = {name}, .root = {}});
+    PosedModel before(&scene.tables().query_model), after(&scene.tables().query_model);
+    before.Pose(RandomConfiguration(scene, rng));
+    after.Pose(RandomConfiguration(scene, rng));
+    for (const KeptPair& pair : scene.tables().pairs) {
+      const double change = (Relative(before, pair) - Relative(after, pair)).norm();
+      EXPECT_EQ(pair.moves, change > 1e-9) << change;
+      ++(pair.moves ? moving : still);
+    }
+  }
+  EXPECT_GT(moving, 300);
+  EXPECT_GT(still, 300);
+}
+
+TEST_F(SceneTest, FileStringBinaryAndModelGiveTheSameTables) {
+  const std::string xml = ArmXml();
+  const Scene text = Scene::FromString(xml);
+  const Scene file = Scene::FromFile(WriteFile("pdg_scene.xml", xml));
+  const std::string mjb = ::testing::TempDir() + "pdg_scene.mjb";
+  mj_saveModel(text.model(), mjb.c_str(), nullptr, 0);
+  const Scene binary = Scene::FromFile(mjb);
+  const ModelPtr model = LoadModel(xml);
+  const Scene host = Scene::FromModel(model.get());
+  EXPECT_EQ(host.model(), model.get());
+  for (const Scene* other : {&file, &binary, &host}) {
+    EXPECT_EQ(other->dof(), text.dof());
+    EXPECT_EQ(JointNames(*other), JointNames(text));
+    EXPECT_EQ(KeptPairs(*other), KeptPairs(text));
+    EXPECT_EQ(other->DefaultQpos(), text.DefaultQpos());
+  }
+}
+
+TEST_F(SceneTest, AFileMayReferToMeshesBesideIt) {
+  WriteFile("pdg_tetra.obj",
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n"
+            "f 2 3 4\n");
+  const std::string path = WriteFile("pdg_mesh.xml", R"(<mujoco><asset><mesh name="t"
+      file="pdg_tetra.obj"/></asset><worldbody><body><freejoint/><geom type="mesh" mesh="t"/></body>
+      </worldbody></mujoco>)");
+  EXPECT_EQ(Scene::FromFile(path).dof(), 6);
+}
+
+TEST_F(SceneTest, TheUsersModelIsNeverWrittenTo) {
+  Random rng(13);
+  for (int trial = 0; trial < 5; ++trial) {
+    const ModelPtr model = LoadModel(RandomRobotXml(rng));
+    model->opt.disableflags |= mjDSBL_CONTACT | mjDSBL_NATIVECCD;
+    model->opt.enableflags |= mjENBL_SLEEP;
+    const std::vector<char> before = ModelBytes(model.get());
+    {
+      const Scene scene = Scene::FromModel(model.get(), {.movable = {}, .root = "b2"});
+      ContactFinder finder(scene.tables());
+      const Eigen::VectorXd q = RandomConfiguration(scene, rng);
+      finder.Pose(q);
+      finder.Find(0.1);
+      ObjectNorm norm(scene, Metric::kDisplacement, ToVector(q));
+      norm.Sigma(scene.DefaultQpos());
+    }
+    EXPECT_EQ(ModelBytes(model.get()), before);
+  }
+}
+
+TEST_F(SceneTest, MovableBodiesKeepTheirOwnJointsAndSubtrees) {
+  const std::string xml = TwoTreesXml();
+  EXPECT_THAT(JointNames(Scene::FromString(xml)), ElementsAre("fa", "ha", "fb", "bb"));
+  const Scene below = Scene::FromString(xml, {.movable = {"a2", "b"}, .root = {}});
+  EXPECT_THAT(JointNames(below), ElementsAre("ha", "fb", "bb"));
+  EXPECT_EQ(below.dof(), 1 + 6 + 3);
+  EXPECT_EQ(below.nq(), 7 + 1 + 7 + 4);
+  const SceneTables& tables = below.tables();
+  EXPECT_THAT(std::vector<int>(tables.column_of_dof.begin(), tables.column_of_dof.begin() + 8),
+              ElementsAre(-1, -1, -1, -1, -1, -1, 0, 1));
+  const int a = mj_name2id(below.model(), mjOBJ_BODY, "a");
+  EXPECT_FALSE(tables.body_moves[a]);
+  EXPECT_TRUE(tables.body_moves[mj_name2id(below.model(), mjOBJ_BODY, "a2")]);
+  EXPECT_TRUE(tables.body_moves[mj_name2id(below.model(), mjOBJ_BODY, "b2")]);
+}
+
+TEST_F(SceneTest, ABodyBelowAMovableBodyIsMovableToo) {
+  const Scene scene = Scene::FromString(ArmXml(), {.movable = {"upper"}, .root = {}});
+  EXPECT_THAT(JointNames(scene), ElementsAre("shoulder", "reach", "wrist"));
+}
+
+TEST_F(SceneTest, BadNamesAreAnsweredWithKnownOnes) {
+  const std::string arm = ArmXml();
+  EXPECT_THAT(ErrorOf([&] { Scene::FromString(arm, {.movable = {"uper"}, .root = {}}); }),
+              AllOf(HasSubstr("'uper'"), HasSubstr("turret, upper")));
+  EXPECT_THAT(ErrorOf([&] { Scene::FromString(arm, {.movable = {}, .root = "palm"}); }),
+              HasSubstr("'palm'"));
+  EXPECT_THAT(ErrorOf([&] { Scene::FromString(arm, {.movable = {}, .root = "stand"}); }),
+              HasSubstr("'stand'"));
+  EXPECT_THAT(ErrorOf([&] { Scene::FromString(arm, {.movable = {"crate"}, .root = {}}); }),
+              HasSubstr("no joint"));
+}
+
+TEST_F(SceneTest, UnusableModelsAreRefusedByName) {
+  EXPECT_THAT(ErrorOf([] {
+                Scene::FromString("<mujoco><worldbody><geom size='1'/></worldbody></mujoco>");
+              }),
+              HasSubstr("no joints"));
+  EXPECT_THAT(ErrorOf([] {
+                Scene::FromString(
+                    "<mujoco><worldbody><flexcomp name='cloth' type='grid' "
+                    "count='3 3 1' spacing='.1 .1 .1' radius='.01' mass='1' "
+                    "dim='2'/></worldbody></mujoco>");
+              }),
+              AllOf(HasSubstr("flex"), HasSubstr("'cloth'")));
+  TakeMessages();  // MuJoCo warns about the cloth
+  EXPECT_THAT(ErrorOf([] { Scene::FromModel(nullptr); }), HasSubstr("null"));
+}
+
+TEST_F(SceneTest, BrokenXmlIsReportedOnOneLineWithItsPlace) {
+  const std::string unknown =
+      ErrorOf([] { Scene::FromString("<mujoco>\n<worldbody>\n<geomm/>\n</worldbody></mujoco>"); });
+  EXPECT_THAT(unknown, AllOf(HasSubstr("geomm"), HasSubstr("line 3"), Not(HasSubstr("\n"))));
+  const std::string syntax = ErrorOf([] { Scene::FromString("<mujoco><worldbody>"); });
+  EXPECT_THAT(syntax, AllOf(Not(HasSubstr("no Error")), Not(HasSubstr("\n"))));
+  const std::string path = WriteFile("pdg_bad.xml",
+                                     "<mujoco><worldbody><body><joint/></body>"
+                                     "</worldbody></mujoco>");  // no mass
+  EXPECT_THAT(ErrorOf([&] { Scene::FromFile(path); }),
+              AllOf(HasSubstr(path), HasSubstr("mass"), Not(HasSubstr("\n"))));
+}
+
+TEST_F(SceneTest, MissingFilesAndFoldersAreReportedWithTheirPath) {
+  EXPECT_THAT(ErrorOf([] { Scene::FromFile("/nowhere/robot.xml"); }),
+              AllOf(HasSubstr("/nowhere/robot.xml"), HasSubstr("no such file")));
+  EXPECT_THAT(ErrorOf([] { Scene::FromFile(::testing::TempDir()); }), HasSubstr("directory"));
+  const std::string path = WriteFile("pdg_nomesh.xml", R"(<mujoco><asset><mesh name="t"
+      file="pdg_not_there.obj"/></asset><worldbody><body><freejoint/><geom type="mesh" mesh="t"/>
+      </body></worldbody></mujoco>)");
+  EXPECT_THAT(ErrorOf([&] { Scene::FromFile(path); }), HasSubstr("pdg_not_there.obj"));
+}
+
+TEST_F(SceneTest, MocapBodiesAreObstaclesThatCanBePlaced) {
+  const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
+      <body name="m" mocap="true" pos="1 0 0"><geom size=".1"/></body>
+      <body name="a"><freejoint/><geom size=".1"/></body></worldbody></mujoco>)");
+  ASSERT_EQ(scene.num_kept_pairs(), 1);
+  EXPECT_EQ(scene.dof(), 6);
+  ContactFinder finder(scene.tables());
+  finder.Pose(ToEigen(scene.DefaultQpos()));
+  ASSERT_EQ(finder.Find(2).size(), 1u);
+  EXPECT_NEAR(finder.Find(2)[0].distance, 0.8, 1e-12);
+  finder.SetMocap({.pos = {0, 0.15, 0}, .quat = {1, 0, 0, 0}});
+  finder.Pose(ToEigen(scene.DefaultQpos()));
+  ASSERT_EQ(finder.Find(2).size(), 1u);
+  EXPECT_NEAR(finder.Find(2)[0].distance, -0.05, 1e-12);
+}
+
+TEST_F(SceneTest, ActiveEqualitiesAreListedByKindAndName) {
+  const std::string xml = R"(<mujoco><worldbody>
+      <body name="a"><joint name="x"/><geom size=".1"/></body>
+      <body name="b"><joint name="y"/><geom size=".1"/></body></worldbody><equality>
+      <connect name="loop" body1="a" body2="b" anchor="0 0 0"/><weld body1="a" body2="b"/>
+      <joint name="off" joint1="x" joint2="y" active="false"/>
+      <joint name="gear" joint1="x" joint2="y"/></equality></mujoco>)";
+  EXPECT_THAT(Scene::FromString(xml).ActiveEqualities(),
+              ElementsAre("connect 'loop'", "weld '#1'", "joint 'gear'"));
+  const ModelPtr model = LoadModel(xml);
+  model->opt.disableflags |= mjDSBL_EQUALITY;
+  EXPECT_TRUE(Scene::FromModel(model.get()).ActiveEqualities().empty());
+}
+
+TEST_F(SceneTest, ConfigurationsAreCheckedForSizeNumbersAndQuaternions) {
+  const Scene scene = Scene::FromString(TwoTreesXml());
+  const std::vector<double> good = scene.DefaultQpos();
+  scene.CheckConfiguration(good);
+  std::vector<double> bad = good;
+  bad.pop_back();
+  EXPECT_THAT(ErrorOf([&] { scene.CheckConfiguration(bad); }),
+              AllOf(HasSubstr("18"), HasSubstr("19")));
+  for (const double value : {std::numeric_limits<double>::quiet_NaN(),
+                             std::numeric_limits<double>::infinity(), -1e200}) {
+    bad = good;
+    bad[7] = value;
+    EXPECT_THAT(ErrorOf([&] { scene.CheckConfiguration(bad); }), HasSubstr("qpos[7]"));
+  }
+  for (const auto& [name, address] : {std::pair("fa", 3), std::pair("bb", 15)}) {
+    bad = good;
+    std::fill(bad.begin() + address, bad.begin() + address + 4, 0.0);
+    EXPECT_THAT(ErrorOf([&] { scene.CheckConfiguration(bad); }),
+                HasSubstr("'" + std::string(name) + "'"));
+  }
+}
+
+TEST_F(SceneTest, KeyframesAndNamesComeFromTheModel) {
+  const Scene scene = Scene::FromString(R"(<mujoco><worldbody><body><joint type="slide"/>
+      <joint name="t"/><geom size=".1"/><geom name="g" size=".1"/></body></worldbody><keyframe>
+      <key name="home" qpos="1 2"/><key qpos="3 4"/></keyframe></mujoco>)");
+  EXPECT_THAT(scene.KeyNames(), ElementsAre("home", ""));
+  EXPECT_THAT(scene.KeyQpos(1), ElementsAre(3, 4));
+  EXPECT_THAT(ErrorOf([&] { scene.KeyQpos(2); }), HasSubstr("2"));
+  EXPECT_EQ(scene.JointName(0) + scene.JointName(1) + scene.GeomName(0) + scene.GeomName(1),
+            "#0t#0g");
+}
+
+}  // namespace
+}  // namespace mjcf_pdg::test
