@@ -47,38 +47,54 @@ double NearestParameter(const Vector3d& a, const Vector3d& v, const Vector3d& ha
   return 1.0;
 }
 
-// Keeps the shallowest way out: the box moved along n by `depth` just touches the segment.
-void Consider(const Vector3d& n, const Vector3d& a, const Vector3d& b, const Vector3d& half,
-              double& depth, Vector3d& best) {
+// A direction n along which the box leaves the segment, and how far it must go.
+struct WayOut {
+  double depth = std::numeric_limits<double>::infinity();
+  Vector3d n = Vector3d::UnitX();
+  int edge = -1;  // n = edge direction × segment; -1: n is a face normal
+};
+
+// Keeps the shallowest: the box moved along n by `depth` just touches the segment.
+void Consider(const Vector3d& n, int edge, const Vector3d& a, const Vector3d& b,
+              const Vector3d& half, WayOut& best) {
   const double reach = std::max(n.dot(a), n.dot(b)) + n.cwiseAbs().dot(half);
-  if (reach < depth) {
-    depth = reach;
-    best = n;
-  }
+  if (reach < best.depth) best = {reach, n, edge};
+}
+
+// Where, seen along n, the segment crosses the box's edge that faces it: the common perpendicular.
+double CrossingParameter(const Vector3d& a, const Vector3d& v, const Vector3d& half,
+                         const WayOut& out) {
+  const Vector3d corner = (out.n.array() > 0.0).select(-half, half);
+  const Vector3d across = Vector3d::Unit(out.edge).cross(out.n);
+  return std::clamp(across.dot(corner - a) / across.dot(v), 0.0, 1.0);
 }
 
 // The segment meets the box: how far, and along which n, the box must move to leave it.
 SignedGap PiercingGap(const Vector3d& a, const Vector3d& b, const Vector3d& half) {
-  double depth = std::numeric_limits<double>::infinity();
-  Vector3d n = Vector3d::UnitX();
+  WayOut out;
   for (int i = 0; i < 3; ++i) {
     for (const double sign : {-1.0, 1.0}) {
-      Consider(sign * Vector3d::Unit(i), a, b, half, depth, n);
+      Consider(sign * Vector3d::Unit(i), -1, a, b, half, out);
       const Vector3d cross = Vector3d::Unit(i).cross(b - a);
       if (cross.norm() > 1e-9 * (b - a).norm()) {
-        Consider(sign * cross.normalized(), a, b, half, depth, n);
+        Consider(sign * cross.normalized(), i, a, b, half, out);
       }
     }
   }
-  // Witnesses: the segment's deepest point (its middle if parallel) and its shadow on the face.
+  // Witnesses: at a face the segment's deepest point (its middle if parallel) and its shadow; at an
+  // edge the crossing, since only there n · (v_2 - v_1) is the rate of the depth.
+  const double lean = out.n.dot(b) - out.n.dot(a);
+  double t = lean > 0.0 ? 1.0 : 0.0;
+  if (out.edge >= 0) {
+    t = CrossingParameter(a, b - a, half, out);
+  } else if (std::abs(lean) < 1e-12) {
+    t = NearestParameter(a, b - a, Vector3d::Zero());
+  }
   SignedGap gap;
-  const double lean = n.dot(b) - n.dot(a);
-  const double t = std::abs(lean) < 1e-12 ? NearestParameter(a, b - a, Vector3d::Zero())
-                                          : (lean > 0.0 ? 1.0 : 0.0);
-  gap.n = n;
-  gap.distance = -depth;
+  gap.n = out.n;
+  gap.distance = -out.depth;
   gap.p1 = a + t * (b - a);
-  gap.p2 = gap.p1 - depth * n;
+  gap.p2 = gap.p1 - out.depth * out.n;
   return gap;
 }
 

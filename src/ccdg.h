@@ -1,4 +1,5 @@
-// Certified continuous collision detection along a configuration line: the CCD of the paper's Alg. 2.
+// Certified continuous collision detection along a configuration line: the CCD of the paper's
+// Alg. 2.
 //
 // Source: Tang & Kim, Sec. 5.2, Eq. 21: the largest τ with q0 ⊕ τ·dq free, all joints at once.
 // Differs from it:
@@ -8,7 +9,7 @@
 //      looked at again only when its own proof has run out.
 //   3. Stops a little before touching, so that contact normals exist where it ends.
 //   4. A pair that starts inside the contact band (gliding) does not stop everything: it may go on
-//      as long as it is proven to stay above its floor.
+//      as long as it is proven to keep half of its margin, or -tolerance where it has none.
 #ifndef MJCF_PDG_SRC_CCDG_H_
 #define MJCF_PDG_SRC_CCDG_H_
 
@@ -24,7 +25,7 @@ struct CcdOptions {
   double tolerance = 1e-6;    // overlap beyond the required distance that is still free [m], > 0
   double gap = 4e-6;          // contact band: pairs stop between gap/2 and gap of it [m], > 0
   double sample_step = 1e-3;  // SDF and height field pairs are only looked at this often [m]
-  int max_poses = 3000;       // budget of one motion
+  int max_poses = 1000;       // budget of one motion
 };
 
 enum class CcdOutcome {
@@ -82,16 +83,15 @@ class Ccdg {
   void Start(const VectorXd& q0, const VectorXd& dq, const CcdOptions& options,
              const VectorXd* required);
   void PoseAt(double t);
-  bool StartInCollision();
   double Sweep();
   void RefreshBodies(int body_pair, double& next);
-  void RefreshPair(int body_pair, int pair, double& next);
+  void RefreshPair(int body_pair, int pair, double next);
   void RefreshContactOnly(int pair, double closing);
   Margin MarginOf(int pair, double enough);
   double ContactOnlyMargin(int pair);
-  void SetFloor(int pair, double margin);
-  double ProvenStep(int body_pair, int pair, const Margin& margin);
-  void Finish(CcdOutcome outcome, double t);
+  bool Admit(int pair, double margin);
+  double ProvenStep(int body_pair, int pair, const Margin& margin, double& closing);
+  const CcdResult& Finish(CcdOutcome outcome, double t);
 
   double Required(int pair) const {
     return required_ ? (*required_)[pair] : -tables_.pairs[pair].allowed;
@@ -105,16 +105,19 @@ class Ccdg {
   CcdOptions options_;
   const VectorXd* required_ = nullptr;
   VectorXd q0_, dq_, step_;
-  double end_ = 1.0;     // where the limits end the line
-  double t_ = 0.0;       // of the pose
-  double free_t_ = 0.0;  // [0, free_t_] is free
-  bool rejected_ = false;   // a contact-only pair is below its floor at t_
-  bool contacts_known_ = false;  // mj_collision ran at this pose
+  double end_ = 1.0;        // where the limits end the line
+  double t_ = 0.0;          // of the pose
+  double free_t_ = 0.0;     // [0, free_t_] is free
+  bool first_ = true;       // the pose is the start: every moving pair is looked at
+  bool colliding_ = false;  // some pair overlaps at the start
+  bool rejected_ = false;   // a pair is below its floor at t_: [0, t_] is not free
+  bool retry_ = false;      // ... and an earlier t is worth a look
+  const std::vector<NearPair>* contacts_ = nullptr;  // of contact-only pairs at this pose, if known
   std::vector<PairState> states_;
   std::vector<double> bodies_safe_;
-  std::vector<double> least_required_;  // per body pair
-  std::vector<int> moving_;             // body pairs
-  int critical_ = -1;                   // index into moving_ of the body pair that ended the step
+  std::vector<double> bodies_required_;  // the largest of the body pair's [m]
+  std::vector<int> moving_;              // body pairs
+  int critical_ = -1;                    // index into moving_ of the body pair that ended the step
   CcdResult result_;
 };
 

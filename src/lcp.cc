@@ -12,6 +12,7 @@ using Eigen::VectorXd;
 
 // A row whose part independent of the free rows is below this share counts as dependent.
 constexpr double kDependent = 1e-9;
+constexpr double kIndependent = 1e-6;  // a guessed row must stand out more than that
 
 }  // namespace
 
@@ -39,12 +40,14 @@ LcpOutcome SolveProjectedGaussSeidel(const Eigen::Ref<const MatrixXd>& G, const 
 }
 
 LcpOutcome ActiveSetLcp::Solve(const ConstMatrix& G, const VectorXd& b, const VectorXd& mu,
-                               const LcpOptions& options, VectorXd& lambda) {
+                               const LcpOptions& options, const std::vector<int>& guess,
+                               VectorXd& lambda) {
   lambda.setZero(b.size());
   side_.assign(b.size(), Side::kLow);
   free_.clear();
   norms_ = G.colwise().norm();
-  slack_ = b;
+  StartFrom(G, b, mu, guess, lambda);
+  UpdateSlack(G, b, lambda);
   LcpOutcome outcome;
   while (outcome.steps < options.max_steps) {
     const int row = MostViolated(options.tolerance);
@@ -53,12 +56,49 @@ LcpOutcome ActiveSetLcp::Solve(const ConstMatrix& G, const VectorXd& b, const Ve
       break;
     }
     Enter(G, mu, row, lambda);
-    x_.noalias() = G * lambda;
-    slack_ = b;
-    slack_.noalias() -= G.transpose() * x_;
+    UpdateSlack(G, b, lambda);
     ++outcome.steps;
   }
   return outcome;
+}
+
+void ActiveSetLcp::UpdateSlack(const ConstMatrix& G, const VectorXd& b, const VectorXd& lambda) {
+  x_.setZero(G.rows());
+  for (Eigen::Index i = 0; i < lambda.size(); ++i) {
+    if (lambda[i] != 0.0) x_ += lambda[i] * G.col(i);
+  }
+  slack_ = b;
+  slack_.noalias() -= G.transpose() * x_;
+}
+
+// Frees the guessed rows that are independent, solves for their multipliers, and lets go of those
+// that come out beyond their bounds until none does.
+void ActiveSetLcp::StartFrom(const ConstMatrix& G, const VectorXd& b, const VectorXd& mu,
+                             const std::vector<int>& guess, VectorXd& lambda) {
+  for (const int row : guess) {
+    if (norms_[row] <= 0.0) continue;
+    if (SolveFree(G, row) > kIndependent * norms_[row] * norms_[row]) AddFree(row);
+  }
+  while (!free_.empty()) {
+    const int f = static_cast<int>(free_.size());
+    direction_.resize(f);
+    for (int k = 0; k < f; ++k) direction_[k] = b[free_[k]];
+    factor_ = gram_.topLeftCorner(f, f);
+    Eigen::LLT<Eigen::Ref<MatrixXd>> llt(factor_);
+    llt.solveInPlace(direction_);
+    bool dropped = false;
+    for (int k = f - 1; k >= 0; --k) {
+      if (direction_[k] > 0.0 && direction_[k] < mu[free_[k]]) continue;
+      RemoveFree(k);
+      dropped = true;
+    }
+    if (dropped) continue;
+    for (int k = 0; k < f; ++k) {
+      lambda[free_[k]] = direction_[k];
+      side_[free_[k]] = Side::kFree;
+    }
+    return;
+  }
 }
 
 int ActiveSetLcp::MostViolated(double tolerance) const {
@@ -75,16 +115,32 @@ int ActiveSetLcp::MostViolated(double tolerance) const {
   return worst;
 }
 
-// direction_ = (G_FᵀG_F)⁻¹ G_Fᵀ g for the free set F and g = G_row. Returns what of ‖g‖² is left.
+// gram_ gains a row for `row`, which becomes the last of the free rows.
+void ActiveSetLcp::AddFree(int row) {
+  const int f = static_cast<int>(free_.size());
+  if (gram_.rows() <= f) gram_.conservativeResize(2 * f + 8, 2 * f + 8);
+  for (int k = 0; k < f; ++k) gram_(f, k) = cross_[k];
+  gram_(f, f) = norms_[row] * norms_[row];
+  free_.push_back(row);
+}
+
+void ActiveSetLcp::RemoveFree(int k) {
+  const int f = static_cast<int>(free_.size());
+  for (int i = k; i + 1 < f; ++i) {
+    for (int j = 0; j <= i; ++j) gram_(i, j) = gram_(i + 1, j < k ? j : j + 1);
+  }
+  free_.erase(free_.begin() + k);
+}
+
+// direction_ = (G_FᵀG_F)⁻¹ G_Fᵀ g for the free set F and g = G_row; cross_ = G_Fᵀ g. Returns what of
+// ‖g‖² is left beside F.
 double ActiveSetLcp::SolveFree(const ConstMatrix& G, int row) {
   const int f = static_cast<int>(free_.size());
-  factor_.resize(f, f);
-  direction_.resize(f);
-  for (int i = 0; i < f; ++i) {
-    for (int j = 0; j <= i; ++j) factor_(i, j) = G.col(free_[i]).dot(G.col(free_[j]));
-    direction_[i] = G.col(free_[i]).dot(G.col(row));
-  }
+  cross_.resize(f);
+  for (int k = 0; k < f; ++k) cross_[k] = G.col(free_[k]).dot(G.col(row));
+  factor_ = gram_.topLeftCorner(f, f);
   Eigen::LLT<Eigen::Ref<MatrixXd>> llt(factor_);
+  direction_ = cross_;
   llt.matrixL().solveInPlace(direction_);
   const double left = norms_[row] * norms_[row] - direction_.squaredNorm();
   llt.matrixU().solveInPlace(direction_);
@@ -122,7 +178,7 @@ void ActiveSetLcp::Enter(const ConstMatrix& G, const VectorXd& mu, int row, Vect
     if (leaving < 0) {
       const bool stays_free = to_zero_slack < own_room;
       side_[row] = stays_free ? Side::kFree : sign > 0.0 ? Side::kHigh : Side::kLow;
-      if (stays_free) free_.push_back(row);
+      if (stays_free) AddFree(row);
       if (!stays_free) lambda[row] = sign > 0.0 ? mu[row] : 0.0;
       return;
     }
@@ -130,7 +186,7 @@ void ActiveSetLcp::Enter(const ConstMatrix& G, const VectorXd& mu, int row, Vect
     const bool high = -sign * direction_[leaving] > 0.0;
     side_[left] = high ? Side::kHigh : Side::kLow;
     lambda[left] = high ? mu[left] : 0.0;
-    free_.erase(free_.begin() + leaving);
+    RemoveFree(leaving);
   }
 }
 

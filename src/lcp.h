@@ -37,18 +37,30 @@ LcpOutcome SolveProjectedGaussSeidel(const Eigen::Ref<const Eigen::MatrixXd>& G,
                                      const Eigen::VectorXd& b, const Eigen::VectorXd& mu,
                                      const LcpOptions& options, Eigen::VectorXd& lambda);
 
-// Active-set method from λ = 0. Keeps scratch between calls. μ must be finite.
+// Active-set method. Keeps scratch between calls. μ must be finite.
 class ActiveSetLcp {
  public:
+  // `guess`: rows believed to lie strictly between their bounds (warm start); wrong ones cost time
+  // only.
   LcpOutcome Solve(const Eigen::Ref<const Eigen::MatrixXd>& G, const Eigen::VectorXd& b,
-                   const Eigen::VectorXd& mu, const LcpOptions& options, Eigen::VectorXd& lambda);
+                   const Eigen::VectorXd& mu, const LcpOptions& options,
+                   const std::vector<int>& guess, Eigen::VectorXd& lambda);
+
+  // Rows strictly between their bounds in the last solution.
+  const std::vector<int>& free_rows() const { return free_; }
 
  private:
   enum class Side : char { kLow, kFree, kHigh };
   using ConstMatrix = Eigen::Ref<const Eigen::MatrixXd>;
 
+  void StartFrom(const ConstMatrix& G, const Eigen::VectorXd& b, const Eigen::VectorXd& mu,
+                 const std::vector<int>& guess, Eigen::VectorXd& lambda);
+  void UpdateSlack(const ConstMatrix& G, const Eigen::VectorXd& b,
+                   const Eigen::VectorXd& lambda);
   int MostViolated(double tolerance) const;
   void Enter(const ConstMatrix& G, const Eigen::VectorXd& mu, int row, Eigen::VectorXd& lambda);
+  void AddFree(int row);
+  void RemoveFree(int k);
   double SolveFree(const ConstMatrix& G, int row);
 
   std::vector<Side> side_;
@@ -56,7 +68,9 @@ class ActiveSetLcp {
   Eigen::VectorXd norms_;      // of G's columns
   Eigen::VectorXd slack_;      // b - GᵀG λ: positive where a constraint is violated
   Eigen::VectorXd x_;          // G λ
-  Eigen::MatrixXd factor_;     // of the free rows' Gram matrix
+  Eigen::MatrixXd gram_;       // G_FᵀG_F of the free rows, lower triangle
+  Eigen::MatrixXd factor_;     // its Cholesky factor
+  Eigen::VectorXd cross_;      // G_Fᵀ g for the entering row g
   Eigen::VectorXd direction_;  // how the free multipliers answer to the entering one
 };
 

@@ -10,7 +10,10 @@ constexpr int kMaxContactRows = 48;
 constexpr double kFirstPrice = 10.0;   // μ [m]
 constexpr double kHighestPrice = 1e4;
 constexpr double kLimitPrice = 1e6;    // joint limits give way to nothing
+constexpr double kNearKnown = 0.1;      // √σ to a known optimum, in units of its own √σ
 constexpr int kPatience = 2;           // steps without progress before the trust radius shrinks
+// Levenberg-Marquardt: a tenth after each better step, tenfold after a streak of worse ones.
+constexpr double kFirstDamping = 0.1, kLeastDamping = 1e-5, kRenewedDamping = 1e-4;
 constexpr double kLeastRadius = 1e-7;  // [m]
 // Margins within which pairs get rows, in units of the scene's size; later three times the step.
 constexpr double kFirstMargin = 0.25, kLeastMargin = 0.02, kLargestMargin = 1.0;
@@ -54,14 +57,16 @@ void LocalOptimization::Linearize(const Iterate& at, double margin) {
   rows_.Clear(tables.n);
   for (const NearPair* near : nearest) {
     const double offset = problem_.tolerances.aim - problem_.required[near->pair];
-    const int row = rows_.Append(near->distance + offset, true);
+    const int key = near->pair * (WitnessMemory::kPerPair + 1);
+    const int row = rows_.Append(near->distance + offset, key);
     ContactRow(tables, posed, near->pair, near->p1_W, near->p2_W, near->n_W, rows_.C.row(row));
-    memory_.ForEach(tables, posed, *near, merge, [&](const Vector3d& p1_W, const Vector3d& p2_W) {
+    auto append_remembered = [&](int slot, const Vector3d& p1_W, const Vector3d& p2_W) {
       const double distance = near->n_W.dot(p2_W - p1_W);
       if (distance > margin) return;
-      const int extra = rows_.Append(distance + offset, true);
+      const int extra = rows_.Append(distance + offset, key + 1 + slot);
       ContactRow(tables, posed, near->pair, p1_W, p2_W, near->n_W, rows_.C.row(extra));
-    });
+    };
+    memory_.ForEach(tables, posed, *near, merge, append_remembered);
     memory_.Add(tables, posed, *near, merge);
   }
   AppendLimitRows(tables, at.q, kLimitReach, rows_);
@@ -72,6 +77,7 @@ double LocalOptimization::SolveStep(double trust_radius) {
   const int n = problem_.tables.n, m = rows_.m;
   // H = JᵀJ = L Lᵀ; z = Lᵀ dq; y = L⁻¹ Jᵀ r; G = L⁻¹ Cᵀ.
   problem_.norm.InnerProduct(J_, H_);
+  AddDamping();
   whitening_.Factor(H_, problem_.norm.blocks());
   y_.noalias() = J_.transpose() * r_;
   whitening_.SolveLower(y_);
@@ -80,19 +86,42 @@ double LocalOptimization::SolveStep(double trust_radius) {
   b_ = -rows_.gap.head(m);
   b_.noalias() += G_.transpose() * y_;
   bounds_.resize(m);
-  for (int i = 0; i < m; ++i) bounds_[i] = rows_.elastic[i] ? mu_ : kLimitPrice;
+  for (int i = 0; i < m; ++i) bounds_[i] = rows_.IsLimit(i) ? kLimitPrice : mu_;
   LcpOptions options;
   options.max_steps = 10 * (n + m);
   options.tolerance = 0.01 * problem_.tolerances.user;
-  lcp_steps_ += lcp_.Solve(G_, b_, bounds_, options, lambda_).steps;
+  guess_.clear();
+  for (int i = 0; i < m; ++i) {
+    if (std::find(active_.begin(), active_.end(), rows_.key[i]) != active_.end()) {
+      guess_.push_back(i);
+    }
+  }
+  lcp_steps_ += lcp_.Solve(G_, b_, bounds_, options, guess_, lambda_).steps;
+  active_.clear();
+  for (const int row : lcp_.free_rows()) active_.push_back(rows_.key[row]);
   z_ = -y_;
   z_.noalias() += G_ * lambda_;
-  predicted_sigma_ = (y_ + z_).squaredNorm();
-  const double length = z_.norm();
-  if (length > trust_radius) z_ *= trust_radius / length;
   dq_ = z_;
   whitening_.SolveUpper(dq_);
-  return std::min(length, trust_radius);
+  moved_ = J_ * dq_;
+  const double length = moved_.norm();
+  const double scale = length > trust_radius ? trust_radius / length : 1.0;
+  dq_ *= scale;
+  moved_ *= scale;
+  predicted_sigma_ = (r_ + moved_).squaredNorm();
+  return scale * length;
+}
+
+// The norm hardly sees light links: without damping, small gains turn them far and the
+// linearization is lost. Rotations count as translations of the scene's size.
+void LocalOptimization::AddDamping() {
+  const double rotation = damping_ * problem_.size * problem_.size;
+  for (const JointEntry& joint : problem_.tables.joints) {
+    for (int k = 0; k < joint.ndof; ++k) {
+      const bool slides = joint.type == mjJNT_SLIDE || (joint.type == mjJNT_FREE && k < 3);
+      H_(joint.col + k, joint.col + k) += slides ? damping_ : rotation;
+    }
+  }
 }
 
 void LocalOptimization::Keep(const Iterate& it, LocalResult& result) const {
@@ -119,8 +148,16 @@ double LocalOptimization::Step(const Iterate& current, double radius, double mar
   return length;
 }
 
+// By the norm's local metric: close enough to the known optimum to end there.
+bool LocalOptimization::NearKnown(const VectorXd& q, const LocalOptions& options) {
+  if (!options.known) return false;
+  Difference(problem_.tables, q, *options.known, apart_);
+  return (J_ * apart_).squaredNorm() < kNearKnown * kNearKnown * options.known_sigma;
+}
+
 LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& options) {
   memory_.Clear(problem_.tables.pairs.size());
+  active_.clear();
   mu_ = kFirstPrice;
   LocalResult result;
   Iterate best, current, trial;
@@ -129,6 +166,7 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
   current = best;
   posed_ = &current;
   double radius = options.trust_radius;
+  damping_ = kFirstDamping;
   int impatience = 0, settled = 0, hopeless = 0;
   while (result.iterations < options.max_iterations && !problem_.Expired()) {
     ++result.iterations;
@@ -137,10 +175,15 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
     Keep(trial, result);
     hopeless = Free(trial) && predicted_sigma_ > options.give_up_sigma ? hopeless + 1 : 0;
     if (hopeless >= 2) break;
+    result.reached_known = NearKnown(trial.q, options);
+    if (result.reached_known) break;
     const bool small = length < 1e-7 + 1e-4 * std::sqrt(trial.sigma);
     const bool better = Merit(trial) < Merit(best);
     impatience = better ? 0 : impatience + 1;
-    if (better) best = trial;
+    if (better) {
+      best = trial;
+      damping_ = damping_ > kLeastDamping ? 0.1 * damping_ : 0.0;
+    }
     std::swap(current, trial);
     posed_ = &current;
     if (Free(current)) {
@@ -156,7 +199,8 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
       impatience = 0;
     }
     if (impatience > kPatience) {
-      radius = std::min(radius, length) / 4.0;
+      radius = 0.5 * std::min(radius, length);
+      damping_ = 10.0 * std::max(damping_, kRenewedDamping);
       if (radius < kLeastRadius) break;
       current = best;
       posed_ = nullptr;

@@ -27,11 +27,14 @@ struct LocalOptions {
   double trust_radius = 0.3;     // largest step, √σ units [m]
   double convergence = 1e-4;     // relative decrease of σ that still counts
   double give_up_sigma = std::numeric_limits<double>::infinity();  // a worse prediction ends it [m²]
+  const VectorXd* known = nullptr;  // an optimum already found: coming close to it ends it
+  double known_sigma = 0.0;         // [m²]
 };
 
 struct LocalResult {
   VectorXd q;
   double sigma = std::numeric_limits<double>::infinity();  // [m²]
+  bool reached_known = false;  // ended within a few percent of LocalOptions::known
   bool free = false;     // by the solver's own distances
   double violation = 0;  // Σ over pairs of the overlap beyond what is accepted [m]
   int iterations = 0;
@@ -58,7 +61,9 @@ class LocalOptimization {
 
   void Evaluate(const VectorXd& q, double margin, Iterate& out);
   void Linearize(const Iterate& at, double margin);
-  // Solves for the step at the current linearization; returns its length ‖z‖ [m].
+  bool NearKnown(const VectorXd& q, const LocalOptions& options);
+  void AddDamping();
+  // Solves for the step at the current linearization; returns its length ‖J dq‖ [m].
   double SolveStep(double trust_radius);
   double Step(const Iterate& current, double radius, double margin, Iterate& trial);
   void Keep(const Iterate& it, LocalResult& result) const;
@@ -69,12 +74,15 @@ class LocalOptimization {
   WitnessMemory memory_;
   ContactRows rows_;
   ActiveSetLcp lcp_;
+  std::vector<int> active_;  // keys of the rows that the last step pressed on
+  std::vector<int> guess_;
   int lcp_steps_ = 0;
   double mu_ = 0.0;
   double predicted_sigma_ = 0.0;
+  double damping_ = 0.0;
   const Iterate* posed_ = nullptr;  // whose pose the contact finder holds
 
-  VectorXd next_, r_, z_, dq_, y_, lambda_, b_, bounds_;
+  VectorXd apart_, moved_, next_, r_, z_, dq_, y_, lambda_, b_, bounds_;
   MatrixXd J_, H_, G_;
   BlockCholesky whitening_;
 };

@@ -14,6 +14,11 @@ Vector3d Across(const Vector3d& v, const Vector3d& unit) { return v - unit.dot(v
 
 }  // namespace
 
+double CoreRadius(const mjModel& model, int geom) {
+  const int type = model.geom_type[geom];
+  return type == mjGEOM_SPHERE || type == mjGEOM_CAPSULE ? model.geom_size[3 * geom] : 0.0;
+}
+
 MotionBound::MotionBound(const SceneTables& tables) : tables_(tables) {
   const mjModel& m = *tables.model;
   motions_of_body_.resize(m.nbody);
@@ -93,8 +98,8 @@ void MotionBound::SetPose(const PosedModel& posed) {
   for (Motion& motion : motions_) {
     if (motion.speed <= 0.0) continue;
     const JointEntry& joint = tables_.joints[motion.joint];
-    motion.anchor_W = AsVector(joint.type == mjJNT_FREE ? d.xpos + 3 * joint.body
-                                                        : d.xanchor + 3 * joint.id);
+    motion.anchor_W =
+        AsVector(joint.type == mjJNT_FREE ? d.xpos + 3 * joint.body : d.xanchor + 3 * joint.id);
     if (joint.ndof == 1) {
       motion.rate_W = path_[joint.col] * AsVector(d.xaxis + 3 * joint.id);
     } else if (motion.rotates) {  // given in the body's frame; no rotation follows a ball
@@ -116,8 +121,8 @@ double MotionBound::Extent::FarFromAxis(const Vector3d& p_W, const Vector3d& uni
   if (!has_box) return by_sphere;
   double across = 0.0;
   for (int i = 0; i < 3; ++i) across += half[i] * Across(R.col(i), unit_W).norm();
-  return std::min(by_sphere, Across(box_center_W - p_W, unit_W).norm() +
-                                 std::min(across, half.norm()));
+  return std::min(by_sphere,
+                  Across(box_center_W - p_W, unit_W).norm() + std::min(across, half.norm()));
 }
 
 MotionBound::Extent MotionBound::BodyExtent(const SceneTables& tables, const PosedModel& posed,
@@ -135,10 +140,13 @@ MotionBound::Extent MotionBound::GeomExtent(const PosedModel& posed, int geom) {
   const mjData& d = *posed.data();
   Extent extent;
   extent.center_W = AsVector(d.geom_xpos + 3 * geom);
-  extent.radius = m.geom_type[geom] == mjGEOM_PLANE ? kInfinity : m.geom_rbound[geom];
+  extent.radius = kInfinity;
+  if (m.geom_type[geom] == mjGEOM_PLANE) return extent;
+  const double core = CoreRadius(m, geom);
+  if (m.geom_rbound[geom] > 0.0) extent.radius = m.geom_rbound[geom] - core;
   extent.half = AsVector(m.geom_aabb + 6 * geom + 3);
-  extent.has_box = m.geom_type[geom] != mjGEOM_PLANE && extent.half.maxCoeff() > 0.0;
-  if (extent.radius <= 0.0) extent.radius = kInfinity;
+  extent.has_box = extent.half.maxCoeff() > 0.0;
+  extent.half = (extent.half.array() - core).cwiseMax(0.0);
   if (extent.has_box) {
     extent.R = AsMatrix(d.geom_xmat + 9 * geom);
     extent.box_center_W = extent.center_W + extent.R * AsVector(m.geom_aabb + 6 * geom);
@@ -206,11 +214,15 @@ double MotionBound::Acceleration(Range range, bool of_first, const std::vector<d
   return acceleration;
 }
 
-double MotionBound::BodiesClosing(const PosedModel& posed, int body_pair, double horizon) {
+double MotionBound::BodiesClosing(const PosedModel& posed, int body_pair, double horizon,
+                                  double& distance) {
   const BodyPair& bodies = tables_.body_pairs[body_pair];
   const Range range = active_[body_pair];
-  FillLevers(range, true, BodyExtent(tables_, posed, bodies.body1), horizon, levers1_, travels1_);
-  FillLevers(range, false, BodyExtent(tables_, posed, bodies.body2), horizon, levers2_, travels2_);
+  const Extent first = BodyExtent(tables_, posed, bodies.body1);
+  const Extent second = BodyExtent(tables_, posed, bodies.body2);
+  distance = (first.center_W - second.center_W).norm() - first.radius - second.radius;
+  FillLevers(range, true, first, horizon, levers1_, travels1_);
+  FillLevers(range, false, second, horizon, levers2_, travels2_);
   return Closing(range);
 }
 

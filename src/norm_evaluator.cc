@@ -57,6 +57,9 @@ Matrix3d SqrtOf(const Matrix3d& inertia) {
          eigen.eigenvectors().transpose();
 }
 
+// The first moving body above `body`: trees may share a static stand.
+int TopBody(const mjModel& m, int body) { return m.tree_bodyadr[m.body_treeid[body]]; }
+
 }  // namespace
 
 struct NormEvaluator::Piece {
@@ -181,7 +184,8 @@ void NormEvaluator::AddSequentialTerms() {
 // Another root link: its pose moves the whole tree; a joint on the path to it moves the other side.
 void NormEvaluator::AddRootTerms(int root_body) {
   const mjModel& m = *tables_.model;
-  const int top = m.body_rootid[root_body];
+  const int top = TopBody(m, root_body);
+  if (root_body == top) return AddSequentialTerms();
   const std::vector<char> tree = Outboard(top);
   std::vector<char> on_path(m.nbody, 0);
   for (int b = root_body; b != 0; b = m.body_parentid[b]) on_path[b] = 1;
@@ -312,7 +316,11 @@ double NormEvaluator::TermSigma(const NormTerm& term, const VectorXd& r) const {
 std::string NormEvaluator::TermName(const NormTerm& term) const {
   const bool is_joint = term.joint >= 0;
   const int id = is_joint ? tables_.joints[term.joint].id : term.body;
-  if (!is_joint && metric_ == Metric::kSequential) return "root";
+  // The top body's own joints are the root's pose change, where it is the root.
+  const int root = metric_ == Metric::kSequential ? tables_.root_body : -1;
+  if (root >= 0 && (!is_joint || tables_.joints[term.joint].body == TopBody(*tables_.model, root))) {
+    return "root";
+  }
   const char* name = mj_id2name(tables_.model, is_joint ? mjOBJ_JOINT : mjOBJ_BODY, id);
   return name && *name ? name : "#" + std::to_string(id);
 }

@@ -39,7 +39,12 @@ std::vector<NormPart> ObjectNorm::Parts(const std::vector<double>& q) {
   impl_->evaluator.Residual(ToEigen(q), r);
   std::vector<NormPart> parts;
   for (const NormTerm& term : impl_->evaluator.terms()) {
-    parts.push_back({impl_->evaluator.TermName(term), impl_->evaluator.TermSigma(term, r)});
+    NormPart part{impl_->evaluator.TermName(term), impl_->evaluator.TermSigma(term, r)};
+    if (part.name == "root" && !parts.empty() && parts.back().name == "root") {
+      parts.back().sigma += part.sigma;  // a top body with several joints
+    } else {
+      parts.push_back(part);
+    }
   }
   return parts;
 }

@@ -56,7 +56,7 @@ double Search::BestSigma() const {
 }
 
 int Search::Agreeing() const {
-  int count = 0;
+  int count = outcome_.confirmed;
   for (const Candidate& c : outcome_.free) count += c.sigma <= kAgreement * BestSigma();
   return count;
 }
@@ -76,14 +76,20 @@ void Search::Try(const VectorXd& q, const std::string& start, const LocalOptions
   if (problem_.Expired() && outcome_.starts > 0) return;
   ++outcome_.starts;
   LocalOptions bounded = options;
-  if (HasFree()) bounded.give_up_sigma = kGiveUp * BestSigma();
+  if (HasFree()) {
+    bounded.give_up_sigma = kGiveUp * BestSigma();
+    bounded.known = &outcome_.free.front().q;
+    bounded.known_sigma = BestSigma();
+  }
   LocalResult result = local_.Run(q, bounded);
   outcome_.iterations += result.iterations;
+  outcome_.confirmed += result.reached_known;
   if (result.free) {
     Candidate candidate{std::move(result.q), result.sigma, start};
     auto place = std::upper_bound(
         outcome_.free.begin(), outcome_.free.end(), candidate,
         [](const Candidate& a, const Candidate& b) { return a.sigma < b.sigma; });
+    if (candidate.sigma * kAgreement < BestSigma()) outcome_.confirmed = 0;
     outcome_.free.insert(place, std::move(candidate));
   } else if (outcome_.least_overlap.q.size() == 0 ||
              result.violation < outcome_.least_overlap.violation) {

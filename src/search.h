@@ -28,6 +28,7 @@ struct SearchOutcome {
   std::vector<Candidate> free;  // best first
   LocalResult least_overlap;    // best configuration that is not free; q empty if none was needed
   std::string least_overlap_start;
+  int confirmed = 0;  // starts that ended at the best candidate's door
   int starts = 0;
   int iterations = 0;
 };

@@ -74,6 +74,12 @@ double Separation::MeshSupport(int mesh, const Vector3d& direction) const {
 }
 
 double Separation::Support(const PosedModel& posed, int geom, const Vector3d& direction_W) const {
+  return CoreSupport(posed, geom, direction_W) +
+         CoreRadius(*posed.model(), geom) * direction_W.norm();
+}
+
+double Separation::CoreSupport(const PosedModel& posed, int geom,
+                               const Vector3d& direction_W) const {
   const mjModel& m = *posed.model();
   const double* size = m.geom_size + 3 * geom;
   const double at_center = direction_W.dot(AsVector(posed.data()->geom_xpos + 3 * geom));
@@ -82,9 +88,9 @@ double Separation::Support(const PosedModel& posed, int geom, const Vector3d& di
     case mjGEOM_PLANE:  // a half space, bounded only along its own normal
       return u.z() > 0.0 && u.head<2>().norm() <= 1e-14 * u.z() ? at_center : kInfinity;
     case mjGEOM_SPHERE:
-      return at_center + size[0] * u.norm();
+      return at_center;
     case mjGEOM_CAPSULE:
-      return at_center + size[0] * u.norm() + size[1] * std::abs(u.z());
+      return at_center + size[1] * std::abs(u.z());
     case mjGEOM_ELLIPSOID:
       return at_center + u.cwiseProduct(AsVector(size)).norm();
     case mjGEOM_CYLINDER:
@@ -107,21 +113,23 @@ double Separation::SafeStep(const PosedModel& posed, const KeptPair& pair, const
                             const RelativeMotion& motion, double floor, double horizon) const {
   const double speed = n_W.dot(motion.v_W);
   const Vector3d tilt = n_W.cross(motion.omega_W);
+  const double radii =
+      CoreRadius(*posed.model(), pair.geom1) + CoreRadius(*posed.model(), pair.geom2);
   double best = 0.0;
   if (std::isfinite(motion.acceleration1)) {  // geom 1 moves, geom 2 and the plane rest
-    const double other = -Support(posed, pair.geom2, -n_W) - floor;
+    const double other = -CoreSupport(posed, pair.geom2, -n_W) - radii - floor;
     best = ConcaveRoot(
         [&](double h) {
-          return other - Support(posed, pair.geom1, n_W + h * tilt) - h * speed -
+          return other - CoreSupport(posed, pair.geom1, n_W + h * tilt) - h * speed -
                  0.5 * h * h * motion.acceleration1;
         },
         horizon);
   }
   if (best < horizon && std::isfinite(motion.acceleration2)) {  // the other way round
-    const double other = -Support(posed, pair.geom1, n_W) - floor;
+    const double other = -CoreSupport(posed, pair.geom1, n_W) - radii - floor;
     const double step = ConcaveRoot(
         [&](double h) {
-          return other - Support(posed, pair.geom2, -n_W + h * tilt) - h * speed -
+          return other - CoreSupport(posed, pair.geom2, -n_W + h * tilt) - h * speed -
                  0.5 * h * h * motion.acceleration2;
         },
         horizon);

@@ -32,12 +32,13 @@ class Separation {
   double Support(const PosedModel& posed, int geom, const Vector3d& direction_W) const;
 
  private:
+  double CoreSupport(const PosedModel& posed, int geom, const Vector3d& direction_W) const;
   double MeshSupport(int mesh, const Vector3d& direction) const;
 
   struct Hull {
     int begin = 0, end = 0;
   };
-  std::vector<Hull> hulls_;                 // nmesh, into vertices_
+  std::vector<Hull> hulls_;                           // nmesh, into vertices_
   Eigen::Matrix<float, 3, Eigen::Dynamic> vertices_;  // as MuJoCo stores them
 };
 

@@ -211,7 +211,7 @@ void Verifier::SetMocap(const MocapPoses& poses) {
 void Verifier::UpdateRest(const std::vector<double>& q_in) {
   for (std::size_t i = 0; i < required_.size(); ++i) {
     const KeptPair& pair = tables_.pairs[i];
-    required_[i] = pair.moves && clearance_ > 0.0 ? clearance_ : -pair.allowed;
+    required_[i] = (pair.moves ? clearance_ : 0.0) - pair.allowed;
   }
   rest_q_in_ = q_in;
   if (q_in.empty()) return;

@@ -1,6 +1,7 @@
 #include "mjcf_pdg/scene.h"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -23,8 +24,13 @@ using ::testing::Not;
 
 class SceneTest : public MujocoTest {};
 
+// Not shared with another run of the tests at the same time.
+std::string TempPath(const std::string& name) {
+  return ::testing::TempDir() + "pdg" + std::to_string(getpid()) + name;
+}
+
 std::string WriteFile(const std::string& name, const std::string& text) {
-  const std::string path = ::testing::TempDir() + name;
+  const std::string path = TempPath(name);
   std::ofstream(path, std::ios::binary) << text;
   return path;
 }
@@ -112,6 +118,46 @@ TEST_F(SceneTest, KeptPairsAreThoseThatMuJoCoFiltersKeep) {
   EXPECT_LT(kept, possible * 4 / 5);
 }
 
+TEST_F(SceneTest, PairsOfTypesThatMujocoCannotCollideAreNotKept) {
+  const std::string geoms[] = {"type='plane' size='0 0 1' pos='0 0 .05'",
+                               "type='hfield' hfield='h'",
+                               "size='.2'",
+                               "type='capsule' size='.2 .2'",
+                               "type='ellipsoid' size='.2 .2 .2'",
+                               "type='cylinder' size='.2 .2'",
+                               "type='box' size='.2 .2 .2'",
+                               "type='mesh' mesh='t'",
+                               "type='sdf' mesh='t'"};
+  for (int first = 2; first < 9; ++first) {
+    for (const std::string& second : geoms) {
+      if (first == mjGEOM_SDF && second == geoms[mjGEOM_HFIELD]) continue;  // only warns
+      const Scene scene = Scene::FromString(
+          R"(<mujoco><asset><hfield name="h" nrow="2" ncol="2" size="1 1 .2 .2" elevation="0 1 1 1"/>
+          <mesh name="t" vertex="-.3 -.3 -.3 .5 0 0 0 .5 0 0 0 .5"/></asset><worldbody><geom )" +
+          second + "/><body pos='.01 .02 .03'><freejoint/><geom " + geoms[first] +
+          "/></body></worldbody></mujoco>");
+      EXPECT_EQ(KeptPairs(scene), CollidingPairs(scene.model())) << geoms[first] << second;
+    }
+  }
+}
+
+// A full arena drops contacts with no more than a warning, which fails this test.
+TEST_F(SceneTest, PrivateModelsHaveRoomForEveryContactWhateverTheUsersMemory) {
+  std::string boxes;
+  for (int i = 0; i < 40; ++i) {
+    boxes += "<body><freejoint/><geom type='box' size='.1 .1 .1' pos='0 0 .00" + std::to_string(i) +
+             "'/></body>";
+  }
+  const ModelPtr model = LoadModel("<mujoco><worldbody>" + boxes + "</worldbody></mujoco>");
+  model->narena = 1 << 20;
+  const Scene scene = Scene::FromModel(model.get());
+  EXPECT_EQ(CollidingPairs(&scene.tables().verify_model).size(), 40u * 39 / 2);
+  EXPECT_EQ(CollidingPairs(&scene.tables().query_model).size(), 40u * 39 / 2);
+  EXPECT_TRUE(TakeMessages().empty());
+  CollidingPairs(model.get());
+  EXPECT_FALSE(TakeMessages().empty()) << "the user's own memory was enough: nothing is shown";
+}
+
 TEST_F(SceneTest, PairsAreGroupedByTheirTwoBodies) {
   Random rng(12);
   const Scene scene = Scene::FromString(RandomRobotXml(rng));
@@ -160,8 +206,8 @@ TEST_F(SceneTest, PairsThatMoveAreThoseWhoseGeomsCanMoveRelativeToEachOther) {
 TEST_F(SceneTest, FileStringBinaryAndModelGiveTheSameTables) {
   const std::string xml = ArmXml();
   const Scene text = Scene::FromString(xml);
-  const Scene file = Scene::FromFile(WriteFile("pdg_scene.xml", xml));
-  const std::string mjb = ::testing::TempDir() + "pdg_scene.mjb";
+  const Scene file = Scene::FromFile(WriteFile("_scene.xml", xml));
+  const std::string mjb = TempPath("_scene.mjb");
   mj_saveModel(text.model(), mjb.c_str(), nullptr, 0);
   const Scene binary = Scene::FromFile(mjb);
   const ModelPtr model = LoadModel(xml);
@@ -176,12 +222,14 @@ TEST_F(SceneTest, FileStringBinaryAndModelGiveTheSameTables) {
 }
 
 TEST_F(SceneTest, AFileMayReferToMeshesBesideIt) {
-  WriteFile("pdg_tetra.obj",
-            "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n"
-            "f 2 3 4\n");
-  const std::string path = WriteFile("pdg_mesh.xml", R"(<mujoco><asset><mesh name="t"
-      file="pdg_tetra.obj"/></asset><worldbody><body><freejoint/><geom type="mesh" mesh="t"/></body>
-      </worldbody></mujoco>)");
+  const std::string mesh = WriteFile("_tetra.obj",
+                                     "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\n"
+                                     "f 1 4 3\nf 2 3 4\n");
+  const std::string path = WriteFile(
+      "_mesh.xml", "<mujoco><asset><mesh name='t' file='" +
+                       std::filesystem::path(mesh).filename().string() +
+                       "'/></asset><worldbody><body><freejoint/><geom type='mesh' mesh='t'/>"
+                       "</body></worldbody></mujoco>");
   EXPECT_EQ(Scene::FromFile(path).dof(), 6);
 }
 
@@ -260,7 +308,7 @@ TEST_F(SceneTest, BrokenXmlIsReportedOnOneLineWithItsPlace) {
   EXPECT_THAT(unknown, AllOf(HasSubstr("geomm"), HasSubstr("line 3"), Not(HasSubstr("\n"))));
   const std::string syntax = ErrorOf([] { Scene::FromString("<mujoco><worldbody>"); });
   EXPECT_THAT(syntax, AllOf(Not(HasSubstr("no Error")), Not(HasSubstr("\n"))));
-  const std::string path = WriteFile("pdg_bad.xml",
+  const std::string path = WriteFile("_bad.xml",
                                      "<mujoco><worldbody><body><joint/></body>"
                                      "</worldbody></mujoco>");  // no mass
   EXPECT_THAT(ErrorOf([&] { Scene::FromFile(path); }),
@@ -271,7 +319,7 @@ TEST_F(SceneTest, MissingFilesAndFoldersAreReportedWithTheirPath) {
   EXPECT_THAT(ErrorOf([] { Scene::FromFile("/nowhere/robot.xml"); }),
               AllOf(HasSubstr("/nowhere/robot.xml"), HasSubstr("no such file")));
   EXPECT_THAT(ErrorOf([] { Scene::FromFile(::testing::TempDir()); }), HasSubstr("directory"));
-  const std::string path = WriteFile("pdg_nomesh.xml", R"(<mujoco><asset><mesh name="t"
+  const std::string path = WriteFile("_nomesh.xml", R"(<mujoco><asset><mesh name="t"
       file="pdg_not_there.obj"/></asset><worldbody><body><freejoint/><geom type="mesh" mesh="t"/>
       </body></worldbody></mujoco>)");
   EXPECT_THAT(ErrorOf([&] { Scene::FromFile(path); }), HasSubstr("pdg_not_there.obj"));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <mutex>
 #include <utility>
 
@@ -23,14 +24,14 @@ void KeepMessage(const mjLogMessage* message) {
   if (message->level < mjLOG_WARNING) return;
   const std::lock_guard<std::mutex> lock(messages_mutex);
   messages.emplace_back(message->subject);
-  // MuJoCo ends the program after an error: say why.
-  if (message->level >= mjLOG_ERROR) std::fprintf(stderr, "MuJoCo: %s\n", message->subject);
+  if (message->level < mjLOG_ERROR) return;
+  std::fprintf(stderr, "MuJoCo: %s\n", message->subject);
+  std::abort();  // MuJoCo would go on with broken data if we returned
 }
 
 }  // namespace
 
 MujocoTest::MujocoTest() : previous_(mju_setLogHandler(KeepMessage)) { TakeMessages(); }
-
 MujocoTest::~MujocoTest() { mju_setLogHandler(previous_); }
 
 void MujocoTest::TearDown() {
@@ -87,7 +88,6 @@ Vector3d Random::InBox(double half) {
 }
 
 Vector3d Random::UnitVector() { return Vector3d(Normals(3)).normalized(); }
-
 Quaterniond Random::UnitQuat() {
   const VectorXd v = Normals(4).normalized();
   return {v[0], v[1], v[2], v[3]};

@@ -90,8 +90,8 @@ std::string ErrorOf(Function&& f) {
 struct Shape {
   int type = mjGEOM_SPHERE;  // mjtGeom; mjGEOM_MESH: the convex hull of `vertices`
   Eigen::Vector3d size = Eigen::Vector3d::Constant(0.1);  // MuJoCo's meaning
-  std::vector<Eigen::Vector3d> vertices;
-  std::string attributes;  // more of the geom's XML, e.g. margin="0.01"
+  std::vector<Eigen::Vector3d> vertices = {};
+  std::string attributes = {};  // more of the geom's XML, e.g. margin="0.01"
 };
 
 // Types of geoms with a signed distance: plane, sphere, capsule, ellipsoid, cylinder, box, mesh.
@@ -101,11 +101,11 @@ std::string TypeName(int type);
 Shape RandomShape(int type, Random& rng);
 
 struct TwoGeoms {
-  Shape first, second;
+  Shape first = {}, second = {};
   std::string joint1 = "<freejoint name='j1'/>";
-  std::string joint2;        // empty: a static body
-  std::string pose1, pose2;  // XML attributes of the bodies: pos, quat
-  std::string extra;         // top-level XML: <option>, <contact>, ...
+  std::string joint2 = {};             // empty: a static body
+  std::string pose1 = {}, pose2 = {};  // XML attributes of the bodies: pos, quat
+  std::string extra = {};              // top-level XML: <option>, <contact>, ...
 };
 // Bodies "b1", "b2" under the world with geoms "g1", "g2". A plane must not move.
 std::string TwoGeomXml(const TwoGeoms& scene);

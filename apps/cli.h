@@ -1,0 +1,26 @@
+// What main.cc and the verbs share: exit codes, and how a verb is made known.
+#ifndef MJCF_PDG_APPS_CLI_H_
+#define MJCF_PDG_APPS_CLI_H_
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace mjcf_pdg::app {
+
+inline constexpr int kExitFree = 0;      // every configuration asked about is free
+inline constexpr int kExitFailure = 1;   // anything the other codes do not name
+inline constexpr int kExitBadInput = 2;  // usage or bad input (mjcf_pdg::Error); nothing was written
+inline constexpr int kExitNotFree = 3;   // finished, but some configuration is not free
+
+struct Verb {
+  CLI::App* command = nullptr;  // owned by the program it was added to
+  std::function<int()> run;     // returns the exit code; bad input throws mjcf_pdg::Error
+};
+
+Verb AddSolveVerb(CLI::App& program);
+Verb AddNormVerb(CLI::App& program);
+Verb AddCheckVerb(CLI::App& program);
+
+}  // namespace mjcf_pdg::app
+
+#endif  // MJCF_PDG_APPS_CLI_H_

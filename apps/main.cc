@@ -1,0 +1,88 @@
+// The program mjcf-pdg: hands the command line to a verb, and every failure to one line on stderr.
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "apps/cli.h"
+#include "apps/mujoco_log.h"
+#include "apps/text.h"
+#include "mjcf_pdg/types.h"
+
+namespace mjcf_pdg::app {
+namespace {
+
+constexpr char kVersion[] = "mjcf-pdg " MJCF_PDG_VERSION;
+
+int Fail(const std::string& message, int exit_code) {
+  std::fprintf(stderr, "mjcf-pdg: error: %s\n", OneLine(message).c_str());
+  return exit_code;
+}
+
+// CLI11's own words for an unknown verb do not say which ones there are.
+void CheckVerb(const std::vector<Verb>& verbs, int argc, char** argv) {
+  if (argc > 1 && argv[1][0] == '-') return;
+  std::string names;
+  for (const Verb& verb : verbs) {
+    const std::string name = verb.command->get_name();
+    if (argc > 1 && name == argv[1]) return;
+    names += (names.empty() ? "" : ", ") + name;
+  }
+  if (argc < 2) throw Error("a verb is needed (verbs: " + names + "); see mjcf-pdg --help");
+  throw Error("no verb '" + std::string(argv[1]) + "' (verbs: " + names + ")");
+}
+
+int Dispatch(int argc, char** argv) {
+  CLI::App program{
+      "Nearest collision-free configuration of a MuJoCo model, under the object norm (PDg).",
+      "mjcf-pdg"};
+  program.require_subcommand(1);
+  std::vector<Verb> verbs = {AddSolveVerb(program), AddNormVerb(program), AddCheckVerb(program)};
+  program.set_version_flag("--version", kVersion);
+  for (Verb& verb : verbs) verb.command->set_version_flag("--version", kVersion);
+  program.footer(
+      "Exit codes: 0 all free or made free, 2 bad input, 3 some configuration is not free, 1 other.");
+
+  CheckVerb(verbs, argc, argv);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::Success& request) {  // --help, --version
+    program.exit(request);
+    return std::fflush(stdout) == 0 ? kExitFree : Fail("cannot write to stdout", kExitFailure);
+  }
+  for (Verb& verb : verbs) {
+    if (!verb.command->parsed()) continue;
+    const int exit_code = verb.run();
+    for (const std::string& warning : TakeMujocoWarnings()) {
+      std::fprintf(stderr, "mjcf-pdg: warning: %s\n", warning.c_str());
+    }
+    return exit_code;
+  }
+  throw Error("a verb is needed; see mjcf-pdg --help");
+}
+
+int Run(int argc, char** argv) {
+  // A closed pipe shall end in an error line and exit code 1, not in silence.
+  std::signal(SIGPIPE, SIG_IGN);
+  InstallMujocoLog();
+  try {
+    return Dispatch(argc, argv);
+  } catch (const Error& e) {
+    return Fail(e.what(), kExitBadInput);
+  } catch (const CLI::Error& e) {
+    return Fail(e.what(), kExitBadInput);
+  } catch (const std::bad_alloc&) {
+    return Fail("out of memory", kExitFailure);
+  } catch (const std::exception& e) {
+    return Fail(e.what(), kExitFailure);
+  } catch (...) {
+    return Fail("unknown error", kExitFailure);
+  }
+}
+
+}  // namespace
+}  // namespace mjcf_pdg::app
+
+int main(int argc, char** argv) { return mjcf_pdg::app::Run(argc, argv); }

@@ -1,0 +1,144 @@
+#include "apps/options.h"
+
+#include <charconv>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "apps/text.h"
+
+namespace mjcf_pdg::app {
+namespace {
+
+std::string Describe(const NumberRange& range) {
+  std::string text = (range.above_low ? "more than " : "at least ") + Short(range.low);
+  const bool bounded = range.high < std::numeric_limits<double>::max();
+  return bounded ? text + " and at most " + Short(range.high) : text;
+}
+
+[[noreturn]] void RefuseValue(const NumberFlag& flag, const std::string& text) {
+  throw Error(std::string(flag.flag) + ": '" + text + "' is not a number that is " +
+              Describe(flag.range));
+}
+
+template <typename T>
+void ParseInto(const NumberFlag& flag, const std::string& text, T& target) {
+  T value{};
+  const char* const last = text.data() + text.size();
+  const auto [end, ec] = std::from_chars(text.data(), last, value);
+  if (ec != std::errc() || end != last) RefuseValue(flag, text);
+  const double number = static_cast<double>(value);
+  const NumberRange& range = flag.range;
+  const bool high_enough = range.above_low ? number > range.low : number >= range.low;
+  if (!high_enough || !(number <= range.high)) RefuseValue(flag, text);
+  target = value;
+}
+
+template <typename T>
+CLI::Option* AddParsed(CLI::App& command, const NumberFlag& flag, T& target) {
+  auto parse = [flag, &target](const std::string& text) { ParseInto(flag, text, target); };
+  CLI::Option* option = command.add_option_function<std::string>(flag.flag, parse, flag.help);
+  option->type_name(flag.unit);
+  const double shown = static_cast<double>(target);
+  if (std::isfinite(shown)) option->default_str(Short(shown));
+  return option;
+}
+
+template <typename T>
+void AddChoice(CLI::App& command, const char* flag,
+               const std::vector<std::pair<const char*, T>>& choices, const char* help, T& target) {
+  std::string names, shown;
+  for (const auto& [name, value] : choices) {
+    names += (names.empty() ? "" : "|") + std::string(name);
+    if (value == target) shown = name;
+  }
+  auto choose = [flag, choices, names, &target](const std::string& text) {
+    for (const auto& [name, value] : choices) {
+      if (text == name) {
+        target = value;
+        return;
+      }
+    }
+    throw Error(std::string(flag) + ": '" + text + "' is none of " + names);
+  };
+  CLI::Option* option = command.add_option_function<std::string>(flag, choose, help);
+  option->type_name(names)->default_str(shown);
+}
+
+}  // namespace
+
+CLI::Option* AddNumber(CLI::App& command, const NumberFlag& flag, double& target) {
+  return AddParsed(command, flag, target);
+}
+
+CLI::Option* AddInteger(CLI::App& command, const NumberFlag& flag, unsigned long long& target) {
+  return AddParsed(command, flag, target);
+}
+
+void AddModel(CLI::App& command, SceneArguments& arguments) {
+  command.add_option("MODEL", arguments.model, "MJCF file (.xml), or .mjb")->required();
+}
+
+void AddMovable(CLI::App& command, SceneArguments& arguments) {
+  auto split = [&arguments](const std::vector<std::string>& lists) {
+    for (const std::string& list : lists) {
+      std::size_t begin = 0;
+      while (true) {
+        const std::size_t end = list.find(',', begin);
+        const std::string name = list.substr(begin, end - begin);
+        if (name.empty()) throw Error("--movable: empty body name in '" + list + "'");
+        arguments.options.movable.push_back(name);
+        if (end == std::string::npos) break;
+        begin = end + 1;
+      }
+    }
+  };
+  command.add_option_function<std::vector<std::string>>(
+             "--movable", split,
+             "these bodies' own joints and subtrees may move, all else is frozen (default: all)")
+      ->type_name("BODY,...")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+void AddRoot(CLI::App& command, SceneArguments& arguments) {
+  auto set = [&arguments](const std::string& name) {
+    if (name.empty()) throw Error("--root: empty body name");
+    arguments.options.root = name;
+  };
+  command.add_option_function<std::string>(
+             "--root", set, "root link of the norm (default: each tree's top body)")
+      ->type_name("BODY");
+}
+
+void AddMetric(CLI::App& command, Metric& metric) {
+  AddChoice<Metric>(command, "--metric",
+                    {{"sequential", Metric::kSequential}, {"displacement", Metric::kDisplacement}},
+                    "the paper's norm, or the true mean squared displacement", metric);
+}
+
+void AddEffort(CLI::App& command, Effort& effort) {
+  AddChoice<Effort>(
+      command, "--effort",
+      {{"fast", Effort::kFast}, {"default", Effort::kDefault}, {"max", Effort::kMax}},
+      "how many starts are tried", effort);
+}
+
+void AddTolerance(CLI::App& command, Options& options) {
+  AddNumber(command,
+            {"--tolerance", "M", "overlap that still counts as free", {.above_low = true}},
+            options.tolerance);
+}
+
+void AddRest(CLI::App& command, Options& options) {
+  AddNumber(command,
+            {"--rest", "DEPTH", "contacts no deeper than this may keep their depth [m]", {}},
+            options.rest);
+}
+
+void AddJson(CLI::App& command, std::string& path) {
+  command.add_option("--json", path, "write JSON Lines here; - is stdout, which carries it alone")
+      ->type_name("FILE|-");
+}
+
+}  // namespace mjcf_pdg::app

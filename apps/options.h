@@ -1,0 +1,48 @@
+// The options that several verbs share, each defined once: flag, unit, range, default and help.
+#ifndef MJCF_PDG_APPS_OPTIONS_H_
+#define MJCF_PDG_APPS_OPTIONS_H_
+
+#include <CLI/CLI.hpp>
+#include <limits>
+#include <string>
+
+#include "mjcf_pdg/scene.h"
+#include "mjcf_pdg/types.h"
+
+namespace mjcf_pdg::app {
+
+struct SceneArguments {
+  std::string model;
+  SceneOptions options;
+};
+
+struct NumberRange {
+  double low = 0.0;
+  bool above_low = false;  // low itself is not allowed
+  double high = std::numeric_limits<double>::max();
+};
+
+struct NumberFlag {
+  const char* flag;
+  const char* unit;
+  const char* help;
+  NumberRange range;
+};
+
+// Set `target` when the flag is given; its value before that is the default that --help shows.
+// A value that is no number or out of range throws Error while the command line is parsed.
+CLI::Option* AddNumber(CLI::App& command, const NumberFlag& flag, double& target);
+CLI::Option* AddInteger(CLI::App& command, const NumberFlag& flag, unsigned long long& target);
+
+void AddModel(CLI::App& command, SceneArguments& arguments);    // MODEL
+void AddMovable(CLI::App& command, SceneArguments& arguments);  // --movable
+void AddRoot(CLI::App& command, SceneArguments& arguments);     // --root
+void AddMetric(CLI::App& command, Metric& metric);              // --metric
+void AddEffort(CLI::App& command, Effort& effort);              // --effort
+void AddTolerance(CLI::App& command, Options& options);         // --tolerance
+void AddRest(CLI::App& command, Options& options);              // --rest
+void AddJson(CLI::App& command, std::string& path);             // --json
+
+}  // namespace mjcf_pdg::app
+
+#endif  // MJCF_PDG_APPS_OPTIONS_H_

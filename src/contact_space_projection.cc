@@ -1,0 +1,130 @@
+#include "contact_space_projection.h"
+
+#include <algorithm>
+
+namespace mjcf_pdg {
+
+ContactSpaceProjection::ContactSpaceProjection(const SceneTables& tables, Ccdg& ccd)
+    : tables_(tables), ccd_(ccd), moves_(tables.joints.size()), removed_(tables.model->nbody) {
+  const mjModel& m = *tables.model;
+  std::vector<int> depth(m.nbody, 0);
+  for (int body = 1; body < m.nbody; ++body) depth[body] = depth[m.body_parentid[body]] + 1;
+  for (int j = 0; j < static_cast<int>(tables.joints.size()); ++j) base_to_terminal_.push_back(j);
+  std::stable_sort(base_to_terminal_.begin(), base_to_terminal_.end(), [&](int a, int b) {
+    return depth[tables.joints[a].body] < depth[tables.joints[b].body];
+  });
+}
+
+const ProjectionResult& ContactSpaceProjection::GeneralizedCcd(const VectorXd& q_f,
+                                                               const VectorXd& q_in,
+                                                               const ProjectionOptions& options,
+                                                               const VectorXd* required) {
+  Start(q_f, options, required);
+  RunGeneralizedCcd(q_in);
+  return result_;
+}
+
+const ProjectionResult& ContactSpaceProjection::GreedyOptimization(const VectorXd& q_f,
+                                                                   const VectorXd& q_in,
+                                                                   const ProjectionOptions& options,
+                                                                   const VectorXd* required) {
+  Start(q_f, options, required);
+  RunGreedyOptimization(q_in);
+  return result_;
+}
+
+const ProjectionResult& ContactSpaceProjection::Project(const VectorXd& q_f, const VectorXd& q_in,
+                                                        const ProjectionOptions& options,
+                                                        const VectorXd* required) {
+  Start(q_f, options, required);
+  RunGeneralizedCcd(q_in);
+  if (result_.start_free) RunGreedyOptimization(q_in);
+  return result_;
+}
+
+void ContactSpaceProjection::Start(const VectorXd& q_f, const ProjectionOptions& options,
+                                   const VectorXd* required) {
+  options_ = options;
+  required_ = required;
+  result_.q = q_f;
+  result_.start_free = result_.certified = result_.complete = true;
+  result_.pairs.clear();
+  result_.motions = result_.poses = 0;
+  result_.distance_queries = result_.contact_queries = 0;
+}
+
+void ContactSpaceProjection::RunGeneralizedCcd(const VectorXd& q_in) {
+  std::fill(moves_.begin(), moves_.end(), 1);
+  std::fill(removed_.begin(), removed_.end(), 0);
+  // Each motion but the last takes a link or a joint out of L.
+  while (result_.complete && result_.start_free) {
+    const CcdOutcome outcome = MoveFlagged(q_in);
+    if (outcome != CcdOutcome::kContact && outcome != CcdOutcome::kLimit) return;
+  }
+}
+
+void ContactSpaceProjection::RunGreedyOptimization(const VectorXd& q_in) {
+  std::fill(removed_.begin(), removed_.end(), 0);
+  for (const int joint : base_to_terminal_) {
+    if (!result_.complete || !result_.start_free) return;
+    std::fill(moves_.begin(), moves_.end(), 0);
+    moves_[joint] = 1;
+    MoveFlagged(q_in);
+  }
+}
+
+// CCD(L, q, q_in) from result_.q on: the joints in L move, the others stay. Those that were stopped
+// leave L.
+CcdOutcome ContactSpaceProjection::MoveFlagged(const VectorXd& q_in) {
+  Difference(tables_, result_.q, q_in, dq_);
+  for (std::size_t j = 0; j < moves_.size(); ++j) {
+    const JointEntry& joint = tables_.joints[j];
+    if (!moves_[j]) dq_.segment(joint.col, joint.ndof).setZero();
+  }
+  if (dq_.isZero(0.0)) return CcdOutcome::kFree;
+  CcdOptions options = options_.ccd;
+  options.max_poses -= result_.poses;
+  const CcdResult& ccd = ccd_.Move(result_.q, dq_, options, required_);
+  ++result_.motions;
+  result_.poses += ccd.poses;
+  result_.distance_queries += ccd.distance_queries;
+  result_.contact_queries += ccd.contact_queries;
+  result_.certified = result_.certified && ccd.certified;
+  result_.complete = ccd.outcome != CcdOutcome::kBudget;
+  result_.start_free = ccd.outcome != CcdOutcome::kStartInCollision;
+  result_.q = ccd.q;
+  for (const int pair : ccd.pairs) {
+    if (std::find(result_.pairs.begin(), result_.pairs.end(), pair) == result_.pairs.end()) {
+      result_.pairs.push_back(pair);
+    }
+  }
+  if (ccd.outcome == CcdOutcome::kLimit) moves_[ccd.joint] = 0;
+  RemoveLinks(ccd);
+  return ccd.outcome;
+}
+
+// L.remove(N): the links in contact and their ancestors.
+void ContactSpaceProjection::RemoveLinks(const CcdResult& ccd) {
+  const mjModel& m = *tables_.model;
+  for (const int pair : ccd.pairs) {
+    const int body1 = m.geom_bodyid[tables_.pairs[pair].geom1];
+    const int body2 = m.geom_bodyid[tables_.pairs[pair].geom2];
+    const int stop = options_.keep_common_ancestors ? CommonAncestor(body1, body2) : 0;
+    for (int body : {body1, body2}) {
+      for (; body != stop; body = m.body_parentid[body]) removed_[body] = 1;
+    }
+  }
+  for (std::size_t j = 0; j < moves_.size(); ++j) {
+    if (removed_[tables_.joints[j].body]) moves_[j] = 0;
+  }
+}
+
+int ContactSpaceProjection::CommonAncestor(int body1, int body2) const {
+  while (body1 != body2) {  // parents have smaller ids
+    int& lower = body1 > body2 ? body1 : body2;
+    lower = tables_.model->body_parentid[lower];
+  }
+  return body1;
+}
+
+}  // namespace mjcf_pdg

@@ -1,0 +1,40 @@
+// The proven side of the bracket: no free configuration has a smaller σ.
+//
+// Source: the levers-at-q_in bound (an overlap of depth δ cannot be undone unless points move by δ),
+// made directional. The derivation is at the head of lower_bound.cc.
+#ifndef MJCF_PDG_SRC_LOWER_BOUND_H_
+#define MJCF_PDG_SRC_LOWER_BOUND_H_
+
+#include <vector>
+
+#include "contacts.h"
+#include "kinematics.h"
+#include "norm_evaluator.h"
+#include "problem.h"
+
+namespace mjcf_pdg {
+
+struct LowerBoundInput {
+  const SceneTables& tables;
+  const NormEvaluator& norm;       // reference q_in
+  const PosedModel& posed;         // posed at q_in
+  const std::vector<NearPair>& overlaps;  // at q_in; those that are near enough or missing cost
+                                          // tightness, never truth
+  const VectorXd& required;        // per kept pair: smallest distance that counts as free [m]
+  Metric metric = Metric::kSequential;
+  double tolerance = 1e-6;         // overlap beyond `required` that still counts as free [m]
+  int max_cells = 200;             // effort: pieces of the sphere of directions; 0: levers alone
+};
+
+// A lower bound of σ over all free configurations [m²], >= 0.
+double SigmaLowerBound(const LowerBoundInput& input);
+
+// The same for a problem whose contact finder is posed at q_in.
+inline double SigmaLowerBound(const Problem& problem, const std::vector<NearPair>& overlaps) {
+  return SigmaLowerBound({problem.tables, problem.norm, problem.finder.posed(), overlaps,
+                          problem.required, problem.options.metric, problem.options.tolerance});
+}
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_LOWER_BOUND_H_
