@@ -97,8 +97,7 @@ void AddMovable(CLI::App& command, SceneArguments& arguments) {
              "--movable", split,
              "these bodies' own joints and subtrees may move, all else is frozen (default: all)")
       ->type_name("BODY,...")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+      ->allow_extra_args(false);
 }
 
 void AddRoot(CLI::App& command, SceneArguments& arguments) {

@@ -1,11 +1,13 @@
 #include "apps/text.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 #include "mjcf_pdg/types.h"
 

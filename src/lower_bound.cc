@@ -1,28 +1,31 @@
 // Derivation. S = Mσ. Between the two geoms A, B of an overlapping pair lies a chain of movers:
 // joints (or rigid pieces, for the displacement metric) whose terms of S add up. Take the motion
-// q_in → q base to terminal, as the norm does: mover j moves its outboard geom as a rigid piece that
-// is still posed as at q_in, then the inboard movers' rotation R_<j carries that displacement. So
+// q_in → q base to terminal, as the norm does: mover j moves its outboard geom as a rigid piece
+// that is still posed as at q_in, then the inboard movers' rotation R_<j carries that displacement.
+// So
 //   x(q) - x(q_in) = Σ_j R_<j s_j(x),   s_j(x) = slide_j + q0 w×r + ½ w×(w×r),                  (1)
 // r = x - anchor_j at q_in, w = 2Q (for a hinge X times its axis), |q0| <= 1, and mover j's term is
 //   S_j = slideᵀ T⁻¹ slide + wᵀ C⁻¹ w    (T = aaᵀ/m or 1/m; C = ωωᵀ/h or I⁻¹).
 //
-// Levers. |s_j(x)| <= √S_j ρ_j(x), ρ_j² = λmax(T) + λmax([r] C [r]ᵀ), because |q0 w×r + ½w×(w×r)| is
-// exactly |w×r| (a chord). ρ_j is a norm of an affine function of x, so Σρ_j² is convex and largest
-// at extreme points of the geom; g_A² is that maximum. Signed distance of convex sets changes by no
-// more than their points move: with d the distance at q_in and ρ = required - tolerance at q,
+// Levers. |s_j(x)| <= √S_j ρ_j(x), ρ_j² = λmax(T) + λmax([r] C [r]ᵀ), because |q0 w×r + ½w×(w×r)|
+// is exactly |w×r| (a chord). ρ_j is a norm of an affine function of x, so Σρ_j² is convex and
+// largest at extreme points of the geom; g_A² is that maximum. Signed distance of convex sets
+// changes by no more than their points move: with d the distance at q_in and ρ = required -
+// tolerance at q,
 //   ρ - d <= √S_A g_A + √S_B g_B  =>  S >= (ρ - d)² / (g_A² + g_B²).
 //
 // Directions. Free at q means: some unit n (from A to B, in the frame that carries both) has
 // n·(b' - a') >= ρ for *all* points a of A and b of B. Hence, for any a, b of our choice,
-//   t := ρ + n·(a - b) <= n·(b' - b) - n·(a' - a) <= √S γ + S κ,                                  (2)
-// γ² = nᵀGn, G = Σ_j T_j + [r] C [r]ᵀ: the part of (1) linear in slide and w (|q0| <= 1), by Cauchy-
-// Schwarz over all movers at once. κ holds the rest: with y_j = √(S_j/S), |y| = 1,
+//   t := ρ + n·(a - b) <= n·(b' - b) - n·(a' - a) <= √S γ + S κ, (2)
+// γ² = nᵀGn, G = Σ_j T_j + [r] C [r]ᵀ: the part of (1) linear in slide and w (|q0| <= 1), by
+// Cauchy- Schwarz over all movers at once. κ holds the rest: with y_j = √(S_j/S), |y| = 1,
 //   ½ ±n·(w×(w×r)) <= ½|w|² p_j,  p_j = max(0, ∓n·r⊥) for a hinge, (|r| ∓ n·r)/2 for a ball,
 //   |(R_<jᵀ - 1) n · s_j| <= Σ_{i<j} |w_i| √S_j ρ_j,
 // a quadratic form in y with non-negative entries; κ is at least its largest eigenvalue, by Collatz
-// and Wielandt: max_i (Ky)_i / y_i for any y > 0. (2) gives √S >= 2t / (γ + √(γ² + 4κt)), which grows
-// with t and falls with γ and κ. The least of that over all n is found by branch and bound on the
-// sphere: over a cap of angle ε about n0, n·v >= cos ε n0·v - sin ε |v⊥|, γ <= γ(n0) + sin ε √λmax(G).
+// and Wielandt: max_i (Ky)_i / y_i for any y > 0. (2) gives √S >= 2t / (γ + √(γ² + 4κt)), which
+// grows with t and falls with γ and κ. The least of that over all n is found by branch and bound on
+// the sphere: over a cap of angle ε about n0, n·v >= cos ε n0·v - sin ε |v⊥|, γ <= γ(n0) + sin ε
+// √λmax(G).
 //
 // Pairs whose movers have nothing in common add up, since terms of S do; so do joints outside their
 // limits: the least σ_j with which the joint gets back inside.
@@ -294,12 +297,13 @@ class Chains {
   // Joints of the bodies on the way from the world, or from the root link, to the body.
   std::vector<int> JointPath(int body) const {
     const int root = in_.tables.root_body;
-    const bool rerooted = root >= 0 && m_.body_rootid[body] == m_.body_rootid[root] && body != 0;
+    const int root_term = RootTerm();  // none if the root link is its tree's top body
+    const bool rerooted = root_term >= 0 && m_.body_treeid[body] == m_.body_treeid[root];
     std::vector<int> above;  // bodies from `body` up
     for (int b = body; b != 0; b = m_.body_parentid[b]) above.push_back(b);
     std::vector<int> path;
     if (rerooted) {
-      path.push_back(RootTerm());
+      path.push_back(root_term);
       int b = root;
       for (; std::find(above.begin(), above.end(), b) == above.end(); b = m_.body_parentid[b]) {
         AppendJoints(b, true, path);
@@ -381,13 +385,13 @@ double Kappa(const Chain& chain, const Vector3d& x, const Vector3d& n, double ep
 struct PairProblem {
   Chain chain[2];
   Shape shape[2];
-  double required = 0.0;     // ρ of the derivation [m]
-  double needed = 0.0;       // ρ - d [m]
+  double required = 0.0;              // ρ of the derivation [m]
+  double needed = 0.0;                // ρ - d [m]
   Vector3d n_in = Vector3d::UnitX();  // normal at q_in
-  std::vector<int> movers;   // of both chains
-  double hope = 0.0;         // √S along n_in alone: more will not be proven, levers aside
-  double S = 0.0;            // proven so far [kg m²]
-  bool plane = false;        // geom 1 is a plane that does not move relative to geom 2's base
+  std::vector<int> movers;            // of both chains
+  double hope = 0.0;   // √S along n_in alone: more will not be proven, levers aside
+  double S = 0.0;      // proven so far [kg m²]
+  bool plane = false;  // geom 1 is a plane that does not move relative to geom 2's base
 
   void Levers() {
     const double g = LeverSquared(chain[0], shape[0]) + LeverSquared(chain[1], shape[1]);

@@ -1,7 +1,7 @@
 // The proven side of the bracket: no free configuration has a smaller σ.
 //
-// Source: the levers-at-q_in bound (an overlap of depth δ cannot be undone unless points move by δ),
-// made directional. The derivation is at the head of lower_bound.cc.
+// Source: the levers-at-q_in bound (an overlap of depth δ cannot be undone unless points move by
+// δ), made directional. The derivation is at the head of lower_bound.cc.
 #ifndef MJCF_PDG_SRC_LOWER_BOUND_H_
 #define MJCF_PDG_SRC_LOWER_BOUND_H_
 
@@ -16,14 +16,14 @@ namespace mjcf_pdg {
 
 struct LowerBoundInput {
   const SceneTables& tables;
-  const NormEvaluator& norm;       // reference q_in
-  const PosedModel& posed;         // posed at q_in
+  const NormEvaluator& norm;              // reference q_in
+  const PosedModel& posed;                // posed at q_in
   const std::vector<NearPair>& overlaps;  // at q_in; those that are near enough or missing cost
                                           // tightness, never truth
-  const VectorXd& required;        // per kept pair: smallest distance that counts as free [m]
+  const VectorXd& required;  // per kept pair: smallest distance that counts as free [m]
   Metric metric = Metric::kSequential;
-  double tolerance = 1e-6;         // overlap beyond `required` that still counts as free [m]
-  int max_cells = 200;             // effort: pieces of the sphere of directions; 0: levers alone
+  double tolerance = 1e-6;  // overlap beyond `required` that still counts as free [m]
+  int max_cells = 200;      // effort: pieces of the sphere of directions; 0: levers alone
 };
 
 // A lower bound of σ over all free configurations [m²], >= 0.

@@ -37,7 +37,7 @@ double HalfThickness(const mjModel& m, int geom) {
 
 }  // namespace
 
-Search::Search(Problem& problem) : problem_(problem), local_(problem), random_(0) {}
+Search::Search(Problem& problem) : problem_(problem), local_(problem), iteration_(problem), random_(0) {}
 
 Search::Plan Search::PlanFor(Effort effort) {
   switch (effort) {
@@ -98,10 +98,18 @@ void Search::Try(const VectorXd& q, const std::string& start, const LocalOptions
   }
 }
 
-// Far from q_in, but free or nearly so: for motions that no local step from q_in can find.
-void Search::TryPaperStarts(const std::vector<NearPair>& overlaps) {
-  for (const VectorXd& q : ConstrainedTranslation(problem_, overlaps)) {
-    Try(q, "constrained_translation", Loose());
+// The paper's way: a pose that may be free goes through contact-space projection and iteration, for
+// motions that no local step from q_in can find; local optimization finishes, or tries if it is not.
+void Search::TryFreePose(const VectorXd& q_f, const std::string& start) {
+  if (problem_.Expired() && outcome_.starts > 0) return;
+  const IterationResult result = iteration_.Run(q_f);
+  outcome_.iterations += static_cast<int>(result.sigmas.size());
+  Try(result.q, start, LocalOptions{});
+}
+
+void Search::TryTranslations(const std::vector<NearPair>& overlaps) {
+  for (const VectorXd& q_f : ConstrainedTranslation(problem_, overlaps)) {
+    TryFreePose(q_f, "constrained_translation");
     if (HasFree()) return;
   }
 }
@@ -137,12 +145,12 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
   VectorXd direct = problem_.q_in;
   ClampToLimits(problem_.tables, direct);
   Try(direct, "direct", LocalOptions{});
-  if (hint) Try(*hint, "user_pose", LocalOptions{});
+  if (hint) TryFreePose(*hint, "user_pose");
   const bool settled = HasFree() && RelativeDepth(overlaps) < plan.direct_only;
   if (!settled && Agreeing() < plan.agree) {
     if (HasFree()) Try(MirroredStart(problem_, outcome_.free.front().q), "mirror", Loose());
     TryNoise(plan);
-    if (!HasFree()) TryPaperStarts(overlaps);
+    if (!HasFree()) TryTranslations(overlaps);
     TryHops(plan);
   }
   return std::move(outcome_);

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "contact_space_iteration.h"
 #include "local_optimization.h"
 #include "problem.h"
 #include "random.h"
@@ -50,7 +51,8 @@ class Search {
   static Plan PlanFor(Effort effort);
 
   void Try(const VectorXd& q, const std::string& start, const LocalOptions& options);
-  void TryPaperStarts(const std::vector<NearPair>& overlaps);
+  void TryFreePose(const VectorXd& q_f, const std::string& start);
+  void TryTranslations(const std::vector<NearPair>& overlaps);
   void TryNoise(const Plan& plan);
   void TryHops(const Plan& plan);
   bool HasFree() const { return !outcome_.free.empty(); }
@@ -61,6 +63,7 @@ class Search {
 
   Problem& problem_;
   LocalOptimization local_;
+  ContactSpaceIteration iteration_;
   Random random_;
   SearchOutcome outcome_;
 };

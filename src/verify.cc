@@ -9,12 +9,12 @@ namespace mjcf_pdg {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kFar = 1.0;               // min_distance is cut off here [m]
-constexpr double kLimitTolerance = 1e-6;   // joint limits [rad or m]
-constexpr double kRestRounding = 1e-9;     // a contact of exactly `rest` still rests [m]
-constexpr double kNoDirection = 1e-8;      // witness points nearer than this give no normal [m]
+constexpr double kFar = 1.0;                 // min_distance is cut off here [m]
+constexpr double kLimitTolerance = 1e-6;     // joint limits [rad or m]
+constexpr double kRestRounding = 1e-9;       // a contact of exactly `rest` still rests [m]
+constexpr double kNoDirection = 1e-8;        // witness points nearer than this give no normal [m]
 constexpr double kDistanceTolerance = 1e-9;  // of the convex solver: 1e-6 jitters by 5e-7 m
-constexpr std::size_t kNamed = 4;          // findings named in a reason
+constexpr std::size_t kNamed = 4;            // findings named in a reason
 
 bool ContactOnly(int type) { return type == mjGEOM_SDF || type == mjGEOM_HFIELD; }
 
@@ -101,8 +101,8 @@ double CapsuleBoxDistance(const mjModel& m, const mjData& d, int capsule, int bo
   const Vector3d half = AsVector(m.geom_size + 3 * box);
   const double radius = m.geom_size[3 * capsule];
   const Vector3d center = R.transpose() * (AsVector(d.geom_xpos + 3 * capsule) - origin);
-  const Vector3d arm = R.transpose() * AsMatrix(d.geom_xmat + 9 * capsule).col(2) *
-                       m.geom_size[3 * capsule + 1];
+  const Vector3d arm =
+      R.transpose() * AsMatrix(d.geom_xmat + 9 * capsule).col(2) * m.geom_size[3 * capsule + 1];
   Vector3d on_segment = center + NearestOnSegment(center, arm, half) * arm;
   const Vector3d shadow = on_segment.cwiseMax(-half).cwiseMin(half);
   double apart = (shadow - on_segment).norm();
@@ -258,7 +258,8 @@ void Verifier::AskCollision() {
   }
 }
 
-// Witness 2. Pairs in the order of their bounds: once a bound exceeds all that matters, we are done.
+// Witness 2. Pairs in the order of their bounds: once a bound exceeds all that matters, we are
+// done.
 void Verifier::AskDistances() {
   const double matters = tolerance_ + clearance_;
   order_.clear();
@@ -338,8 +339,7 @@ void FillFromContact(const mjContact& source, Contact& contact) {
   contact.distance = source.dist;
 }
 
-void FillFromWitnesses(const mjData& d, double distance, const double fromto[6],
-                       Contact& contact) {
+void FillFromWitnesses(const mjData& d, double distance, const double fromto[6], Contact& contact) {
   const Vector3d p1 = AsVector(fromto), p2 = AsVector(fromto + 3);
   Vector3d n = (p2 - p1) * (distance < 0.0 ? -1.0 : 1.0);
   if (n.norm() < kNoDirection) {
@@ -366,8 +366,8 @@ void Verifier::JudgePair(int index) {
   // Contacts of pairs with a signed distance are asked about overlap only.
   const double required_contact = pair.has_distance ? std::min(required, 0.0) : required;
   const bool permitted = pair.has_distance && required < 0.0 && by_distance < 0.0;
-  const bool contact_violates = contact && !permitted &&
-                                !(by_contact >= required_contact - tolerance_);
+  const bool contact_violates =
+      contact && !permitted && !(by_contact >= required_contact - tolerance_);
   const bool distance_violates = !(by_distance >= required - tolerance_);
   const bool use_contact = !pair.has_distance || (contact_violates && !distance_violates);
   const double distance = use_contact ? by_contact : by_distance;
@@ -438,8 +438,8 @@ std::string Verifier::DescribeFinding(const Finding& finding) const {
     text += " overlap by " + Millimetres(-distance);
     if (finding.required < 0.0) text += " (" + Millimetres(-finding.required) + " allowed)";
   } else {
-    text += " are " + Millimetres(distance) + " apart (" + Millimetres(finding.required) +
-            " required)";
+    text +=
+        " are " + Millimetres(distance) + " apart (" + Millimetres(finding.required) + " required)";
   }
   if (finding.frozen) text += " and no movable joint can part them";
   return text;

@@ -1,7 +1,8 @@
 // The independent check of a configuration, reusable: all scratch is made once.
 //
-// Shares no code with the solver's own queries: neither its prefilter, nor its capsule-box test, nor
-// its reading of MuJoCo's contacts. Two witnesses are asked, and either one's "overlaps" is enough:
+// Shares no code with the solver's own queries: neither its prefilter, nor its capsule-box test,
+// nor its reading of MuJoCo's contacts. Two witnesses are asked, and either one's "overlaps" is
+// enough:
 //   1. mj_collision on the scene's verify_model with every margin and gap set to zero, so that a
 //      negative margin hides nothing and a positive one misplaces nothing;
 //   2. the signed distance of every kept pair: mj_geomDistance, for capsule-box our own.
@@ -40,9 +41,9 @@ class Verifier {
     Contact contact;
     double required = 0.0;  // smallest distance that counts as free, tolerance aside [m]
     bool violates = false;
-    bool frozen = false;    // no movable joint lies between the two geoms
+    bool frozen = false;  // no movable joint lies between the two geoms
   };
-  struct Reading {          // per kept pair
+  struct Reading {                 // per kept pair
     double signed_distance = 0.0;  // by witness 2; infinite when beyond the cutoff [m]
     int contact = -1;              // index of the deepest mjContact; -1: none
     double fromto[6] = {};         // witness points of signed_distance

@@ -283,31 +283,40 @@ TEST_F(ContactsTest, ANegativeMarginIsAllowedOverlapAndHidesNothing) {
 
 // ---- Geoms that have contacts only ----
 
-TEST_F(ContactsTest, HeightFieldsAreSeenThroughContacts) {
-  const Scene scene = Scene::FromString(R"(<mujoco><asset>
+// A box above the flat part, at z = 0, of a height field.
+Scene BoxAboveField(const std::string& flag) {
+  return Scene::FromString("<mujoco><option><flag " + flag + R"(/></option><asset>
       <hfield name="h" nrow="3" ncol="3" size="1 1 .2 .1" elevation="0 1 1 1 1 1 1 1 1"/></asset>
       <worldbody><geom type="hfield" hfield="h" pos="0 0 -.2"/>
       <body pos=".5 .5 1"><freejoint/><geom type="box" size=".1 .1 .1"/></body></worldbody>
       </mujoco>)");
-  ASSERT_EQ(scene.num_kept_pairs(), 1);
-  EXPECT_FALSE(scene.tables().pairs[0].has_distance);
-  EXPECT_TRUE(scene.tables().has_contact_only_pairs);
-  ContactFinder finder(scene.tables());
-  VectorXd q = ToEigen(scene.DefaultQpos());
-  finder.Pose(q);
-  EXPECT_TRUE(finder.Find(0.05).empty());
-  NearPair near;
-  EXPECT_FALSE(finder.Distance(0, 1.0, near));
-  q[2] = 0.08;  // the field's top is z = 0
-  finder.Pose(q);
-  ASSERT_FALSE(finder.Find(0.05).empty());
-  double deepest = 0;
-  for (const NearPair& contact : finder.Find(0.05)) {
-    EXPECT_GT(contact.n_W.z(), 0.9) << "from the field to the box";
-    EXPECT_NEAR(contact.n_W.dot(contact.p2_W - contact.p1_W), contact.distance, 1e-12);
-    deepest = std::min(deepest, contact.distance);
+}
+
+TEST_F(ContactsTest, HeightFieldsAreSeenThroughContactsWhateverTheUsersSettings) {
+  for (const char* flag : {"", "contact='disable'", "constraint='disable'", "nativeccd='disable'",
+                           "sleep='enable'", "override='enable'", "multiccd='disable'"}) {
+    SCOPED_TRACE(flag);
+    const Scene scene = BoxAboveField(flag);
+    ASSERT_EQ(scene.num_kept_pairs(), 1);
+    EXPECT_FALSE(scene.tables().pairs[0].has_distance);
+    EXPECT_TRUE(scene.tables().has_contact_only_pairs);
+    ContactFinder finder(scene.tables());
+    VectorXd q = ToEigen(scene.DefaultQpos());
+    finder.Pose(q);
+    EXPECT_TRUE(finder.Find(0.05).empty());
+    NearPair near;
+    EXPECT_FALSE(finder.Distance(0, 1.0, near));
+    q[2] = 0.08;
+    finder.Pose(q);
+    ASSERT_FALSE(finder.Find(0.05).empty());
+    double deepest = 0;
+    for (const NearPair& contact : finder.Find(0.05)) {
+      EXPECT_GT(contact.n_W.z(), 0.9) << "from the field to the box";
+      EXPECT_NEAR(contact.n_W.dot(contact.p2_W - contact.p1_W), contact.distance, 1e-12);
+      deepest = std::min(deepest, contact.distance);
+    }
+    EXPECT_NEAR(deepest, -0.02, 1e-6);
   }
-  EXPECT_NEAR(deepest, -0.02, 1e-6);
 }
 
 TEST_F(ContactsTest, SignedDistanceFieldsAreSeenThroughContacts) {

@@ -14,7 +14,7 @@ class KinematicsTest : public MujocoTest {
   Random rng_{21};
 };
 
-// The rotation part of MuJoCo's tangent may pick either of two vectors at half a turn only.
+// MuJoCo's functions do the same arithmetic; only the order of normalizations differs.
 constexpr double kRoundOff = 1e-13;
 
 TEST_F(KinematicsTest, IntegrateIsMuJoCosWhenEverythingMoves) {

@@ -20,8 +20,13 @@ constexpr double kTolerance = 1e-6;
 struct AtStart {
   AtStart(const Scene& s, const VectorXd& q, Metric m = Metric::kSequential,
           const Options& user = {})
-      : scene(s), metric(m), options(user), norm(s.tables(), m), finder(s.tables()),
-        verifier(s.tables(), user), q_in(Normalized(s.tables(), q)) {
+      : scene(s),
+        metric(m),
+        options(user),
+        norm(s.tables(), m),
+        finder(s.tables()),
+        verifier(s.tables(), user),
+        q_in(Normalized(s.tables(), q)) {
     norm.SetReference(q_in);
     finder.Pose(q_in);
     const std::vector<KeptPair>& pairs = scene.tables().pairs;
@@ -34,8 +39,8 @@ struct AtStart {
   }
 
   double Bound(int max_cells = 200) const {
-    return SigmaLowerBound({scene.tables(), norm, finder.posed(), near, required, metric,
-                            kTolerance, max_cells});
+    return SigmaLowerBound(
+        {scene.tables(), norm, finder.posed(), near, required, metric, kTolerance, max_cells});
   }
   bool Free(const VectorXd& q) { return verifier.Check(ToVector(q)).free; }
 
@@ -104,7 +109,8 @@ struct Ratios {
 
 std::string SliderAndWall(const std::string& geom = "type='box' size='.1 .1 .1'") {
   return "<mujoco><worldbody><geom type='box' size='.1 1 1'/><body pos='.1 0 0'>"
-         "<joint type='slide' axis='1 0 0'/><geom " + geom + "/></body></worldbody></mujoco>";
+         "<joint type='slide' axis='1 0 0'/><geom " +
+         geom + "/></body></worldbody></mujoco>";
 }
 
 VectorXd Configuration(std::initializer_list<double> values) {
@@ -133,8 +139,8 @@ TEST_F(LowerBoundTest, AnOverlapThatTheModelAllowsIsTakenOff) {
 TEST_F(LowerBoundTest, AClearanceIsAdded) {
   Options options;
   options.clearance = 0.01;
-  const AtStart at(Scene::FromString(SliderAndWall()), Configuration({0.106}),
-                   Metric::kSequential, options);
+  const AtStart at(Scene::FromString(SliderAndWall()), Configuration({0.106}), Metric::kSequential,
+                   options);
   EXPECT_NEAR(std::sqrt(at.Bound()), 0.004 - kTolerance, 1e-7);
 }
 

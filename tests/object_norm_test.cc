@@ -12,8 +12,6 @@
 namespace mjcf_pdg::test {
 namespace {
 
-using ::testing::ElementsAre;
-
 class ObjectNormTest : public MujocoTest {
  protected:
   Random rng_{31};
@@ -60,8 +58,8 @@ constexpr char kForest[] = R"(
     <body name="stand" @pose>@points
       <body name="one" @pose><joint name="turn" @axis/>@points
         <body name="tip" @pose><joint name="ball" type="ball" @axis/>@points</body></body>
-      <body name="two" @pose><joint name="x" type="slide" @axis/><joint name="y" type="slide" @axis/>
-        <joint name="yaw" @axis/>@points
+      <body name="two" @pose><joint name="x" type="slide" @axis/>
+        <joint name="y" type="slide" @axis/><joint name="yaw" @axis/>@points
         <body name="mast" @pose><joint name="tilt" @axis/>@points</body></body></body>)";
 
 // The mass points of a model at configurations.
@@ -252,7 +250,6 @@ TEST_F(ObjectNormTest, JointFormulasHoldInClosedForm) {
   twisted << std::cos(0.5), std::sin(0.5), 0, 0;  // about the point's own direction
   EXPECT_NEAR(Sigma(scene("<joint type='ball'/>"), from, turned), chord * chord, 1e-8);
   EXPECT_NEAR(Sigma(scene("<joint type='ball'/>"), from, twisted), 0.0, 1e-8);
-  // A full turn brings a hinge's body back.
   EXPECT_NEAR(Sigma(scene("<joint/>"), zero, 2 * mjPI * one), 0.0, 1e-15);
 }
 
@@ -299,7 +296,6 @@ TEST_F(ObjectNormTest, ARigidMotionOfTheWholeWorldChangesNothing) {
   for (const Metric metric : {Metric::kSequential, Metric::kDisplacement}) {
     EXPECT_NEAR(Sigma(here, a, b, metric), Sigma(there, a, b, metric), 1e-12);
   }
-  // Free joints: move both configurations.
   const Scene free = Scene::FromString(PointMassXml(
       "<body><freejoint/>@points<body @pose><joint @axis/>@points</body></body>", rng_));
   const Eigen::Quaterniond turn = rng_.UnitQuat();
@@ -332,17 +328,24 @@ TEST_F(ObjectNormTest, PartsAddUpAndAreNamed) {
   ObjectNorm norm(arm, Metric::kSequential, arm.DefaultQpos());
   std::vector<std::string> names;
   for (const NormPart& part : norm.Parts(arm.DefaultQpos())) names.push_back(part.name);
-  EXPECT_THAT(names, ElementsAre("root", "shoulder", "reach", "wrist"));
+  EXPECT_THAT(names, ::testing::ElementsAre("root", "shoulder", "reach", "wrist"));
 }
 
 TEST_F(ObjectNormTest, OnlyBodiesThatCanMoveWeigh) {
   const std::string xml = PointMassXml(kForest, rng_);
-  const Scene scene = Scene::FromString(xml, {.movable = {"left", "two"}, .root = {}});
   const VectorXd base = RandomConfiguration(Scene::FromString(xml), rng_);
-  const VectorXd q_in = RandomConfiguration(scene, rng_, 0.5, ToVector(base));
-  const VectorXd q = RandomConfiguration(scene, rng_, 0.5, ToVector(base));
-  const double expected = SequentialByPoints(scene, q_in, q);
-  EXPECT_NEAR(Sigma(scene, q_in, q), expected, 1e-8 * expected);
+  for (const char* root : {"", "torso", "plate"}) {  // frozen roots: nothing more to carry
+    const Scene scene = Scene::FromString(xml, {.movable = {"left", "two"}, .root = root});
+    const VectorXd q_in = RandomConfiguration(scene, rng_, 0.5, ToVector(base));
+    const VectorXd q = RandomConfiguration(scene, rng_, 0.5, ToVector(base));
+    const double expected = SequentialByPoints(scene, q_in, q);
+    EXPECT_NEAR(Sigma(scene, q_in, q), expected, 1e-8 * expected) << root;
+  }
+  const Scene hand = Scene::FromString(xml, {.movable = {"left"}, .root = "hand"});
+  const VectorXd q_in = RandomConfiguration(hand, rng_), q = RandomConfiguration(hand, rng_);
+  const double expected = RootByPoints(hand, mj_name2id(hand.model(), mjOBJ_BODY, "hand"),
+                                       mj_name2id(hand.model(), mjOBJ_BODY, "base"), q_in, q);
+  EXPECT_NEAR(Sigma(hand, q_in, q), expected, 1e-8 * expected);
 }
 
 TEST_F(ObjectNormTest, QuaternionsOfAnyLengthAndSignMeanTheirRotation) {

@@ -23,8 +23,8 @@ using ::testing::Not;
 class VerifyTest : public MujocoTest {};
 
 struct MujocoSays {
-  int contacts = 0;         // of any distance
-  double deepest = 0.0;     // smallest contact dist; 0 when none is negative [m]
+  int contacts = 0;      // of any distance
+  double deepest = 0.0;  // smallest contact dist; 0 when none is negative [m]
   int warnings = 0;
 };
 
@@ -50,7 +50,8 @@ std::vector<double> FreePose(const Vector3d& p, const Eigen::Quaterniond& r) {
 std::string TwoBoxes(const std::string& extra = "", const std::string& geom = "") {
   return "<mujoco>" + extra + R"(<worldbody><geom name="wall" type="box" size=".1 .1 .1"/>
     <body name="slider"><joint name="x" type="slide" axis="1 0 0"/>
-      <geom name="block" type="box" size=".1 .1 .1" )" + geom + "/></body></worldbody></mujoco>";
+      <geom name="block" type="box" size=".1 .1 .1" )" +
+         geom + "/></body></worldbody></mujoco>";
 }
 
 // MuJoCo alone finds nothing at q; we name an overlap of that depth.
@@ -127,9 +128,9 @@ TEST_F(VerifyTest, ACapsuleThatPiercesABoxIsNotFree) {
 TEST_F(VerifyTest, SignedDistancesAreThoseOfTheSlowOracle) {
   Random rng(2);
   int overlaps = 0, cases = 0;
-  for (const auto& [type1, type2] : {std::pair(mjGEOM_CAPSULE, mjGEOM_BOX),
-                                     std::pair(mjGEOM_BOX, mjGEOM_BOX),
-                                     std::pair(mjGEOM_CYLINDER, mjGEOM_MESH)}) {
+  for (const auto& [type1, type2] :
+       {std::pair(mjGEOM_CAPSULE, mjGEOM_BOX), std::pair(mjGEOM_BOX, mjGEOM_BOX),
+        std::pair(mjGEOM_CYLINDER, mjGEOM_MESH)}) {
     for (int i = 0; i < 25; ++i) {
       TwoGeoms geoms;
       geoms.first = RandomShape(type1, rng);
@@ -258,8 +259,8 @@ TEST_F(VerifyTest, AnOverriddenMarginHidesNothing) {
 TEST_F(VerifyTest, APositiveMarginHidesNothing) {
   Random rng(4);
   int missed = 0, overlaps = 0;
-  for (const auto& [type1, type2] : {std::pair("box", "cylinder"), std::pair("ellipsoid", "box"),
-                                     std::pair("box", "box")}) {
+  for (const auto& [type1, type2] :
+       {std::pair("box", "cylinder"), std::pair("ellipsoid", "box"), std::pair("box", "box")}) {
     const auto xml = [&](const std::string& margin) {
       return std::string("<mujoco><worldbody><geom name='a' type='") + type1 +
              "' size='.1 .07 .05'" + margin + "/><body><freejoint/><geom name='b' type='" + type2 +
@@ -400,8 +401,8 @@ TEST_F(VerifyTest, AnExplicitPairCountsAndAnExcludedOneDoesNot) {
   EXPECT_THAT(Verify(Scene::FromString(xml("")), q).reason,
               AllOf(HasSubstr("'a' and geom 'c'"), Not(HasSubstr("'b'"))));
   EXPECT_TRUE(Verify(Scene::FromString(xml("<exclude body1='a' body2='c'/>")), q).free);
-  const Scene paired = Scene::FromString(
-      xml("<exclude body1='a' body2='c'/><pair geom1='b' geom2='a'/>"));
+  const Scene paired =
+      Scene::FromString(xml("<exclude body1='a' body2='c'/><pair geom1='b' geom2='a'/>"));
   EXPECT_EQ(Verify(paired, q).reason, "geom 'a' and geom 'b' overlap by 50 mm");
   EXPECT_EQ(Verify(paired, {0, 0.06, -0.15}).free, true);
 }

@@ -1,0 +1,136 @@
+#include "apps/configurations.h"
+
+#include <mujoco/mujoco.h>
+
+#include <charconv>
+#include <cstddef>
+#include <utility>
+
+#include "apps/qpos_file.h"
+#include "apps/text.h"
+
+namespace mjcf_pdg::app {
+namespace {
+
+std::string ValidKeys(const std::vector<std::string>& names) {
+  constexpr std::size_t kEnough = 300;
+  if (names.empty()) return "the model has no keyframes";
+  std::string list;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (list.size() > kEnough) {
+      list += ", ...";
+      break;
+    }
+    list += (list.empty() ? "" : ", ") + (names[k].empty() ? std::to_string(k) : names[k]);
+  }
+  return "keyframes: " + list;
+}
+
+// A name comes first, so that a keyframe called "2" can be asked for.
+int FindKey(const std::vector<std::string>& names, const std::string& wanted) {
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (!wanted.empty() && names[k] == wanted) return static_cast<int>(k);
+  }
+  int index = -1;
+  const char* const last = wanted.data() + wanted.size();
+  const auto [end, ec] = std::from_chars(wanted.data(), last, index);
+  const bool is_index = ec == std::errc() && end == last && index >= 0;
+  if (is_index && index < static_cast<int>(names.size())) return index;
+  throw Error("--key: no keyframe '" + wanted + "' (" + ValidKeys(names) + ")");
+}
+
+Configuration FromKey(const Scene& scene, const std::vector<std::string>& names, int key) {
+  Configuration configuration;
+  configuration.key = key;
+  configuration.name = names[static_cast<std::size_t>(key)];
+  configuration.label =
+      configuration.name.empty() ? "key" + std::to_string(key) : configuration.name;
+  configuration.q = scene.KeyQpos(key);
+  const mjModel& m = *scene.model();
+  const std::ptrdiff_t n = m.nmocap;
+  if (n > 0) {
+    const double* pos = m.key_mpos + 3 * n * key;
+    const double* quat = m.key_mquat + 4 * n * key;
+    configuration.mocap_pos.assign(pos, pos + 3 * n);
+    configuration.mocap_quat.assign(quat, quat + 4 * n);
+  }
+  return configuration;
+}
+
+void CheckRow(const Scene& scene, const std::vector<double>& q, const std::string& origin) {
+  try {
+    scene.CheckConfiguration(q);
+  } catch (const Error& e) {
+    throw Error(origin + ": " + e.what());
+  }
+}
+
+std::vector<Configuration> FromNumbers(const Scene& scene, Rows rows,
+                                       const std::vector<std::string>& origin) {
+  std::vector<Configuration> configurations(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    CheckRow(scene, rows[i], origin[i]);
+    configurations[i].label = "row" + std::to_string(i);
+    configurations[i].q = std::move(rows[i]);
+  }
+  return configurations;
+}
+
+std::vector<Configuration> FromFlags(const Scene& scene, const std::vector<std::string>& texts) {
+  Rows rows;
+  std::vector<std::string> origin;
+  for (const std::string& text : texts) {
+    rows.push_back(ParseNumbers(text, "--qpos"));
+    origin.emplace_back("--qpos");
+  }
+  return FromNumbers(scene, std::move(rows), origin);
+}
+
+}  // namespace
+
+void AddWhich(CLI::App& command, WhichArguments& arguments) {
+  CLI::Option* key =
+      command.add_option("--key", arguments.keys, "a keyframe; may be repeated (default: all)")
+          ->type_name("NAME|INDEX");
+  CLI::Option* qpos =
+      command.add_option("--qpos", arguments.qpos, "nq numbers in quotes; may be repeated")
+          ->type_name("\"V V ...\"");
+  CLI::Option* file =
+      command
+          .add_option("--qpos-file", arguments.file,
+                      ".npy (float64, n x nq), .csv or .txt, one configuration a row; - is stdin")
+          ->type_name("FILE|-");
+  key->allow_extra_args(false);
+  qpos->allow_extra_args(false);
+  key->excludes(qpos)->excludes(file);
+  qpos->excludes(file);
+}
+
+std::vector<Configuration> ReadConfigurations(const Scene& scene, const WhichArguments& arguments) {
+  if (!arguments.qpos.empty()) return FromFlags(scene, arguments.qpos);
+  if (!arguments.file.empty()) {
+    QposFile file = ReadQposFile(arguments.file, static_cast<std::size_t>(scene.nq()));
+    return FromNumbers(scene, std::move(file.rows), file.origin);
+  }
+  const std::vector<std::string> names = scene.KeyNames();
+  std::vector<int> keys;
+  for (const std::string& wanted : arguments.keys) keys.push_back(FindKey(names, wanted));
+  if (arguments.keys.empty()) {
+    for (std::size_t k = 0; k < names.size(); ++k) keys.push_back(static_cast<int>(k));
+  }
+  std::vector<Configuration> configurations;
+  for (const int key : keys) configurations.push_back(FromKey(scene, names, key));
+  if (configurations.empty()) {
+    Configuration configuration;
+    configuration.label = "qpos0";
+    configuration.q = scene.DefaultQpos();
+    configurations.push_back(std::move(configuration));
+  }
+  for (const Configuration& configuration : configurations) {
+    const std::string kind = configuration.key < 0 ? "" : "keyframe ";
+    CheckRow(scene, configuration.q, kind + "'" + configuration.label + "'");
+  }
+  return configurations;
+}
+
+}  // namespace mjcf_pdg::app

@@ -1,0 +1,35 @@
+// Which configurations a verb is asked about: keyframes, numbers on the command line, a file.
+#ifndef MJCF_PDG_APPS_CONFIGURATIONS_H_
+#define MJCF_PDG_APPS_CONFIGURATIONS_H_
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "mjcf_pdg/scene.h"
+
+namespace mjcf_pdg::app {
+
+struct WhichArguments {
+  std::vector<std::string> keys;   // names or indices
+  std::vector<std::string> qpos;   // one configuration each
+  std::string file;                // "-" is stdin
+};
+
+struct Configuration {
+  std::string label;  // never empty: the keyframe's name, "key3", "qpos0", "row7"
+  std::string name;   // of the keyframe, if it has one
+  int key = -1;       // index of the keyframe; -1: not from a keyframe
+  std::vector<double> q;
+  // Where the keyframe puts the mocap bodies; empty: as in the model.
+  std::vector<double> mocap_pos, mocap_quat;
+};
+
+void AddWhich(CLI::App& command, WhichArguments& arguments);  // --key, --qpos, --qpos-file
+
+// At least one; all valid (else Error names the keyframe, the file and line, or the flag).
+std::vector<Configuration> ReadConfigurations(const Scene& scene, const WhichArguments& arguments);
+
+}  // namespace mjcf_pdg::app
+
+#endif  // MJCF_PDG_APPS_CONFIGURATIONS_H_

@@ -1,0 +1,87 @@
+// mjcf-pdg norm: the object norm between two configurations, and each joint's part of it.
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/cli.h"
+#include "apps/options.h"
+#include "apps/output_files.h"
+#include "apps/report.h"
+#include "apps/text.h"
+#include "mjcf_pdg/object_norm.h"
+
+namespace mjcf_pdg::app {
+namespace {
+
+struct NormArguments {
+  SceneArguments scene;
+  Metric metric = Options{}.metric;
+  std::string from, to, json;
+};
+
+std::vector<double> ParseConfiguration(const Scene& scene, const std::string& flag,
+                                       const std::string& text) {
+  const std::vector<double> q = ParseNumbers(text, flag);
+  try {
+    scene.CheckConfiguration(q);
+  } catch (const Error& e) {
+    throw Error(flag + ": " + e.what());
+  }
+  return q;
+}
+
+std::string NormJson(double sigma, const std::vector<NormPart>& parts) {
+  nlohmann::ordered_json json = {{"sigma", sigma}, {"rms", std::sqrt(sigma)}};
+  json["parts"] = nlohmann::ordered_json::array();
+  for (const NormPart& part : parts) {
+    json["parts"].push_back({{"name", part.name}, {"sigma", part.sigma}});
+  }
+  return JsonLine(json);
+}
+
+std::string NormTable(double sigma, const std::vector<NormPart>& parts) {
+  Table table({"part", "sigma m^2", "share %"});
+  for (const NormPart& part : parts) {
+    const double share = sigma > 0.0 ? 100.0 * part.sigma / sigma : 0.0;
+    table.AddRow({part.name, Short(part.sigma), Short(share)});
+  }
+  return table.ToString() + "sigma " + Short(sigma) + " m^2, rms " + Short(std::sqrt(sigma) * 1e3) +
+         " mm\n";
+}
+
+int RunNorm(const NormArguments& arguments) {
+  const Scene scene = Scene::FromFile(arguments.scene.model, arguments.scene.options);
+  const std::vector<double> from = ParseConfiguration(scene, "--from", arguments.from);
+  const std::vector<double> to = ParseConfiguration(scene, "--to", arguments.to);
+  OutputFiles outputs;
+  outputs.Add("--json", arguments.json, {arguments.scene.model});
+  ObjectNorm norm(scene, arguments.metric, from);
+  const double sigma = norm.Sigma(to);
+  const std::vector<NormPart> parts = norm.Parts(to);
+  if (!arguments.json.empty()) outputs.Stage(arguments.json, NormJson(sigma, parts));
+  outputs.Commit();
+  if (!outputs.uses_stdout()) WriteStdout(NormTable(sigma, parts));
+  return kExitFree;
+}
+
+}  // namespace
+
+Verb AddNormVerb(CLI::App& program) {
+  CLI::App* command =
+      program.add_subcommand("norm", "Object norm between two configurations, per joint");
+  auto arguments = std::make_shared<NormArguments>();
+  AddModel(*command, arguments->scene);
+  for (auto [flag, target] : {std::pair{"--from", &arguments->from}, {"--to", &arguments->to}}) {
+    command->add_option(flag, *target, "a configuration: nq numbers in quotes")
+        ->type_name("\"V V ...\"")
+        ->required();
+  }
+  AddRoot(*command, arguments->scene);
+  AddMetric(*command, arguments->metric);
+  AddMovable(*command, arguments->scene);
+  AddJson(*command, arguments->json);
+  return {command, [arguments] { return RunNorm(*arguments); }};
+}
+
+}  // namespace mjcf_pdg::app

@@ -1,0 +1,48 @@
+// Output files that appear whole and all together, or not at all.
+#ifndef MJCF_PDG_APPS_OUTPUT_FILES_H_
+#define MJCF_PDG_APPS_OUTPUT_FILES_H_
+
+#include <string>
+#include <vector>
+
+namespace mjcf_pdg::app {
+
+// Use: Add every output, stage its content into a hidden file beside it, then Commit renames all.
+// What was staged and not committed is removed.
+class OutputFiles {
+ public:
+  OutputFiles() = default;
+  ~OutputFiles();
+  OutputFiles(const OutputFiles&) = delete;
+  OutputFiles& operator=(const OutputFiles&) = delete;
+
+  // Throws Error if `path` cannot be written, is one of `inputs`, or was added before. An empty path
+  // is ignored. "-" is stdout.
+  void Add(const std::string& flag, const std::string& path,
+           const std::vector<std::string>& inputs);
+  bool uses_stdout() const;
+
+  // No-op for an empty path. Throws std::runtime_error when the disk does not take it.
+  void Stage(const std::string& path, const std::string& content);
+  // For writers that want a file name: the hidden file's, in the folder of the output and with its
+  // ending. The caller creates it.
+  std::string StagedName(const std::string& path);
+  void Commit();
+
+ private:
+  struct Output {
+    std::string flag;
+    std::string path;    // as given
+    std::string target;  // symbolic links resolved
+    std::string staged;  // hidden file; empty: a stream (stdout, a device), written by Commit
+    std::string stream_content;
+  };
+
+  Output& Find(const std::string& path);
+
+  std::vector<Output> outputs_;
+};
+
+}  // namespace mjcf_pdg::app
+
+#endif  // MJCF_PDG_APPS_OUTPUT_FILES_H_

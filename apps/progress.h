@@ -1,0 +1,34 @@
+// A progress bar on stderr, if that is a terminal; nothing otherwise.
+#ifndef MJCF_PDG_APPS_PROGRESS_H_
+#define MJCF_PDG_APPS_PROGRESS_H_
+
+#include <chrono>
+#include <cstddef>
+#include <mutex>
+#include <string>
+
+namespace mjcf_pdg::app {
+
+class Progress {
+ public:
+  Progress(std::string label, std::size_t total);
+  ~Progress();  // wipes the bar
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void Step();  // thread-safe
+
+ private:
+  void Draw();
+
+  const std::string label_;
+  const std::size_t total_;
+  const bool shown_;
+  std::mutex mutex_;
+  std::size_t done_ = 0;
+  std::chrono::steady_clock::time_point last_draw_;
+};
+
+}  // namespace mjcf_pdg::app
+
+#endif  // MJCF_PDG_APPS_PROGRESS_H_

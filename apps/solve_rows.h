@@ -1,0 +1,23 @@
+// Solves configurations on several threads, each with a solver of its own.
+#ifndef MJCF_PDG_APPS_SOLVE_ROWS_H_
+#define MJCF_PDG_APPS_SOLVE_ROWS_H_
+
+#include <cstddef>
+#include <vector>
+
+#include "apps/configurations.h"
+#include "mjcf_pdg/pdg.h"
+
+namespace mjcf_pdg::app {
+
+// Results in the order of `rows`; the number of threads changes nothing but the time. Shows a
+// progress bar if stderr is a terminal. Throws what a solver throws.
+std::vector<Result> SolveRows(const Scene& scene, const Options& options,
+                              const std::vector<Configuration>& rows, std::size_t threads);
+
+// The options with the mocap poses of a keyframe.
+Options WithMocap(const Options& options, const Configuration& row);
+
+}  // namespace mjcf_pdg::app
+
+#endif  // MJCF_PDG_APPS_SOLVE_ROWS_H_

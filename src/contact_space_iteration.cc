@@ -1,0 +1,94 @@
+#include "contact_space_iteration.h"
+
+#include <algorithm>
+
+namespace mjcf_pdg {
+namespace {
+
+constexpr double kTouchingBand = 10.0;  // in units of the CCD's gap
+constexpr double kNoBound = 1e12;       // μ of rows that nothing may violate
+
+}  // namespace
+
+ContactSpaceIteration::ContactSpaceIteration(Problem& problem)
+    : problem_(problem), ccd_(problem.tables, problem.finder), projection_(problem.tables, ccd_) {
+  projection_options_.ccd.tolerance = problem.tolerances.accept;
+}
+
+bool ContactSpaceIteration::Free(const VectorXd& q) {
+  problem_.finder.Pose(q);
+  const auto& near = problem_.finder.Find(problem_.options.clearance);
+  return std::none_of(near.begin(), near.end(), [this](const NearPair& pair) {
+    return problem_.tables.pairs[pair.pair].moves &&
+           pair.distance < problem_.required[pair.pair] - problem_.tolerances.accept;
+  });
+}
+
+VectorXd ContactSpaceIteration::Optimize(const VectorXd& q_c, const IterationOptions& options,
+                                         int& sweeps) {
+  const SceneTables& tables = problem_.tables;
+  const double band = kTouchingBand * projection_options_.ccd.gap;
+  problem_.finder.Pose(q_c);
+  rows_.Clear(tables.n);
+  for (const NearPair& near : problem_.finder.Find(problem_.options.clearance + band)) {
+    const double gap = near.distance - problem_.required[near.pair];
+    if (!tables.pairs[near.pair].moves || gap > band) continue;
+    const int row = rows_.Append(std::max(0.0, gap), near.pair);
+    ContactRow(tables, problem_.finder.posed(), near.pair, near.p1_W, near.p2_W, near.n_W,
+               rows_.C.row(row));
+  }
+  AppendLimitRows(tables, q_c, std::numeric_limits<double>::infinity(), rows_);
+
+  // In whitened coordinates r = H^½ X: C' = C (dq/dX), and X* = H⁻¹ C'ᵀ λ* reads r* = G λ*.
+  problem_.norm.Linearize(q_c, r_, J_);
+  problem_.norm.InnerProduct(J_, H_);
+  whitening_.Factor(H_, problem_.norm.blocks());
+  VectorXd y = J_.transpose() * r_;
+  whitening_.SolveLower(y);
+  G_ = rows_.C.topRows(rows_.m).transpose();
+  whitening_.SolveLower(G_);
+  b_ = G_.transpose() * y - rows_.gap.head(rows_.m);
+  mu_.setConstant(rows_.m, kNoBound);
+  lambda_.setZero(rows_.m);
+  LcpOptions lcp;
+  lcp.max_steps = options.max_sweeps;
+  sweeps += SolveProjectedGaussSeidel(G_, b_, mu_, lcp, lambda_).steps;
+  dq_ = G_ * lambda_ - y;
+  whitening_.SolveUpper(dq_);
+  VectorXd q;
+  problem_.norm.Retract(q_c, dq_, q);
+  ClampToLimits(tables, q);
+  return q;
+}
+
+const ProjectionResult& ContactSpaceIteration::Reproject(const VectorXd& q_c, const VectorXd& q) {
+  return Free(q) ? projection_.Project(q, problem_.q_in, projection_options_, &problem_.required)
+                 : projection_.Project(q_c, q, projection_options_, &problem_.required);
+}
+
+IterationResult ContactSpaceIteration::Run(const VectorXd& q_f, const IterationOptions& options) {
+  IterationResult result;
+  const ProjectionResult& first =
+      projection_.Project(q_f, problem_.q_in, projection_options_, &problem_.required);
+  result.q = first.q;
+  result.start_free = first.start_free;
+  result.certified = first.certified;
+  if (!result.start_free) return result;
+  result.sigma = problem_.norm.Sigma(result.q);
+  result.sigmas.push_back(result.sigma);
+  for (int k = 0; k < options.max_iterations && !problem_.Expired(); ++k) {
+    const VectorXd q = Optimize(result.q, options, result.sweeps);
+    const ProjectionResult& next = Reproject(result.q, q);
+    const double sigma = problem_.norm.Sigma(next.q);
+    if (!next.start_free || sigma >= result.sigma) break;
+    const bool settled = sigma > (1.0 - options.convergence) * result.sigma;
+    result.q = next.q;
+    result.sigma = sigma;
+    result.certified = result.certified && next.certified;
+    result.sigmas.push_back(sigma);
+    if (settled) break;
+  }
+  return result;
+}
+
+}  // namespace mjcf_pdg

@@ -1,0 +1,65 @@
+// The paper's iteration on the contact space, from a free configuration.
+//
+// Source: Tang & Kim, Sec. 3.1 steps 2-5 and Sec. 5.2-5.4: project the free configuration onto the
+// contact space, linearize the contacts there, minimize the object norm on the linearization (LCP by
+// projected Gauss-Seidel), re-project, repeat until σ stops falling.
+// Differs from it:
+//   1. Joint limits are rows of the LCP, not truncated afterwards.
+//   2. A re-projection that would raise σ (possible: on straight lines with large hinge angles σ is
+//      not monotone) is not accepted and ends the iteration.
+//   3. Contacts within a band count as touching, since projections stop a little before contact.
+#ifndef MJCF_PDG_SRC_CONTACT_SPACE_ITERATION_H_
+#define MJCF_PDG_SRC_CONTACT_SPACE_ITERATION_H_
+
+#include <limits>
+#include <vector>
+
+#include "block_cholesky.h"
+#include "contact_matrix.h"
+#include "contact_space_projection.h"
+#include "lcp.h"
+#include "problem.h"
+
+namespace mjcf_pdg {
+
+struct IterationOptions {
+  int max_iterations = 30;
+  int max_sweeps = 1000;       // projected Gauss-Seidel
+  double convergence = 1e-5;   // relative decrease of σ that still counts
+};
+
+struct IterationResult {
+  VectorXd q;                    // free if q_f was
+  bool start_free = false;       // false: q_f overlaps; q is q_f
+  bool certified = true;         // every motion on the way was proven free
+  double sigma = std::numeric_limits<double>::infinity();  // [m²]
+  std::vector<double> sigmas;    // of the accepted free configurations, never rising [m²]
+  int sweeps = 0;
+};
+
+class ContactSpaceIteration {
+ public:
+  explicit ContactSpaceIteration(Problem& problem);
+
+  IterationResult Run(const VectorXd& q_f, const IterationOptions& options = {});
+
+ private:
+  // The minimizer on the linearized contact space around q_c (Eq. 24-30), limits kept.
+  VectorXd Optimize(const VectorXd& q_c, const IterationOptions& options, int& sweeps);
+  // From a free q towards q_in, from a colliding q from q_c towards q (Sec. 5.4).
+  const ProjectionResult& Reproject(const VectorXd& q_c, const VectorXd& q);
+  bool Free(const VectorXd& q);
+
+  Problem& problem_;
+  Ccdg ccd_;
+  ContactSpaceProjection projection_;
+  ProjectionOptions projection_options_;
+  ContactRows rows_;
+  BlockCholesky whitening_;
+  VectorXd r_, z_, dq_, b_, mu_, lambda_;
+  MatrixXd J_, H_, G_;
+};
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_CONTACT_SPACE_ITERATION_H_
