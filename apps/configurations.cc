@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "apps/options.h"
 #include "apps/qpos_file.h"
 #include "apps/text.h"
 
@@ -96,10 +97,10 @@ void AddWhich(CLI::App& command, WhichArguments& arguments) {
       command.add_option("--qpos", arguments.qpos, "nq numbers in quotes; may be repeated")
           ->type_name("\"V V ...\"");
   CLI::Option* file =
-      command
-          .add_option("--qpos-file", arguments.file,
-                      ".npy (float64, n x nq), .csv or .txt, one configuration a row; - is stdin")
-          ->type_name("FILE|-");
+      AddPath(command, "--qpos-file",
+              ".npy (float64, n x nq), .csv or .txt, one configuration a row; - is stdin",
+              arguments.file);
+  file->type_name("FILE|-");
   key->allow_extra_args(false);
   qpos->allow_extra_args(false);
   key->excludes(qpos)->excludes(file);

@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -16,9 +17,9 @@ std::string Describe(const NumberRange& range) {
   return bounded ? text + " and at most " + Short(range.high) : text;
 }
 
-[[noreturn]] void RefuseValue(const NumberFlag& flag, const std::string& text) {
-  throw Error(std::string(flag.flag) + ": '" + text + "' is not a number that is " +
-              Describe(flag.range));
+[[noreturn]] void RefuseValue(const NumberFlag& flag, const std::string& text, bool whole) {
+  throw Error(std::string(flag.flag) + ": '" + text + "' is not a " + (whole ? "whole " : "") +
+              "number that is " + Describe(flag.range));
 }
 
 template <typename T>
@@ -26,11 +27,11 @@ void ParseInto(const NumberFlag& flag, const std::string& text, T& target) {
   T value{};
   const char* const last = text.data() + text.size();
   const auto [end, ec] = std::from_chars(text.data(), last, value);
-  if (ec != std::errc() || end != last) RefuseValue(flag, text);
+  if (ec != std::errc() || end != last) RefuseValue(flag, text, std::is_integral_v<T>);
   const double number = static_cast<double>(value);
   const NumberRange& range = flag.range;
   const bool high_enough = range.above_low ? number > range.low : number >= range.low;
-  if (!high_enough || !(number <= range.high)) RefuseValue(flag, text);
+  if (!high_enough || !(number <= range.high)) RefuseValue(flag, text, std::is_integral_v<T>);
   target = value;
 }
 
@@ -75,8 +76,17 @@ CLI::Option* AddInteger(CLI::App& command, const NumberFlag& flag, unsigned long
   return AddParsed(command, flag, target);
 }
 
+CLI::Option* AddPath(CLI::App& command, const std::string& flag, const std::string& help,
+                     std::string& target) {
+  auto set = [flag, &target](const std::string& path) {
+    if (path.empty()) throw Error(flag + ": empty file name");
+    target = path;
+  };
+  return command.add_option_function<std::string>(flag, set, help)->type_name("FILE");
+}
+
 void AddModel(CLI::App& command, SceneArguments& arguments) {
-  command.add_option("MODEL", arguments.model, "MJCF file (.xml), or .mjb")->required();
+  AddPath(command, "MODEL", "MJCF (.xml) or compiled model (.mjb)", arguments.model)->required();
 }
 
 void AddMovable(CLI::App& command, SceneArguments& arguments) {
@@ -136,7 +146,7 @@ void AddRest(CLI::App& command, Options& options) {
 }
 
 void AddJson(CLI::App& command, std::string& path) {
-  command.add_option("--json", path, "write JSON Lines here; - is stdout, which carries it alone")
+  AddPath(command, "--json", "write JSON Lines here; - is stdout, which then carries it alone", path)
       ->type_name("FILE|-");
 }
 

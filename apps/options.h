@@ -34,6 +34,10 @@ struct NumberFlag {
 CLI::Option* AddNumber(CLI::App& command, const NumberFlag& flag, double& target);
 CLI::Option* AddInteger(CLI::App& command, const NumberFlag& flag, unsigned long long& target);
 
+// A file name; an empty one is refused.
+CLI::Option* AddPath(CLI::App& command, const std::string& flag, const std::string& help,
+                     std::string& target);
+
 void AddModel(CLI::App& command, SceneArguments& arguments);    // MODEL
 void AddMovable(CLI::App& command, SceneArguments& arguments);  // --movable
 void AddRoot(CLI::App& command, SceneArguments& arguments);     // --root

@@ -27,8 +27,9 @@ void WriteFile(const std::string& path, const std::string& content, const char* 
 // The file that is meant, also when it does not exist yet.
 fs::path Resolve(const std::string& path) {
   std::error_code ec;
-  fs::path resolved = fs::weakly_canonical(path, ec);
-  return ec ? fs::absolute(path) : resolved;
+  const fs::path absolute = fs::absolute(path, ec);
+  fs::path resolved = fs::weakly_canonical(absolute, ec);
+  return ec ? absolute : resolved;
 }
 
 bool SameFile(const std::string& a, const std::string& b) {

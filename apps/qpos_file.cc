@@ -91,7 +91,6 @@ QposFile ParseBytes(const std::string& bytes, const std::string& path, const std
 }  // namespace
 
 QposFile ReadQposFile(const std::string& path, std::size_t width) {
-  if (path.empty()) throw Error("--qpos-file: empty file name");
   const std::string what = path == "-" ? "stdin" : path;
   const std::string bytes = ReadBytes(path);
   if (bytes.empty()) throw Error(what + ": is empty");

@@ -79,6 +79,13 @@ void SetVector(mjDoubleVec* target, const double* values, mjtSize n) {
   if (n > 0) mjs_setDouble(target, values, static_cast<int>(n));
 }
 
+// Zeros are the default and stay unwritten.
+void SetUnlessZero(mjDoubleVec* target, const double* values, mjtSize n) {
+  if (std::any_of(values, values + n, [](double v) { return v != 0.0; })) {
+    SetVector(target, values, n);
+  }
+}
+
 void AddKey(const mjModel& m, const Configuration& row, const std::vector<double>& q, mjData* d,
             mjSpec* spec) {
   const std::string name = KeyName(row);
@@ -90,15 +97,15 @@ void AddKey(const mjModel& m, const Configuration& row, const std::vector<double
   if (row.key >= 0) {
     const std::ptrdiff_t k = row.key;
     key->time = m.key_time[k];
-    SetVector(key->qvel, m.key_qvel + k * m.nv, m.nv);
-    SetVector(key->act, m.key_act + k * m.na, m.na);
+    SetUnlessZero(key->qvel, m.key_qvel + k * m.nv, m.nv);
+    SetUnlessZero(key->act, m.key_act + k * m.na, m.na);
     SetVector(key->mpos, m.key_mpos + k * m.nmocap * 3, m.nmocap * 3);
     SetVector(key->mquat, m.key_mquat + k * m.nmocap * 4, m.nmocap * 4);
     SetVector(key->plastic, m.key_plastic + k * m.nplastic, m.nplastic);
     std::copy_n(m.key_ctrl + k * m.nu, m.nu, ctrl.begin());
   }
   MoveControls(m, row, q, d, ctrl);
-  SetVector(key->ctrl, ctrl.data(), m.nu);
+  SetUnlessZero(key->ctrl, ctrl.data(), m.nu);
 }
 
 // ---- Asset files ----

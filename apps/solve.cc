@@ -51,16 +51,15 @@ void AddFlags(CLI::App& command, SolveArguments& arguments) {
              arguments.threads);
   AddEffort(command, arguments.options.effort);
   AddJson(command, arguments.json);
-  command
-      .add_option("--out-qpos", arguments.out_qpos,
-                  "write the configurations, one a row: .npy, .csv or .txt; - is stdout, as text")
+  AddPath(command, "--out-qpos",
+          "write the configurations, one a row: .npy, .csv or .txt; - is stdout, as text",
+          arguments.out_qpos)
       ->type_name("FILE|-");
-  command
-      .add_option("--out-mjcf", arguments.out_mjcf,
-                  "write the scene with a keyframe NAME_pdg for every row that is or became free")
-      ->type_name("FILE");
+  AddPath(command, "--out-mjcf",
+          "write the scene with a keyframe NAME_pdg for every row that is or became free",
+          arguments.out_mjcf);
 #ifdef MJCF_PDG_HAVE_RENDER
-  command.add_option("--png", arguments.png, "draw every row before and after")->type_name("FILE");
+  AddPath(command, "--png", "draw every row before and after", arguments.png);
 #endif
 }
 

@@ -83,9 +83,8 @@ void ActiveSetLcp::StartFrom(const ConstMatrix& G, const VectorXd& b, const Vect
     const int f = static_cast<int>(free_.size());
     direction_.resize(f);
     for (int k = 0; k < f; ++k) direction_[k] = b[free_[k]];
-    factor_ = gram_.topLeftCorner(f, f);
-    Eigen::LLT<Eigen::Ref<MatrixXd>> llt(factor_);
-    llt.solveInPlace(direction_);
+    SolveForward(direction_);
+    SolveBackward(direction_);
     bool dropped = false;
     for (int k = f - 1; k >= 0; --k) {
       if (direction_[k] > 0.0 && direction_[k] < mu[free_[k]]) continue;
@@ -115,12 +114,17 @@ int ActiveSetLcp::MostViolated(double tolerance) const {
   return worst;
 }
 
-// gram_ gains a row for `row`, which becomes the last of the free rows.
+// `row`, just solved for by SolveFree, becomes the last of the free rows.
 void ActiveSetLcp::AddFree(int row) {
   const int f = static_cast<int>(free_.size());
-  if (gram_.rows() <= f) gram_.conservativeResize(2 * f + 8, 2 * f + 8);
-  for (int k = 0; k < f; ++k) gram_(f, k) = cross_[k];
+  if (gram_.rows() <= f) {
+    gram_.conservativeResize(2 * f + 8, 2 * f + 8);
+    factor_.conservativeResize(2 * f + 8, 2 * f + 8);
+  }
+  gram_.row(f).head(f) = cross_.transpose();
   gram_(f, f) = norms_[row] * norms_[row];
+  factor_.row(f).head(f) = forward_.transpose();
+  factor_(f, f) = std::sqrt(left_);
   free_.push_back(row);
 }
 
@@ -130,21 +134,42 @@ void ActiveSetLcp::RemoveFree(int k) {
     for (int j = 0; j <= i; ++j) gram_(i, j) = gram_(i + 1, j < k ? j : j + 1);
   }
   free_.erase(free_.begin() + k);
+  for (int i = k; i + 1 < f; ++i) {  // factor again from row k on
+    for (int j = 0; j < i; ++j) {
+      const double dot = factor_.row(i).head(j).dot(factor_.row(j).head(j));
+      factor_(i, j) = (gram_(i, j) - dot) / factor_(j, j);
+    }
+    const double rest = gram_(i, i) - factor_.row(i).head(i).squaredNorm();
+    factor_(i, i) = std::sqrt(std::max(rest, kDependent * gram_(i, i)));
+  }
 }
 
-// direction_ = (G_FᵀG_F)⁻¹ G_Fᵀ g for the free set F and g = G_row; cross_ = G_Fᵀ g. Returns what of
-// ‖g‖² is left beside F.
+// x = (G_FᵀG_F)⁻¹ x from L⁻¹ x.
+void ActiveSetLcp::SolveBackward(VectorXd& x) const {
+  for (int i = static_cast<int>(free_.size()) - 1; i >= 0; --i) {
+    x[i] /= factor_(i, i);
+    x.head(i) -= x[i] * factor_.row(i).head(i).transpose();
+  }
+}
+
+void ActiveSetLcp::SolveForward(VectorXd& x) const {
+  for (int i = 0; i < static_cast<int>(free_.size()); ++i) {
+    x[i] = (x[i] - factor_.row(i).head(i).dot(x.head(i))) / factor_(i, i);
+  }
+}
+
+// direction_ = (G_FᵀG_F)⁻¹ G_Fᵀ g for the free set F and g = G_row. Returns what of ‖g‖² is left
+// beside F.
 double ActiveSetLcp::SolveFree(const ConstMatrix& G, int row) {
   const int f = static_cast<int>(free_.size());
   cross_.resize(f);
   for (int k = 0; k < f; ++k) cross_[k] = G.col(free_[k]).dot(G.col(row));
-  factor_ = gram_.topLeftCorner(f, f);
-  Eigen::LLT<Eigen::Ref<MatrixXd>> llt(factor_);
-  direction_ = cross_;
-  llt.matrixL().solveInPlace(direction_);
-  const double left = norms_[row] * norms_[row] - direction_.squaredNorm();
-  llt.matrixU().solveInPlace(direction_);
-  return std::max(0.0, left);
+  forward_ = cross_;
+  SolveForward(forward_);
+  left_ = std::max(0.0, norms_[row] * norms_[row] - forward_.squaredNorm());
+  direction_ = forward_;
+  SolveBackward(direction_);
+  return left_;
 }
 
 // Moves λ_row off its bound while the free rows keep their slack at zero, until its own slack is

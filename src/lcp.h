@@ -61,6 +61,8 @@ class ActiveSetLcp {
   void Enter(const ConstMatrix& G, const Eigen::VectorXd& mu, int row, Eigen::VectorXd& lambda);
   void AddFree(int row);
   void RemoveFree(int k);
+  void SolveForward(Eigen::VectorXd& x) const;
+  void SolveBackward(Eigen::VectorXd& x) const;
   double SolveFree(const ConstMatrix& G, int row);
 
   std::vector<Side> side_;
@@ -68,9 +70,10 @@ class ActiveSetLcp {
   Eigen::VectorXd norms_;      // of G's columns
   Eigen::VectorXd slack_;      // b - GᵀG λ: positive where a constraint is violated
   Eigen::VectorXd x_;          // G λ
-  Eigen::MatrixXd gram_;       // G_FᵀG_F of the free rows, lower triangle
-  Eigen::MatrixXd factor_;     // its Cholesky factor
-  Eigen::VectorXd cross_;      // G_Fᵀ g for the entering row g
+  // Of the free rows' G_FᵀG_F: the lower triangle and its Cholesky factor, row by row.
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> gram_, factor_;
+  Eigen::VectorXd cross_, forward_;  // G_Fᵀ g for the entering row g, and L⁻¹ of it
+  double left_ = 0.0;                // ‖g‖² - ‖L⁻¹ G_Fᵀ g‖²
   Eigen::VectorXd direction_;  // how the free multipliers answer to the entering one
 };
 

@@ -9,7 +9,7 @@ namespace mjcf_pdg {
 
 // How far to go, by effort. Measured in bench/: success first, then σ, then time.
 struct Search::Plan {
-  int starts = 12;            // selections at most
+  int starts = 20;            // selections at most
   int agree = 3;              // starts within 1 % of the best that end the search
   int hops = 3;               // tries about the best
   double direct_only = 1.0;   // relative depth up to which the direct start alone is trusted
@@ -44,9 +44,9 @@ Search::Plan Search::PlanFor(Effort effort) {
     case Effort::kFast:
       return {12, 1, 0, std::numeric_limits<double>::infinity()};
     case Effort::kDefault:
-      return {12, 3, 3, 1.0};
+      return {20, 3, 3, 1.0};
     case Effort::kMax:
-      return {32, 6, 8, 0.3};
+      return {48, 6, 8, 0.3};
   }
   return {};
 }

@@ -196,6 +196,39 @@ TEST_F(LowerBoundTest, PairsOfDifferentTreesAddUp) {
   EXPECT_NEAR(at.Bound(), sigma, 1e-6 * sigma);
 }
 
+TEST_F(LowerBoundTest, PairsOfOneJointDoNotAddUp) {
+  const std::string xml = R"(<mujoco><worldbody><geom type="box" size=".1 1 1"/>
+    <body pos=".1 0 0"><joint type="slide" axis="1 0 0"/><geom type="box" size=".1 .1 .1"/>
+    <geom type="box" size=".1 .1 .1" pos="0 .5 0"/></body></worldbody></mujoco>)";
+  const AtStart at(Scene::FromString(xml), Configuration({0.07}));
+  EXPECT_EQ(at.near.size(), 2u);
+  EXPECT_NEAR(std::sqrt(at.Bound()), 0.03 - kTolerance, 1e-7);
+}
+
+// A slider that grazes a wide wall: directions a little off the wall's normal are hardly deeper,
+// but much harder to go. A bound that forgot how γ grows over a cell would claim too much.
+TEST_F(LowerBoundTest, ASliderThatGrazesAWallIsBoundWhateverTheOrientation) {
+  Random rng(15);
+  const double way_out = (0.01 - kTolerance) / std::sin(0.2);
+  for (int i = 0; i < 30; ++i) {
+    const Eigen::Quaterniond r = rng.UnitQuat();
+    const double wxyz[4] = {r.w(), r.x(), r.y(), r.z()};
+    const Vector3d axis = r * Vector3d(std::sin(0.2), std::cos(0.2), 0.0);
+    const Vector3d pos = r * Vector3d(0.19, 0.0, 0.0);
+    const std::string quat = " quat='" + Join(wxyz, 4) + "'";
+    const AtStart at(
+        Scene::FromString("<mujoco><worldbody><geom type='box' size='.1 3 3'" + quat +
+                          "/><body pos='" + Join(pos.data(), 3) + "'><joint type='slide' axis='" +
+                          Join(axis.data(), 3) + "'/><geom type='box' size='.1 .1 .1'" + quat +
+                          "/></body></worldbody></mujoco>"),
+        Configuration({0.0}));
+    for (const int cells : {54, 100, 2000}) {
+      EXPECT_LE(std::sqrt(at.Bound(cells)), way_out) << cells << " " << Join(wxyz, 4);
+    }
+    EXPECT_GE(std::sqrt(at.Bound(2000)), 0.8 * way_out) << Join(wxyz, 4);
+  }
+}
+
 TEST_F(LowerBoundTest, JointsOutsideTheirLimitsMustComeBack) {
   const Scene scene = Scene::FromString(R"(<mujoco><compiler angle="radian"/><worldbody><body>
     <joint type="slide" axis="1 0 0" range="0 .1"/><joint axis="0 1 .2" range="-.5 .5"/>

@@ -266,11 +266,12 @@ std::string BallChainXml(bool limited) {
     <geom name="floor" type="plane" size="0 0 1" pos="0 0 -.5"/>
     <body name="a" pos="0 0 .3" quat=".8 .2 -.5 .3"><joint name="ja" type="ball" pos=".02 0 .03"/>
       <geom name="a" type="capsule" size=".04" fromto="0 0 0 .2 .05 0"/>
-      <body name="b" pos=".25 .05 0" quat=".3 .1 .9 -.2"><joint name="jb" type="ball" pos="-.03 .01 0"/>
+      <body name="b" pos=".25 .05 0" quat=".3 .1 .9 -.2">
+        <joint name="jb" type="ball" pos="-.03 .01 0"/>
         <geom name="b" type="box" size=".1 .04 .03" pos=".05 .02 0"/>
         <body name="c" pos=".2 0 .02"><joint name="jc" type="ball"/>
-          <geom name="c" type="ellipsoid" size=".1 .05 .04" pos=".08 0 .01"/>
-        </body></body></body></worldbody></mujoco>)";
+        <geom name="c" type="ellipsoid" size=".1 .05 .04" pos=".08 0 .01"/>
+      </body></body></body></worldbody></mujoco>)";
 }
 
 std::string TwoTreesXml() {
@@ -326,7 +327,6 @@ double Gap(const mjModel* m, const mjData* d, int geom1, int geom2, const Vector
 }
 
 constexpr double kGolden = 2.399963229728653;  // angle that spreads points evenly
-
 // Climbs from best.n_W by steps along turning tangent directions, halved when none helps.
 void Climb(const mjModel* m, const mjData* d, int geom1, int geom2, double step, BruteGap& best) {
   double turn = 0.0;

@@ -407,6 +407,22 @@ TEST_F(VerifyTest, AnExplicitPairCountsAndAnExcludedOneDoesNot) {
   EXPECT_EQ(Verify(paired, {0, 0.06, -0.15}).free, true);
 }
 
+// The two witnesses do not share the table of pairs.
+TEST_F(VerifyTest, MujocosContactsCountWhereOurTableLacksThePair) {
+  for (const char* margin : {"", "margin='-.25'"}) {
+    const Scene scene = Scene::FromString(TwoBoxes("", margin));
+    SceneTables tables = scene.tables();
+    tables.pairs.clear();
+    tables.body_pairs.clear();
+    Verifier verifier(tables, {});
+    EXPECT_TRUE(verifier.Check({0.21}).free);
+    const Verdict verdict = verifier.Check({0.17});
+    EXPECT_FALSE(verdict.free);
+    EXPECT_EQ(verdict.reason, "geom 'wall' and geom 'block' overlap by 30 mm");
+    EXPECT_EQ(verdict.contacts.size(), 1u);
+  }
+}
+
 TEST_F(VerifyTest, HeightFieldsAreJudgedByContactsAndNotCertified) {
   const Scene scene = Scene::FromString(R"(<mujoco><asset>
     <hfield name="h" nrow="3" ncol="3" size="1 1 .1 .1" elevation="0 0 0 0 1 0 0 0 0"/></asset>
