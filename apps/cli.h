@@ -9,7 +9,7 @@ namespace mjcf_pdg::app {
 
 inline constexpr int kExitFree = 0;      // every configuration asked about is free
 inline constexpr int kExitFailure = 1;   // anything the other codes do not name
-inline constexpr int kExitBadInput = 2;  // usage or bad input (mjcf_pdg::Error); nothing was written
+inline constexpr int kExitBadInput = 2;  // usage or mjcf_pdg::Error; nothing was written
 inline constexpr int kExitNotFree = 3;   // finished, but some configuration is not free
 
 struct Verb {

@@ -2,6 +2,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstddef>
 #include <utility>
@@ -40,12 +41,19 @@ int FindKey(const std::vector<std::string>& names, const std::string& wanted) {
   throw Error("--key: no keyframe '" + wanted + "' (" + ValidKeys(names) + ")");
 }
 
+// Labels name keyframes of the output, so an unnamed key must not take the name of another.
+std::string UnnamedKeyLabel(const std::vector<std::string>& names, int key) {
+  std::string label = "key" + std::to_string(key);
+  while (std::find(names.begin(), names.end(), label) != names.end()) label += '_';
+  return label;
+}
+
 Configuration FromKey(const Scene& scene, const std::vector<std::string>& names, int key) {
   Configuration configuration;
   configuration.key = key;
   configuration.name = names[static_cast<std::size_t>(key)];
   configuration.label =
-      configuration.name.empty() ? "key" + std::to_string(key) : configuration.name;
+      configuration.name.empty() ? UnnamedKeyLabel(names, key) : configuration.name;
   configuration.q = scene.KeyQpos(key);
   const mjModel& m = *scene.model();
   const std::ptrdiff_t n = m.nmocap;
@@ -96,10 +104,9 @@ void AddWhich(CLI::App& command, WhichArguments& arguments) {
   CLI::Option* qpos =
       command.add_option("--qpos", arguments.qpos, "nq numbers in quotes; may be repeated")
           ->type_name("\"V V ...\"");
-  CLI::Option* file =
-      AddPath(command, "--qpos-file",
-              ".npy (float64, n x nq), .csv or .txt, one configuration a row; - is stdin",
-              arguments.file);
+  CLI::Option* file = AddPath(
+      command, "--qpos-file",
+      ".npy (float64, n x nq), .csv or .txt, one configuration a row; - is stdin", arguments.file);
   file->type_name("FILE|-");
   key->allow_extra_args(false);
   qpos->allow_extra_args(false);

@@ -11,9 +11,9 @@
 namespace mjcf_pdg::app {
 
 struct WhichArguments {
-  std::vector<std::string> keys;   // names or indices
-  std::vector<std::string> qpos;   // one configuration each
-  std::string file;                // "-" is stdin
+  std::vector<std::string> keys;  // names or indices
+  std::vector<std::string> qpos;  // one configuration each
+  std::string file;               // "-" is stdin
 };
 
 struct Configuration {

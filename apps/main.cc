@@ -43,7 +43,8 @@ int Dispatch(int argc, char** argv) {
   program.set_version_flag("--version", kVersion);
   for (Verb& verb : verbs) verb.command->set_version_flag("--version", kVersion);
   program.footer(
-      "Exit codes: 0 all free or made free, 2 bad input, 3 some configuration is not free, 1 other.");
+      "Exit codes: 0 all free or made free, 2 bad input, 3 some configuration is not free, 1 "
+      "other.");
 
   CheckVerb(verbs, argc, argv);
   try {

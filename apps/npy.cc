@@ -88,7 +88,8 @@ std::vector<std::size_t> ParseShape(std::string_view text, const std::string& wh
     i = static_cast<std::size_t>(end - text.data());
   }
   if (shape.empty() || shape.size() > 2) {
-    throw Error(what + ": .npy shape " + OneLine(text.substr(0, 60)) + " has not 1 or 2 dimensions");
+    throw Error(what + ": .npy shape " + OneLine(text.substr(0, 60)) +
+                " has not 1 or 2 dimensions");
   }
   if (shape.size() == 1) shape.insert(shape.begin(), 1);
   return shape;
@@ -110,8 +111,9 @@ Rows ParseNpy(std::string_view bytes, const std::string& what) {
   // Divides instead of multiplying: the shape of a broken file may overflow.
   const bool fits = rows == 0 || width <= available / sizeof(double) / rows;
   if (!fits || available != rows * width * sizeof(double)) {
-    throw Error(what + ": " + std::to_string(available) + " bytes of data, but the .npy header says " +
-                std::to_string(rows) + " x " + std::to_string(width) + " float64");
+    throw Error(what + ": " + std::to_string(available) +
+                " bytes of data, but the .npy header says " + std::to_string(rows) + " x " +
+                std::to_string(width) + " float64");
   }
   if (width == 0) throw Error(what + ": the rows are empty");
   Rows result(rows, std::vector<double>(width));

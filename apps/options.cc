@@ -103,9 +103,10 @@ void AddMovable(CLI::App& command, SceneArguments& arguments) {
       }
     }
   };
-  command.add_option_function<std::vector<std::string>>(
-             "--movable", split,
-             "these bodies' own joints and subtrees may move, all else is frozen (default: all)")
+  command
+      .add_option_function<std::vector<std::string>>(
+          "--movable", split,
+          "these bodies' own joints and subtrees may move, all else is frozen (default: all)")
       ->type_name("BODY,...")
       ->allow_extra_args(false);
 }
@@ -115,8 +116,9 @@ void AddRoot(CLI::App& command, SceneArguments& arguments) {
     if (name.empty()) throw Error("--root: empty body name");
     arguments.options.root = name;
   };
-  command.add_option_function<std::string>(
-             "--root", set, "root link of the norm (default: each tree's top body)")
+  command
+      .add_option_function<std::string>("--root", set,
+                                        "root link of the norm (default: each tree's top body)")
       ->type_name("BODY");
 }
 
@@ -126,16 +128,19 @@ void AddMetric(CLI::App& command, Metric& metric) {
                     "the paper's norm, or the true mean squared displacement", metric);
 }
 
+void AddMethod(CLI::App& command, Method& method) {
+  AddChoice<Method>(command, "--method", {{"auto", Method::kAuto}, {"paper", Method::kPaper}},
+                    "a search over many starts, or the paper's sequence of steps", method);
+}
+
 void AddEffort(CLI::App& command, Effort& effort) {
-  AddChoice<Effort>(
-      command, "--effort",
-      {{"fast", Effort::kFast}, {"default", Effort::kDefault}, {"max", Effort::kMax}},
-      "how many starts are tried", effort);
+  AddChoice<Effort>(command, "--effort",
+                    {{"fast", Effort::kFast}, {"default", Effort::kDefault}, {"max", Effort::kMax}},
+                    "how many starts are tried", effort);
 }
 
 void AddTolerance(CLI::App& command, Options& options) {
-  AddNumber(command,
-            {"--tolerance", "M", "overlap that still counts as free", {.above_low = true}},
+  AddNumber(command, {"--tolerance", "M", "overlap that still counts as free", {.above_low = true}},
             options.tolerance);
 }
 
@@ -146,7 +151,8 @@ void AddRest(CLI::App& command, Options& options) {
 }
 
 void AddJson(CLI::App& command, std::string& path) {
-  AddPath(command, "--json", "write JSON Lines here; - is stdout, which then carries it alone", path)
+  AddPath(command, "--json", "write JSON Lines here; - is stdout, which then carries it alone",
+          path)
       ->type_name("FILE|-");
 }
 

@@ -42,6 +42,7 @@ void AddModel(CLI::App& command, SceneArguments& arguments);    // MODEL
 void AddMovable(CLI::App& command, SceneArguments& arguments);  // --movable
 void AddRoot(CLI::App& command, SceneArguments& arguments);     // --root
 void AddMetric(CLI::App& command, Metric& metric);              // --metric
+void AddMethod(CLI::App& command, Method& method);              // --method
 void AddEffort(CLI::App& command, Effort& effort);              // --effort
 void AddTolerance(CLI::App& command, Options& options);         // --tolerance
 void AddRest(CLI::App& command, Options& options);              // --rest

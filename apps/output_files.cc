@@ -39,8 +39,8 @@ bool SameFile(const std::string& a, const std::string& b) {
 
 // Beside the target, so that renaming does not cross file systems and relative paths stay right.
 std::string HiddenName(const fs::path& target) {
-  const std::string name = "." + target.stem().string() + "." + std::to_string(::getpid()) + ".tmp" +
-                           target.extension().string();
+  const std::string name = "." + target.stem().string() + "." + std::to_string(::getpid()) +
+                           ".tmp" + target.extension().string();
   return (target.parent_path() / name).string();
 }
 
@@ -71,7 +71,8 @@ void OutputFiles::Add(const std::string& flag, const std::string& path,
   const std::string complaint = flag + ": " + path;
   const bool to_stdout = path == "-";
   for (const Output& other : outputs_) {
-    const bool same = to_stdout ? other.path == "-" : other.path != "-" && SameFile(other.path, path);
+    const bool same =
+        to_stdout ? other.path == "-" : other.path != "-" && SameFile(other.path, path);
     if (same) throw Error(complaint + ": " + other.flag + " already writes there");
   }
   if (!to_stdout) {
@@ -128,7 +129,8 @@ void OutputFiles::Commit() {
   for (Output& output : outputs_) {
     if (output.staged.empty()) continue;
     struct stat old {};
-    if (::stat(output.target.c_str(), &old) == 0) ::chmod(output.staged.c_str(), old.st_mode & 07777);
+    if (::stat(output.target.c_str(), &old) == 0)
+      ::chmod(output.staged.c_str(), old.st_mode & 07777);
   }
   for (Output& output : outputs_) {
     if (output.staged.empty()) continue;

@@ -16,8 +16,8 @@ class OutputFiles {
   OutputFiles(const OutputFiles&) = delete;
   OutputFiles& operator=(const OutputFiles&) = delete;
 
-  // Throws Error if `path` cannot be written, is one of `inputs`, or was added before. An empty path
-  // is ignored. "-" is stdout.
+  // Throws Error if `path` cannot be written, is one of `inputs`, or was added before. An empty
+  // path is ignored. "-" is stdout.
   void Add(const std::string& flag, const std::string& path,
            const std::vector<std::string>& inputs);
   bool uses_stdout() const;

@@ -15,8 +15,7 @@ struct RgbImage {
   std::vector<std::uint8_t> rgb;
 };
 
-// Writes `image` to `path`, whole or not at all: a reader never sees half a file, and a file which
-// was there before is kept if writing fails. Throws std::runtime_error with a one-line reason.
+// Throws std::runtime_error with a one-line reason, and then leaves no file.
 void WritePng(const RgbImage& image, const std::string& path);
 
 }  // namespace mjcf_pdg::app

@@ -26,17 +26,17 @@ std::string KeyName(const Configuration& row) { return row.label + "_pdg"; }
 
 // ---- Controls ----
 
-// Index in ctrl of the actuator's position setpoint; -1 if it has none. (An intvelocity actuator has
-// the gains of one, but its setpoint is an activation.)
+// Index in ctrl of the actuator's position setpoint; -1 if it has none. (An intvelocity actuator
+// has the gains of one, but its setpoint is an activation.)
 int PositionControl(const mjModel& m, int actuator) {
   const int gain = m.actuator_gaintype[actuator], dynamics = m.actuator_dyntype[actuator];
   const double* gainprm = m.actuator_gainprm + std::ptrdiff_t{mjNGAIN} * actuator;
   const double* biasprm = m.actuator_biasprm + std::ptrdiff_t{mjNBIAS} * actuator;
   if (m.actuator_outnum[actuator] != 1 || m.actuator_ctrlnum[actuator] < 1) return -1;
-  const bool servo = gain == mjGAIN_FIXED && m.actuator_biastype[actuator] == mjBIAS_AFFINE &&
-                     gainprm[0] != 0.0 && biasprm[1] == -gainprm[0] &&
-                     (dynamics == mjDYN_NONE || dynamics == mjDYN_FILTER ||
-                      dynamics == mjDYN_FILTEREXACT);
+  const bool servo =
+      gain == mjGAIN_FIXED && m.actuator_biastype[actuator] == mjBIAS_AFFINE && gainprm[0] != 0.0 &&
+      biasprm[1] == -gainprm[0] &&
+      (dynamics == mjDYN_NONE || dynamics == mjDYN_FILTER || dynamics == mjDYN_FILTEREXACT);
   // The position comes first among the inputs of a pid actuator.
   const bool pid = gain == mjGAIN_PID && (m.actuator_ctrlspec[actuator] & mjINPUT_POS) != 0;
   return servo || pid ? m.actuator_ctrladr[actuator] : -1;
@@ -141,12 +141,10 @@ void RelocateAssets(mjSpec* spec, const fs::path& folder) {
       mjs_setString(file, Relocated(spec, element, old.c_str(), texture, folder).c_str());
     }
   };
-  ForEachElement(spec, mjOBJ_MESH,
-                 [&](mjsElement* e) { relocate(e, mjs_asMesh(e)->file, false); });
+  ForEachElement(spec, mjOBJ_MESH, [&](mjsElement* e) { relocate(e, mjs_asMesh(e)->file, false); });
   ForEachElement(spec, mjOBJ_HFIELD,
                  [&](mjsElement* e) { relocate(e, mjs_asHField(e)->file, false); });
-  ForEachElement(spec, mjOBJ_SKIN,
-                 [&](mjsElement* e) { relocate(e, mjs_asSkin(e)->file, false); });
+  ForEachElement(spec, mjOBJ_SKIN, [&](mjsElement* e) { relocate(e, mjs_asSkin(e)->file, false); });
   ForEachElement(spec, mjOBJ_TEXTURE, [&](mjsElement* e) {
     mjsTexture* texture = mjs_asTexture(e);
     relocate(e, texture->file, true);

@@ -78,7 +78,8 @@ std::string Millimetres(double metres) { return Short(metres * kMillimetres); }
 std::string Depth(double signed_distance) { return Millimetres(std::max(0.0, -signed_distance)); }
 
 std::string ReasonLine(std::size_t index, const Configuration& row, const std::string& reason) {
-  return "row " + std::to_string(index) + " (" + OneLine(row.label) + "): " + OneLine(reason) + "\n";
+  return "row " + std::to_string(index) + " (" + OneLine(row.label) + "): " + OneLine(reason) +
+         "\n";
 }
 
 std::string Plural(std::size_t n, const std::string& noun) {
@@ -109,8 +110,8 @@ std::string SolveTable(const std::vector<Configuration>& rows, const std::vector
     const Result& result = results[i];
     ++count[static_cast<int>(result.status)];
     table.AddRow({std::to_string(i), rows[i].label, StatusName(result.status),
-                  Depth(result.depth_in), Millimetres(std::sqrt(result.sigma)),
-                  Short(result.sigma), Millimetres(result.min_distance), result.start,
+                  Depth(result.depth_in), Millimetres(std::sqrt(result.sigma)), Short(result.sigma),
+                  Millimetres(result.min_distance), result.start,
                   Millimetres(result.stats.seconds)});
     if (result.status != Status::kUnsolved) continue;
     reasons += ReasonLine(i, rows[i], result.reason);

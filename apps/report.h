@@ -11,7 +11,8 @@
 
 namespace mjcf_pdg::app {
 
-// One line, line break included; numbers at full precision. A name that is not UTF-8 does not throw.
+// One line, line break included; numbers at full precision. A name that is not UTF-8 does not
+// throw.
 std::string JsonLine(const nlohmann::ordered_json& value);
 
 std::string SolveJson(const Scene& scene, const std::vector<Configuration>& rows,

@@ -35,6 +35,8 @@ struct SolveArguments {
 void AddFlags(CLI::App& command, SolveArguments& arguments) {
   AddModel(command, arguments.scene);
   AddWhich(command, arguments.which);
+  command.add_flag("--trajectory", arguments.options.trajectory,
+                   "rows are frames of one motion: each starts from earlier answers too");
   AddMovable(command, arguments.scene);
   AddRoot(command, arguments.scene);
   AddRest(command, arguments.options);
@@ -49,6 +51,7 @@ void AddFlags(CLI::App& command, SolveArguments& arguments) {
   AddInteger(command, {"--seed", "N", "of the random starts", {.high = kMaxSeed}}, arguments.seed);
   AddInteger(command, {"--threads", "N", "rows solved at once", {.low = 1.0, .high = 1024.0}},
              arguments.threads);
+  AddMethod(command, arguments.options.method);
   AddEffort(command, arguments.options.effort);
   AddJson(command, arguments.json);
   AddPath(command, "--out-qpos",
@@ -122,8 +125,7 @@ int RunSolve(SolveArguments& arguments) {
   SpecPtr spec;
   if (!arguments.out_mjcf.empty()) spec = ParseSpec(arguments.scene.model);
 
-  const std::vector<Result> results =
-      SolveRows(scene, arguments.options, rows, arguments.threads);
+  const std::vector<Result> results = SolveRows(scene, arguments.options, rows, arguments.threads);
 
   const std::size_t width = static_cast<std::size_t>(scene.nq());
   if (!arguments.json.empty()) outputs.Stage(arguments.json, SolveJson(scene, rows, results));

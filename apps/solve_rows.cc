@@ -18,8 +18,7 @@ class Worker {
   Worker(const Scene& scene, const Options& options) : scene_(scene), options_(options) {}
 
   Result Solve(const Configuration& row) {
-    const bool moved =
-        options_.mocap_pos != row.mocap_pos || options_.mocap_quat != row.mocap_quat;
+    const bool moved = options_.mocap_pos != row.mocap_pos || options_.mocap_quat != row.mocap_quat;
     if (!solver_ || moved) {
       options_ = WithMocap(options_, row);
       solver_ = std::make_unique<Solver>(scene_, options_);
@@ -64,7 +63,8 @@ std::vector<Result> SolveRows(const Scene& scene, const Options& options,
   };
   {
     std::vector<std::jthread> others;
-    const std::size_t count = std::min(threads, rows.size());
+    // Frames of a trajectory follow each other.
+    const std::size_t count = options.trajectory ? 1 : std::min(threads, rows.size());
     for (std::size_t t = 1; t < count; ++t) others.emplace_back(work);
     work();
   }

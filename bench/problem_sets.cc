@@ -59,7 +59,11 @@ class Draw {
 };
 
 bool Collides(const mjModel& m, int geom) {
-  return m.geom_contype[geom] != 0 || m.geom_conaffinity[geom] != 0;
+  if (m.geom_contype[geom] != 0 || m.geom_conaffinity[geom] != 0) return true;
+  for (int k = 0; k < m.npair; ++k) {
+    if (m.pair_geom1[k] == geom || m.pair_geom2[k] == geom) return true;
+  }
+  return false;
 }
 
 void DrawJoint(const mjModel& m, int joint, Draw& draw, double* q) {
@@ -140,7 +144,8 @@ std::string ShortName(const std::string& model_path) {
 BenchProblem ParseProblem(const nlohmann::json& line) {
   BenchProblem problem;
   problem.id = line.value("id", "");
-  problem.q_in = line.at("qpos").get<std::vector<double>>();
+  const char* name = line.contains("qpos_in") ? "qpos_in" : "qpos";  // of a solve, or of a problem
+  problem.q_in = line.at(name).get<std::vector<double>>();
   if (line.contains("best") && line.at("best").is_number()) {
     problem.best_known = line.at("best").get<double>();
   }
@@ -193,8 +198,7 @@ std::vector<ProblemSet> ReadProblems(const std::string& path, const std::string&
       auto set = std::find_if(sets.begin(), sets.end(),
                               [&](const ProblemSet& s) { return s.model_path == model; });
       if (set == sets.end()) {
-        const std::string stem = std::filesystem::path(model).stem().string();
-        sets.push_back({stem == name ? name : name + " " + stem, model, {}});
+        sets.push_back({name + " " + ShortName(model), model, {}});
         set = sets.end() - 1;
       }
       set->problems.push_back(ParseProblem(parsed));

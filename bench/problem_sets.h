@@ -36,8 +36,8 @@ ProblemSet Keyframes(const Scene& scene, const std::string& model_path);
 ProblemSet RandomProblems(const Scene& scene, const std::string& model_path, int count,
                           std::uint64_t seed);
 
-// One object a line: "model" (path below `root`), "qpos", and where known "best" (σ, null if not)
-// and "id". One set per model, in order of appearance. Throws Error.
+// One object a line: "model" (path below `root`), "qpos_in" or else "qpos", and where known "best"
+// (σ, null if not) and "id". One set per model, in order of appearance. Throws Error.
 std::vector<ProblemSet> ReadProblems(const std::string& path, const std::string& root);
 
 }  // namespace mjcf_pdg::bench

@@ -65,6 +65,8 @@ class Ccdg {
   const CcdResult& Move(const VectorXd& q0, const VectorXd& dq, const CcdOptions& options = {},
                         const VectorXd* required = nullptr);
 
+  ContactFinder& finder() { return finder_; }
+
  private:
   // What is known of a pair along the present motion.
   struct PairState {

@@ -27,22 +27,33 @@ bool ContactSpaceIteration::Free(const VectorXd& q) {
 VectorXd ContactSpaceIteration::Optimize(const VectorXd& q_c, const IterationOptions& options,
                                          int& sweeps) {
   const SceneTables& tables = problem_.tables;
-  const double band = kTouchingBand * projection_options_.ccd.gap;
-  problem_.finder.Pose(q_c);
   rows_.Clear(tables.n);
-  for (const NearPair& near : problem_.finder.Find(problem_.options.clearance + band)) {
-    const double gap = near.distance - problem_.required[near.pair];
-    if (!tables.pairs[near.pair].moves || gap > band) continue;
-    const int row = rows_.Append(std::max(0.0, gap), near.pair);
-    ContactRow(tables, problem_.finder.posed(), near.pair, near.p1_W, near.p2_W, near.n_W,
-               rows_.C.row(row));
-  }
+  dq_.setZero(tables.n);
+  AppendContactRows(q_c);
   AppendLimitRows(tables, q_c, std::numeric_limits<double>::infinity(), rows_);
-
-  // In whitened coordinates r = H^½ X: C' = C (dq/dX), and X* = H⁻¹ C'ᵀ λ* reads r* = G λ*.
   problem_.norm.Linearize(q_c, r_, J_);
   problem_.norm.InnerProduct(J_, H_);
   whitening_.Factor(H_, problem_.norm.blocks());
+  return Minimize(q_c, options, sweeps);
+}
+
+// The contacts at q_c ⊕ dq_, linearized there: c·(dq - dq_) + gap >= 0.
+void ContactSpaceIteration::AppendContactRows(const VectorXd& q) {
+  const double band = kTouchingBand * projection_options_.ccd.gap;
+  problem_.finder.Pose(q);
+  for (const NearPair& near : problem_.finder.Find(problem_.options.clearance + band)) {
+    const double gap = near.distance - problem_.required[near.pair];
+    if (!problem_.tables.pairs[near.pair].moves || gap > band) continue;
+    const int row = rows_.Append(0.0, near.pair);
+    ContactRow(problem_.tables, problem_.finder.posed(), near.pair, near.p1_W, near.p2_W, near.n_W,
+               rows_.C.row(row));
+    rows_.gap[row] = gap - rows_.C.row(row).dot(dq_);
+  }
+}
+
+// In whitened coordinates r = H^½ X: C' = C (dq/dX), and X* = H⁻¹ C'ᵀ λ* reads r* = G λ*.
+VectorXd ContactSpaceIteration::Minimize(const VectorXd& q_c, const IterationOptions& options,
+                                         int& sweeps) {
   VectorXd y = J_.transpose() * r_;
   whitening_.SolveLower(y);
   G_ = rows_.C.topRows(rows_.m).transpose();
@@ -57,8 +68,21 @@ VectorXd ContactSpaceIteration::Optimize(const VectorXd& q_c, const IterationOpt
   whitening_.SolveUpper(dq_);
   VectorXd q;
   problem_.norm.Retract(q_c, dq_, q);
-  ClampToLimits(tables, q);
+  ClampToLimits(problem_.tables, q);
   return q;
+}
+
+// The minimizer, where it collides, tells which contacts were missing or curve too much: they join
+// the others, and the minimum is sought again, until it is free.
+bool ContactSpaceIteration::Correct(const VectorXd& q_c, const IterationOptions& options,
+                                    VectorXd& q, int& sweeps) {
+  for (int k = 0; k < options.corrections; ++k) {
+    AppendContactRows(q);
+    q = Minimize(q_c, options, sweeps);
+    if (!q.allFinite()) return false;
+    if (Free(q)) return true;
+  }
+  return false;
 }
 
 const ProjectionResult& ContactSpaceIteration::Reproject(const VectorXd& q_c, const VectorXd& q) {
@@ -68,6 +92,7 @@ const ProjectionResult& ContactSpaceIteration::Reproject(const VectorXd& q_c, co
 
 IterationResult ContactSpaceIteration::Run(const VectorXd& q_f, const IterationOptions& options) {
   IterationResult result;
+  projection_options_.reverse_samples = options.reverse_samples;
   const ProjectionResult& first =
       projection_.Project(q_f, problem_.q_in, projection_options_, &problem_.required);
   result.q = first.q;
@@ -77,9 +102,18 @@ IterationResult ContactSpaceIteration::Run(const VectorXd& q_f, const IterationO
   result.sigma = problem_.norm.Sigma(result.q);
   result.sigmas.push_back(result.sigma);
   for (int k = 0; k < options.max_iterations && !problem_.Expired(); ++k) {
-    const VectorXd q = Optimize(result.q, options, result.sweeps);
-    const ProjectionResult& next = Reproject(result.q, q);
-    const double sigma = problem_.norm.Sigma(next.q);
+    ++result.iterations;
+    VectorXd q = Optimize(result.q, options, result.sweeps);
+    ProjectionResult next = Reproject(result.q, q);
+    double sigma = problem_.norm.Sigma(next.q);
+    if (!Free(q) && Correct(result.q, options, q, result.sweeps)) {
+      const ProjectionResult& corrected = Reproject(result.q, q);
+      const double corrected_sigma = problem_.norm.Sigma(corrected.q);
+      if (corrected.start_free && corrected_sigma < sigma) {
+        next = corrected;
+        sigma = corrected_sigma;
+      }
+    }
     if (!next.start_free || sigma >= result.sigma) break;
     const bool settled = sigma > (1.0 - options.convergence) * result.sigma;
     result.q = next.q;

@@ -8,6 +8,9 @@
 //   2. A re-projection that would raise σ (possible: on straight lines with large hinge angles σ is
 //      not monotone) is not accepted and ends the iteration.
 //   3. Contacts within a band count as touching, since projections stop a little before contact.
+//   4. Correction (optional): where the minimizer collides, the contacts found there, linearized
+//      there, join those at q_c and the minimum is sought again: curvature and contacts that the
+//      linearization at q_c does not see. The better of both re-projections is taken.
 #ifndef MJCF_PDG_SRC_CONTACT_SPACE_ITERATION_H_
 #define MJCF_PDG_SRC_CONTACT_SPACE_ITERATION_H_
 
@@ -26,6 +29,8 @@ struct IterationOptions {
   int max_iterations = 30;
   int max_sweeps = 1000;       // projected Gauss-Seidel
   double convergence = 1e-5;   // relative decrease of σ that still counts
+  int corrections = 0;         // per iteration at most, deviation 4
+  int reverse_samples = 0;     // of the reverse projection (contact_space_projection.h); 0: none
 };
 
 struct IterationResult {
@@ -34,6 +39,7 @@ struct IterationResult {
   bool certified = true;         // every motion on the way was proven free
   double sigma = std::numeric_limits<double>::infinity();  // [m²]
   std::vector<double> sigmas;    // of the accepted free configurations, never rising [m²]
+  int iterations = 0;            // constrained optimizations
   int sweeps = 0;
 };
 
@@ -46,6 +52,9 @@ class ContactSpaceIteration {
  private:
   // The minimizer on the linearized contact space around q_c (Eq. 24-30), limits kept.
   VectorXd Optimize(const VectorXd& q_c, const IterationOptions& options, int& sweeps);
+  void AppendContactRows(const VectorXd& q);
+  VectorXd Minimize(const VectorXd& q_c, const IterationOptions& options, int& sweeps);
+  bool Correct(const VectorXd& q_c, const IterationOptions& options, VectorXd& q, int& sweeps);
   // From a free q towards q_in, from a colliding q from q_c towards q (Sec. 5.4).
   const ProjectionResult& Reproject(const VectorXd& q_c, const VectorXd& q);
   bool Free(const VectorXd& q);

@@ -49,7 +49,8 @@ void ContactSpaceProjection::Start(const VectorXd& q_f, const ProjectionOptions&
   result_.q = q_f;
   result_.start_free = result_.certified = result_.complete = true;
   result_.pairs.clear();
-  result_.motions = result_.poses = 0;
+  result_.motions = result_.jumps = result_.poses = 0;
+  largest_required_ = required ? std::max(0.0, required->maxCoeff()) : 0.0;
   result_.distance_queries = result_.contact_queries = 0;
 }
 
@@ -73,15 +74,56 @@ void ContactSpaceProjection::RunGreedyOptimization(const VectorXd& q_in) {
   }
 }
 
-// CCD(L, q, q_in) from result_.q on: the joints in L move, the others stay. Those that were stopped
-// leave L.
-CcdOutcome ContactSpaceProjection::MoveFlagged(const VectorXd& q_in) {
+// dq_ from result_.q to q_in for the joints in L, zero for the others. False if none has to move.
+bool ContactSpaceProjection::FlaggedDifference(const VectorXd& q_in) {
   Difference(tables_, result_.q, q_in, dq_);
   for (std::size_t j = 0; j < moves_.size(); ++j) {
     const JointEntry& joint = tables_.joints[j];
     if (!moves_[j]) dq_.segment(joint.col, joint.ndof).setZero();
   }
-  if (dq_.isZero(0.0)) return CcdOutcome::kFree;
+  return !dq_.isZero(0.0);
+}
+
+// CCDrg: the reversed path, from q_in back to result_.q, is sampled; result_.q becomes the first
+// free sample. Returns false if there is none.
+bool ContactSpaceProjection::JumpToFreeSample() {
+  for (int k = options_.reverse_samples; k > 0; --k) {
+    if (result_.poses >= options_.ccd.max_poses) return false;
+    step_ = (static_cast<double>(k) / options_.reverse_samples) * dq_;
+    Integrate(tables_, result_.q, step_, sample_);
+    if (!FreeSample(sample_)) continue;
+    result_.q = sample_;
+    ++result_.jumps;
+    return true;
+  }
+  return false;
+}
+
+bool ContactSpaceProjection::FreeSample(const VectorXd& q) {
+  for (const JointEntry& joint : tables_.joints) {  // balls alone can leave their limit on the way
+    if (joint.type != mjJNT_BALL || !joint.limited || !moves_[&joint - tables_.joints.data()]) {
+      continue;
+    }
+    if (BallAngle(q.data() + joint.qadr) > joint.hi) return false;
+  }
+  ++result_.poses;
+  ++result_.contact_queries;
+  ccd_.finder().Pose(q);
+  const std::vector<NearPair>& near = ccd_.finder().Find(largest_required_);
+  return std::none_of(near.begin(), near.end(), [this](const NearPair& n) {
+    const KeptPair& pair = tables_.pairs[n.pair];
+    const double required = required_ ? (*required_)[n.pair] : -pair.allowed;
+    return pair.moves && n.distance < required - options_.ccd.tolerance;
+  });
+}
+
+// CCD(L, q, q_in) from result_.q on, or from CCDrg's sample: the joints in L move, the others stay.
+// Those that were stopped leave L.
+CcdOutcome ContactSpaceProjection::MoveFlagged(const VectorXd& q_in) {
+  if (!FlaggedDifference(q_in)) return CcdOutcome::kFree;
+  if (options_.reverse_samples > 0 && JumpToFreeSample() && !FlaggedDifference(q_in)) {
+    return CcdOutcome::kFree;
+  }
   CcdOptions options = options_.ccd;
   options.max_poses -= result_.poses;
   const CcdResult& ccd = ccd_.Move(result_.q, dq_, options, required_);

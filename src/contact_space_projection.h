@@ -5,6 +5,10 @@
 //   1. Every CCD is certified, or says that it is not (ccdg.h).
 //   2. Optionally the joints above *both* links of a contact keep moving: they cannot change it.
 //   3. A joint that reaches its limit stops alone; links in contact stop with their ancestors.
+//   4. Reverse projection (CCDrg) finds the first free sample of the reversed path as the paper
+//      does; CCD from there, towards q_in, then finds the contact. The jump to the sample is no
+//      motion, so `certified` speaks of the motions around it.
+//   5. A limited ball joint stays a quaternion here; samples outside its limit are not free.
 #ifndef MJCF_PDG_SRC_CONTACT_SPACE_PROJECTION_H_
 #define MJCF_PDG_SRC_CONTACT_SPACE_PROJECTION_H_
 
@@ -17,15 +21,17 @@ namespace mjcf_pdg {
 struct ProjectionOptions {
   CcdOptions ccd;                      // max_poses is the budget of the whole projection
   bool keep_common_ancestors = false;  // deviation 2
+  int reverse_samples = 0;             // static checks per CCDrg; 0: CCDg alone
 };
 
 struct ProjectionResult {
   VectorXd q;              // free if q_f was
-  bool start_free = true;  // false: q_f overlaps (in `pairs`) and q is q_f
+  bool start_free = true;  // false: the start overlaps (in `pairs`), and so does q
   bool certified = true;   // every motion on the way was proven free
   bool complete = true;    // false: the budget ran out
   std::vector<int> pairs;  // that stopped something, in the order found, without repetition
   int motions = 0;         // CCD calls
+  int jumps = 0;           // CCDrg calls that found a free sample nearer to q_in
   int poses = 0, distance_queries = 0, contact_queries = 0;
 };
 
@@ -56,6 +62,9 @@ class ContactSpaceProjection {
   void RunGeneralizedCcd(const VectorXd& q_in);
   void RunGreedyOptimization(const VectorXd& q_in);
   CcdOutcome MoveFlagged(const VectorXd& q_in);
+  bool FlaggedDifference(const VectorXd& q_in);
+  bool JumpToFreeSample();
+  bool FreeSample(const VectorXd& q);
   void RemoveLinks(const CcdResult& ccd);
   int CommonAncestor(int body1, int body2) const;
 
@@ -66,7 +75,8 @@ class ContactSpaceProjection {
   std::vector<char> moves_;            // joints: still in L
   std::vector<char> removed_;          // bodies: in contact or above such a link
   std::vector<int> base_to_terminal_;  // joints by depth in the tree
-  VectorXd dq_;
+  double largest_required_ = 0.0;      // [m]
+  VectorXd dq_, step_, sample_;
   ProjectionResult result_;
 };
 

@@ -16,10 +16,10 @@ namespace mjcf_pdg {
 
 struct LowerBoundInput {
   const SceneTables& tables;
-  const NormEvaluator& norm;              // reference q_in
-  const PosedModel& posed;                // posed at q_in
-  const std::vector<NearPair>& overlaps;  // at q_in; those that are near enough or missing cost
-                                          // tightness, never truth
+  const NormEvaluator& norm;  // reference q_in
+  const PosedModel& posed;    // posed at q_in
+  // At q_in. A pair left out costs tightness, never truth; pairs that are free already are skipped.
+  const std::vector<NearPair>& overlaps;
   const VectorXd& required;  // per kept pair: smallest distance that counts as free [m]
   Metric metric = Metric::kSequential;
   double tolerance = 1e-6;  // overlap beyond `required` that still counts as free [m]

@@ -108,11 +108,17 @@ VectorXd GaussianStart(Problem& problem, const VectorXd& center, double sigma, d
 
 std::vector<VectorXd> ConstrainedTranslation(Problem& problem,
                                              const std::vector<NearPair>& overlaps) {
+  return ConstrainedTranslation(problem, overlaps, problem.q_in);
+}
+
+std::vector<VectorXd> ConstrainedTranslation(Problem& problem,
+                                             const std::vector<NearPair>& overlaps,
+                                             const VectorXd& from) {
   const SceneTables& tables = problem.tables;
   std::vector<VectorXd> starts;
   const int tree = DeepestTree(tables, overlaps);
   if (tree < 0) return starts;
-  problem.finder.Pose(problem.q_in);
+  problem.finder.Pose(from);
   const PosedModel& posed = problem.finder.posed();
   const std::vector<FreeDirection> free = BaseDirections(problem, tree);
   std::vector<int> own, others;
@@ -124,7 +130,7 @@ std::vector<VectorXd> ConstrainedTranslation(Problem& problem,
   auto translate = [&](const Vector3d& direction_W) {
     VectorXd dq = VectorXd::Zero(tables.n), q;
     for (const FreeDirection& f : free) dq[f.col] += distance * direction_W.dot(f.a_W);
-    Integrate(tables, problem.q_in, dq, q);
+    Integrate(tables, from, dq, q);
     ClampToLimits(tables, q);
     starts.push_back(q);
   };

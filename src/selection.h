@@ -27,6 +27,10 @@ VectorXd GaussianStart(Problem& problem, const VectorXd& center, double sigma, d
 // nothing but the tree itself overlaps. `overlaps` are the overlapping pairs at q_in.
 std::vector<VectorXd> ConstrainedTranslation(Problem& problem,
                                              const std::vector<NearPair>& overlaps);
+// The same from another configuration than q_in; `overlaps` are those at `from`.
+std::vector<VectorXd> ConstrainedTranslation(Problem& problem,
+                                             const std::vector<NearPair>& overlaps,
+                                             const VectorXd& from);
 
 }  // namespace mjcf_pdg
 

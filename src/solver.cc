@@ -6,6 +6,7 @@
 
 #include "lower_bound.h"
 #include "mjcf_pdg/pdg.h"
+#include "paper_method.h"
 #include "problem.h"
 #include "search.h"
 #include "verify.h"
@@ -73,6 +74,7 @@ struct Solver::Impl {
         options(o),
         problem(scene.tables(), options),
         search(problem),
+        paper(problem),
         verifier(scene.tables(), options) {
     problem.size = TypicalSize(scene.tables());
     const MocapPoses mocap{options.mocap_pos, options.mocap_quat};
@@ -83,6 +85,7 @@ struct Solver::Impl {
 
   void SetUp(const std::vector<double>& q_in);
   std::vector<NearPair> Overlaps();
+  SearchOutcome Run(const std::vector<NearPair>& overlaps, std::optional<VectorXd> hint);
   bool FrozenOverlap(const std::vector<NearPair>& overlaps) const;
   bool Accept(const Candidate& candidate, const std::vector<double>& q_in, Result& result);
   bool AcceptBest(SearchOutcome& outcome, const std::vector<double>& q_in, Result& result);
@@ -94,6 +97,7 @@ struct Solver::Impl {
   Options options;
   Problem problem;
   Search search;
+  PaperMethod paper;
   Verifier verifier;
 };
 
@@ -135,6 +139,22 @@ bool Solver::Impl::FrozenOverlap(const std::vector<NearPair>& overlaps) const {
   });
 }
 
+SearchOutcome Solver::Impl::Run(const std::vector<NearPair>& overlaps,
+                                std::optional<VectorXd> hint) {
+  if (options.method == Method::kAuto) {
+    if (options.trajectory && !hint) hint = paper.Recall();
+    return search.Run(overlaps, hint);
+  }
+  PaperResult result = paper.Run(hint);
+  SearchOutcome outcome;
+  outcome.starts = result.selections;
+  outcome.iterations = result.iterations;
+  if (result.free) {
+    outcome.free.push_back({std::move(result.q), result.sigma, std::move(result.start)});
+  }
+  return outcome;
+}
+
 bool Solver::Impl::Accept(const Candidate& candidate, const std::vector<double>& q_in,
                           Result& result) {
   const Verdict& verdict = verifier.Check(ToStd(candidate.q), &q_in);
@@ -153,11 +173,13 @@ bool Solver::Impl::Accept(const Candidate& candidate, const std::vector<double>&
 bool Solver::Impl::AcceptBest(SearchOutcome& outcome, const std::vector<double>& q_in,
                               Result& result) {
   for (Candidate& candidate : outcome.free) {
-    const LocalResult polished = search.Polish(candidate.q);
-    outcome.iterations += polished.iterations;
-    if (polished.free && polished.sigma < candidate.sigma) {
-      candidate.q = polished.q;
-      candidate.sigma = polished.sigma;
+    if (options.method == Method::kAuto) {
+      const LocalResult polished = search.Polish(candidate.q);
+      outcome.iterations += polished.iterations;
+      if (polished.free && polished.sigma < candidate.sigma) {
+        candidate.q = polished.q;
+        candidate.sigma = polished.sigma;
+      }
     }
     if (Accept(candidate, q_in, result)) return true;
     const Tolerances usual = problem.tolerances;
@@ -224,7 +246,8 @@ Result Solver::Solve(const std::vector<double>& q_in,
     const auto limit = std::chrono::duration<double>(impl_->options.time_limit);
     problem.deadline = begin + std::chrono::duration_cast<Clock::duration>(limit);
   }
-  const int queries_before = problem.finder.queries(), lcp_before = impl_->search.lcp_steps();
+  const int queries_before = problem.finder.queries();
+  const int lcp_before = impl_->search.lcp_steps() + impl_->paper.sweeps();
 
   Result result;
   const Verdict& at_start = impl_->verifier.Check(q_in, &q_in);
@@ -245,16 +268,20 @@ Result Solver::Solve(const std::vector<double>& q_in,
     if (!impl_->FrozenOverlap(overlaps)) {
       std::optional<VectorXd> hint;
       if (free_hint) hint = Normalized(problem.tables, ToEigen(*free_hint));
-      outcome = impl_->search.Run(overlaps, hint);
+      outcome = impl_->Run(overlaps, std::move(hint));
     }
     if (!impl_->AcceptBest(outcome, q_in, result)) impl_->FillUnsolved(outcome, q_in, result);
     result.stats.iterations = outcome.iterations;
     result.stats.starts = outcome.starts;
   }
   impl_->FillContacts(result);
+  if (impl_->options.trajectory) {
+    impl_->paper.Remember(ToEigen(result.q));
+    if (result.status != Status::kAlreadyFree) impl_->paper.Remember(problem.q_in);
+  }
   // Each verification is one more query of the whole configuration.
   result.stats.collision_queries = problem.finder.queries() - queries_before + 2;
-  result.stats.lcp_sweeps = impl_->search.lcp_steps() - lcp_before;
+  result.stats.lcp_sweeps = impl_->search.lcp_steps() + impl_->paper.sweeps() - lcp_before;
   result.stats.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   return result;
 }

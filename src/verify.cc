@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
+
+#include "verify_capsule_box.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -12,111 +13,13 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kFar = 1.0;                 // min_distance is cut off here [m]
 constexpr double kLimitTolerance = 1e-6;     // joint limits [rad or m]
 constexpr double kRestRounding = 1e-9;       // a contact of exactly `rest` still rests [m]
-constexpr double kNoDirection = 1e-8;        // witness points nearer than this give no normal [m]
 constexpr double kDistanceTolerance = 1e-9;  // of the convex solver: 1e-6 jitters by 5e-7 m
-constexpr std::size_t kNamed = 4;            // findings named in a reason
 
 bool ContactOnly(int type) { return type == mjGEOM_SDF || type == mjGEOM_HFIELD; }
 
 std::uint64_t PairKey(int geom1, int geom2) {
   const auto [low, high] = std::minmax(geom1, geom2);
   return (static_cast<std::uint64_t>(low) << 32) | static_cast<std::uint32_t>(high);
-}
-
-std::string Name(const mjModel* m, int kind, int id) {
-  const char* name = mj_id2name(m, kind, id);
-  return name && *name ? "'" + std::string(name) + "'" : "#" + std::to_string(id);
-}
-
-std::string GeomLabel(const mjModel* m, int geom) {
-  const std::string name = Name(m, mjOBJ_GEOM, geom);
-  if (name[0] != '#') return "geom " + name;
-  return "geom " + name + " (body " + Name(m, mjOBJ_BODY, m->geom_bodyid[geom]) + ")";
-}
-
-std::string Number(double value, const char* unit) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.3g %s", value, unit);
-  return text;
-}
-
-std::string Millimetres(double length) { return Number(1e3 * length, "mm"); }
-
-double DistanceToBox(const Vector3d& p, const Vector3d& half) {
-  return (p.cwiseAbs() - half).cwiseMax(0.0).norm();
-}
-
-// Capsule against box, apart: the distance from the box is convex along the segment center ± arm
-// (box frame), so a golden-section search finds its minimum. Returns the parameter in [-1, 1].
-double NearestOnSegment(const Vector3d& center, const Vector3d& arm, const Vector3d& half) {
-  constexpr double kGolden = 0.6180339887498949;
-  double low = -1.0, high = 1.0;
-  double left = high - kGolden * (high - low), right = low + kGolden * (high - low);
-  auto distance = [&](double t) { return DistanceToBox(center + t * arm, half); };
-  double at_left = distance(left), at_right = distance(right);
-  for (int i = 0; i < 80; ++i) {
-    if (at_left <= at_right) {
-      high = right;
-      right = left;
-      at_right = at_left;
-      left = high - kGolden * (high - low);
-      at_left = distance(left);
-    } else {
-      low = left;
-      left = right;
-      at_left = at_right;
-      right = low + kGolden * (high - low);
-      at_right = distance(right);
-    }
-  }
-  return 0.5 * (low + high);
-}
-
-// How deep the segment center ± arm lies in the box: the least overlap of the two projections over
-// the directions that can bound it. Also the direction, from segment to box.
-double SegmentDepth(const Vector3d& center, const Vector3d& arm, const Vector3d& half,
-                    Vector3d& direction) {
-  double depth = kInfinity;
-  auto consider = [&](const Vector3d& axis) {
-    const double length = axis.norm();
-    if (length <= 1e-9 * arm.norm()) return;
-    const Vector3d n = axis / length;
-    const double overlap = n.cwiseAbs().dot(half) + std::abs(n.dot(arm)) - std::abs(n.dot(center));
-    if (overlap >= depth) return;
-    depth = overlap;
-    direction = n.dot(center) > 0.0 ? Vector3d(-n) : n;
-  };
-  for (int i = 0; i < 3; ++i) {
-    consider(std::max(1.0, arm.norm()) * Vector3d::Unit(i));
-    consider(Vector3d::Unit(i).cross(arm));
-  }
-  return std::max(depth, 0.0);
-}
-
-// Signed distance of a capsule and a box with witness points as mj_geomDistance gives them.
-double CapsuleBoxDistance(const mjModel& m, const mjData& d, int capsule, int box,
-                          double fromto[6]) {
-  const Matrix3d R = AsMatrix(d.geom_xmat + 9 * box);
-  const Vector3d origin = AsVector(d.geom_xpos + 3 * box);
-  const Vector3d half = AsVector(m.geom_size + 3 * box);
-  const double radius = m.geom_size[3 * capsule];
-  const Vector3d center = R.transpose() * (AsVector(d.geom_xpos + 3 * capsule) - origin);
-  const Vector3d arm =
-      R.transpose() * AsMatrix(d.geom_xmat + 9 * capsule).col(2) * m.geom_size[3 * capsule + 1];
-  Vector3d on_segment = center + NearestOnSegment(center, arm, half) * arm;
-  const Vector3d shadow = on_segment.cwiseMax(-half).cwiseMin(half);
-  double apart = (shadow - on_segment).norm();
-  Vector3d n = apart > 0.0 ? Vector3d((shadow - on_segment) / apart) : Vector3d(Vector3d::UnitX());
-  if (apart <= 1e-9) {
-    apart = -SegmentDepth(center, arm, half, n);
-    const double lean = n.dot(arm);
-    on_segment = center + (lean > 1e-12 ? 1.0 : lean < -1e-12 ? -1.0 : 0.0) * arm;
-  }
-  const double distance = apart - radius;
-  Eigen::Map<Vector3d> from(fromto), to(fromto + 3);
-  from = origin + R * (on_segment + radius * n);
-  to = origin + R * (on_segment + (radius + distance) * n);
-  return distance;
 }
 
 void RequireUsable(bool usable, const char* what) {
@@ -163,10 +66,9 @@ Verifier::Verifier(const SceneTables& tables, const Options& options)
 // geoms without signed distances get a margin, where a clearance must be seen by their contacts.
 void Verifier::NeutraliseMargins() {
   geom_margin_.assign(model_.ngeom, 0.0);
-  geom_gap_.assign(model_.ngeom, 0.0);
   body_margin_.assign(model_.nbody, 0.0);
   pair_margin_.assign(model_.npair, 0.0);
-  pair_gap_.assign(model_.npair, 0.0);
+  no_gap_.assign(std::max(model_.ngeom, model_.npair), 0.0);
   if (clearance_ > 0.0) {
     for (int g = 0; g < model_.ngeom; ++g) {
       if (!ContactOnly(model_.geom_type[g])) continue;
@@ -181,10 +83,10 @@ void Verifier::NeutraliseMargins() {
     }
   }
   model_.geom_margin = geom_margin_.data();
-  model_.geom_gap = geom_gap_.data();
+  model_.geom_gap = no_gap_.data();
   model_.body_margin = body_margin_.data();
   model_.pair_margin = pair_margin_.data();
-  model_.pair_gap = pair_gap_.data();
+  model_.pair_gap = no_gap_.data();
 }
 
 void Verifier::IndexPairs() {
@@ -265,7 +167,7 @@ void Verifier::AskDistances() {
   order_.clear();
   for (int i = 0; i < static_cast<int>(tables_.pairs.size()); ++i) {
     if (!tables_.pairs[i].has_distance) continue;
-    const double bound = LowerBound(tables_.pairs[i]);
+    const double bound = SphereBound(tables_.pairs[i]);
     if (bound <= std::max(kFar, matters)) order_.emplace_back(bound, i);
   }
   std::sort(order_.begin(), order_.end());
@@ -283,7 +185,7 @@ void Verifier::AskDistances() {
 }
 
 // From bounding spheres; never above the pair's distance. -inf when nothing is known.
-double Verifier::LowerBound(const KeptPair& pair) const {
+double Verifier::SphereBound(const KeptPair& pair) const {
   const mjData& d = *posed_.data();
   const int a = pair.geom1, b = pair.geom2;
   const Vector3d between = AsVector(d.geom_xpos + 3 * b) - AsVector(d.geom_xpos + 3 * a);
@@ -327,31 +229,6 @@ double Verifier::SignedDistance(const KeptPair& pair, double cutoff, double from
   }
   return mj_geomDistance(&distance_model_, posed_.data(), pair.geom1, pair.geom2, cutoff, fromto);
 }
-
-namespace {
-
-void FillFromContact(const mjContact& source, Contact& contact) {
-  const double sign = source.geom[0] == contact.geom[0] ? 1.0 : -1.0;
-  for (int k = 0; k < 3; ++k) {
-    contact.normal_W[k] = sign * source.frame[k];
-    contact.position_W[k] = source.pos[k];
-  }
-  contact.distance = source.dist;
-}
-
-void FillFromWitnesses(const mjData& d, double distance, const double fromto[6], Contact& contact) {
-  const Vector3d p1 = AsVector(fromto), p2 = AsVector(fromto + 3);
-  Vector3d n = (p2 - p1) * (distance < 0.0 ? -1.0 : 1.0);
-  if (n.norm() < kNoDirection) {
-    n = AsVector(d.geom_xpos + 3 * contact.geom[1]) - AsVector(d.geom_xpos + 3 * contact.geom[0]);
-  }
-  if (!(n.norm() > 0.0)) n = Vector3d::UnitZ();
-  Eigen::Map<Vector3d>(contact.normal_W.data()) = n.normalized();
-  Eigen::Map<Vector3d>(contact.position_W.data()) = 0.5 * (p1 + p2);
-  contact.distance = distance;
-}
-
-}  // namespace
 
 // Either witness is enough. One exception: where some overlap is permitted and the signed distance
 // confirms one within it, a contact's dist is not believed, for it may be centimetres off.
@@ -424,46 +301,8 @@ void Verifier::CheckLimits(const std::vector<double>& q) {
     }
     verdict_.limit_excess = std::max(verdict_.limit_excess, excess);
     if (excess <= kLimitTolerance) continue;
-    limit_reasons_.push_back("joint " + Name(&model_, mjOBJ_JOINT, j) + " is " +
-                             Number(excess, type == mjJNT_SLIDE ? "m" : "rad") +
-                             " outside its range");
+    limit_reasons_.push_back(DescribeExcess(model_, j, excess));
   }
-}
-
-std::string Verifier::DescribeFinding(const Finding& finding) const {
-  const auto [geom1, geom2] = finding.contact.geom;
-  const double distance = finding.contact.distance;
-  std::string text = GeomLabel(&model_, geom1) + " and " + GeomLabel(&model_, geom2);
-  if (distance < 0.0) {
-    text += " overlap by " + Millimetres(-distance);
-    if (finding.required < 0.0) text += " (" + Millimetres(-finding.required) + " allowed)";
-  } else {
-    text +=
-        " are " + Millimetres(distance) + " apart (" + Millimetres(finding.required) + " required)";
-  }
-  if (finding.frozen) text += " and no movable joint can part them";
-  return text;
-}
-
-void Verifier::WriteVerdict() {
-  std::sort(findings_.begin(), findings_.end(), [](const Finding& a, const Finding& b) {
-    return a.contact.distance < b.contact.distance;
-  });
-  for (const Finding& finding : findings_) verdict_.contacts.push_back(finding.contact);
-  // In the reason, what cannot be helped comes first.
-  std::stable_sort(findings_.begin(), findings_.end(),
-                   [](const Finding& a, const Finding& b) { return a.frozen > b.frozen; });
-  std::size_t count = 0;
-  auto add = [&](const std::string& text) {
-    if (count++ < kNamed) verdict_.reason += (verdict_.reason.empty() ? "" : "; ") + text;
-  };
-  if (arena_full_) add("MuJoCo's memory for contacts is full: not verified");
-  for (const Finding& finding : findings_) {
-    if (finding.violates) add(count < kNamed ? DescribeFinding(finding) : std::string());
-  }
-  for (const std::string& text : limit_reasons_) add(text);
-  if (count > kNamed) verdict_.reason += "; and " + std::to_string(count - kNamed) + " more";
-  verdict_.free = count == 0;
 }
 
 const Verdict& Verifier::Check(const std::vector<double>& q, const std::vector<double>* q_in) {
@@ -484,7 +323,7 @@ const Verdict& Verifier::Check(const std::vector<double>& q, const std::vector<d
   for (std::size_t i = 0; i < readings_.size(); ++i) JudgePair(static_cast<int>(i));
   JudgeStrangers();
   CheckLimits(q);
-  WriteVerdict();
+  WriteVerdict(model_, arena_full_, findings_, limit_reasons_, verdict_);
   return verdict_;
 }
 

@@ -17,6 +17,7 @@
 #include "kinematics.h"
 #include "mjcf_pdg/pdg.h"
 #include "scene_tables.h"
+#include "verify_findings.h"
 
 namespace mjcf_pdg {
 
@@ -36,13 +37,6 @@ class Verifier {
   const Verdict& Check(const std::vector<double>& q, const std::vector<double>* q_in = nullptr);
 
  private:
-  // What both witnesses say of one kept pair, or of a contact that is in no kept pair.
-  struct Finding {
-    Contact contact;
-    double required = 0.0;  // smallest distance that counts as free, tolerance aside [m]
-    bool violates = false;
-    bool frozen = false;  // no movable joint lies between the two geoms
-  };
   struct Reading {                 // per kept pair
     double signed_distance = 0.0;  // by witness 2; infinite when beyond the cutoff [m]
     int contact = -1;              // index of the deepest mjContact; -1: none
@@ -56,19 +50,17 @@ class Verifier {
   void Measure(const std::vector<double>& q);
   void AskCollision();
   void AskDistances();
-  double LowerBound(const KeptPair& pair) const;
+  double SphereBound(const KeptPair& pair) const;
   double BoxBound(const KeptPair& pair) const;
   double SignedDistance(const KeptPair& pair, double cutoff, double fromto[6]);
   void JudgePair(int pair);
   void JudgeStrangers();
   void CheckLimits(const std::vector<double>& q);
-  void WriteVerdict();
-  std::string DescribeFinding(const Finding& finding) const;
 
   const SceneTables& tables_;
   const double tolerance_, clearance_, rest_;
-  std::vector<mjtNum> geom_margin_, geom_gap_, body_margin_, pair_margin_, pair_gap_;
-  mjModel model_;           // verify_model with the margins above
+  std::vector<mjtNum> geom_margin_, body_margin_, pair_margin_, no_gap_;
+  mjModel model_;           // verify_model with these margins, no gaps
   mjModel distance_model_;  // the same with a finer convex solver, for mj_geomDistance
   PosedModel posed_;
 

@@ -29,7 +29,6 @@ TEST_F(CliInputTest, RefusesUnknownVerbsAndFlags) {
   ExpectRefused({"solve"}, "MODEL");
   ExpectRefused({"solve", "scene.xml", "--frobnicate"}, "--frobnicate");
   ExpectRefused({"solve", "scene.xml", "other.xml"}, "other.xml");
-  ExpectRefused({"solve", "scene.xml", "--trajectory"}, "--trajectory");
   ExpectRefused({"norm", "scene.xml", "--from", "0 0"}, "--to");
   ExpectRefused({"check", "scene.xml", "--threads", "2"}, "--threads");
 }
@@ -44,6 +43,9 @@ TEST_F(CliInputTest, RefusesModelsThatAreNone) {
     </worldbody></mujoco>)");
   Write("junk.xml", std::string("\x00\xff\x13\x00junk", 8));
   Write("junk.mjb", "junk");
+  // MuJoCo's own error handler would write MUJOCO_LOG.TXT and leave with exit code 1.
+  Write("cramped.xml", R"(<mujoco><size memory="1"/><worldbody><body><joint/><geom size=".1"/>
+    </body></worldbody></mujoco>)");
   Write("empty.xml", "");
   for (const std::string verb : {"solve", "check"}) {
     ExpectRefused({verb, "none.xml"}, "none.xml: no such file");
@@ -57,21 +59,27 @@ TEST_F(CliInputTest, RefusesModelsThatAreNone) {
     ExpectRefused({verb, "junk.xml"}, "junk.xml");
     ExpectRefused({verb, "junk.mjb"}, "junk.mjb");
     ExpectRefused({verb, "empty.xml"}, "empty.xml");
+    ExpectRefused({verb, "cramped.xml"}, "memory");
   }
 }
 
 TEST_F(CliInputTest, RefusesValuesOutOfRange) {
   const std::vector<Arguments> flags = {
-      {"--tolerance", "0"},   {"--tolerance", "-1e-6"}, {"--tolerance", "nan"},
-      {"--tolerance", "inf"}, {"--tolerance", "1e-6m"}, {"--tolerance", ""},
-      {"--clearance", "-1"},  {"--clearance", "inf"},   {"--rest", "-1e-3"},
-      {"--rest", "nan"},      {"--time-limit", "0"},    {"--time-limit", "-5"},
-      {"--time-limit", "x"},  {"--threads", "0"},       {"--threads", "-2"},
-      {"--threads", "1.5"},   {"--threads", "many"},    {"--seed", "-1"},
-      {"--seed", "1e3"},      {"--effort", "huge"},     {"--metric", "euclid"},
-      {"--json"},             {"--json", ""},           {"--threads", "1", "--threads", "2"},
-      {"--movable", "nobody"}, {"--movable", "ball,"},  {"--movable", ""},
-      {"--root", "nobody"},   {"--root", ""},           {"--root", "world"}};
+      {"--tolerance", "0"},     {"--tolerance", "-1e-6"},
+      {"--tolerance", "nan"},   {"--tolerance", "inf"},
+      {"--tolerance", "1e-6m"}, {"--tolerance", ""},
+      {"--clearance", "-1"},    {"--clearance", "inf"},
+      {"--rest", "-1e-3"},      {"--rest", "nan"},
+      {"--time-limit", "0"},    {"--time-limit", "-5"},
+      {"--time-limit", "x"},    {"--threads", "0"},
+      {"--threads", "-2"},      {"--threads", "1.5"},
+      {"--threads", "many"},    {"--seed", "-1"},
+      {"--seed", "1e3"},        {"--effort", "huge"},
+      {"--metric", "euclid"},   {"--json"},
+      {"--json", ""},           {"--threads", "1", "--threads", "2"},
+      {"--movable", "nobody"},  {"--movable", "ball,"},
+      {"--movable", ""},        {"--root", "nobody"},
+      {"--root", ""},           {"--root", "world"}};
   for (const Arguments& flag : flags) {
     Arguments arguments = {"solve", "scene.xml"};
     arguments.insert(arguments.end(), flag.begin(), flag.end());
@@ -86,7 +94,8 @@ TEST_F(CliInputTest, RefusesUnknownKeyframesAndListsTheValidOnes) {
   for (const std::string key : {"2", "-1", "", "1.0", "99999999999"}) {
     ExpectRefused({"solve", "scene.xml", "--key", key}, "no keyframe");
   }
-  Write("keyless.xml", "<mujoco><worldbody><body><joint/><geom size='1'/></body></worldbody></mujoco>");
+  Write("keyless.xml",
+        "<mujoco><worldbody><body><joint/><geom size='1'/></body></worldbody></mujoco>");
   ExpectRefused({"check", "keyless.xml", "--key", "0"}, "no keyframes");
   ExpectRefused({"solve", "scene.xml", "--key", "deep", "--qpos", "0 0"}, "excludes");
 }
@@ -97,7 +106,8 @@ TEST_F(CliInputTest, RefusesBadNumbersOnTheCommandLine) {
     ExpectRefused({"solve", "scene.xml", "--qpos", q}, "--qpos");
     ExpectRefused({"norm", "scene.xml", "--from", "0 0", "--to", q}, "--to");
   }
-  Write("free.xml", "<mujoco><worldbody><body><freejoint/><geom size='1'/></body></worldbody></mujoco>");
+  Write("free.xml",
+        "<mujoco><worldbody><body><freejoint/><geom size='1'/></body></worldbody></mujoco>");
   ExpectRefused({"solve", "free.xml", "--qpos", "0 0 0 0 0 0 0"}, "quaternion");
 }
 

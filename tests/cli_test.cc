@@ -275,17 +275,13 @@ TEST_F(CliTest, UnsolvedRowsStayOutOfTheScene) {
   EXPECT_EQ(Read("out.xml").find("stuck_pdg"), std::string::npos);
 }
 
-TEST_F(CliTest, AnErrorInsideMujocoIsOneLineAndLeavesNothing) {
-  // No room for one configuration in the memory that the model asks for.
-  Write("cramped.xml", R"(<mujoco><size memory="1"/><worldbody><body><joint name="j"/>
-    <geom size=".1"/></body></worldbody><actuator><position joint="j"/></actuator></mujoco>)");
-  const std::set<std::string> before = Files();
-  const Outcome outcome = Run({"solve", "cramped.xml", "--json", "a", "--out-mjcf", "b.xml"});
-  if (outcome.exit_code == 0) GTEST_SKIP() << "MuJoCo found the memory";
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_EQ(outcome.err.rfind("mjcf-pdg: error: MuJoCo: ", 0), 0u) << outcome.err;
-  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-  EXPECT_EQ(Files(), before);
+TEST_F(CliTest, AnUnnamedKeyframeGetsANameOfItsOwn) {
+  Write("names.xml", R"(<mujoco><worldbody><body><joint type="slide"/><geom size=".1"/></body>
+    </worldbody><keyframe><key name="key1" qpos="1"/><key qpos="2"/></keyframe></mujoco>)");
+  ASSERT_EQ(Run({"solve", "names.xml", "--out-mjcf", "out.xml"}).exit_code, 0);
+  const std::string text = Read("out.xml");
+  EXPECT_NE(text.find("name=\"key1_pdg\" qpos=\"1\""), std::string::npos) << text;
+  EXPECT_NE(text.find("name=\"key1__pdg\" qpos=\"2\""), std::string::npos) << text;
 }
 
 }  // namespace

@@ -36,6 +36,11 @@ enum class Metric {
   kDisplacement,  // the true mean squared displacement (1/M) ∫ ‖x(q) - x(q_in)‖² dm
 };
 
+enum class Method {
+  kAuto,   // a search over many starts: what measures best
+  kPaper,  // the paper's sequence of steps, from one free configuration
+};
+
 enum class Effort { kFast, kDefault, kMax };
 
 enum class Status {
@@ -49,7 +54,11 @@ struct Options {
   double tolerance = 1e-6;  // overlap that still counts as free [m], > 0
   double clearance = 0.0;   // distance to keep between all kept pairs [m], >= 0
   double rest = 0.0;        // contacts of q_in no deeper than this may keep their depth [m], >= 0
+  Method method = Method::kAuto;
   Effort effort = Effort::kDefault;
+  // Calls of Solve are consecutive frames of one motion: a solver's earlier answers are starts of
+  // later ones (motion coherence).
+  bool trajectory = false;
   std::uint64_t seed = 0;
   // Poses of mocap bodies, which are obstacles: 3 and 4 per body; empty: as in the model.
   std::vector<double> mocap_pos, mocap_quat;

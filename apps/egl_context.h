@@ -1,0 +1,29 @@
+// OpenGL without a display or a window.
+#ifndef MJCF_PDG_APPS_EGL_CONTEXT_H_
+#define MJCF_PDG_APPS_EGL_CONTEXT_H_
+
+namespace mjcf_pdg::app {
+
+// An OpenGL context without a surface, current in this thread while the object lives. One at a
+// time.
+class EglContext {
+ public:
+  EglContext();  // Throws std::runtime_error with a one-line reason.
+  ~EglContext();
+  EglContext(const EglContext&) = delete;
+  EglContext& operator=(const EglContext&) = delete;
+
+  // What glClear paints: MuJoCo leaves it black.
+  void SetBackground(const float rgb[3]);
+
+ private:
+  const char* Open();  // The reason if it fails, else null.
+  void Close() noexcept;
+
+  void* display_ = nullptr;  // EGLDisplay and EGLContext.
+  void* context_ = nullptr;
+};
+
+}  // namespace mjcf_pdg::app
+
+#endif  // MJCF_PDG_APPS_EGL_CONTEXT_H_

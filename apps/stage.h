@@ -1,0 +1,83 @@
+// One model on stage: its pose, which of its geoms are shown and in which colours, and drawing it.
+#ifndef MJCF_PDG_APPS_STAGE_H_
+#define MJCF_PDG_APPS_STAGE_H_
+
+#include <mujoco/mujoco.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/egl_context.h"
+
+namespace mjcf_pdg::app {
+
+enum class Tint { kRed, kGreen };
+
+// A ball, only there to ask whether a place is seen.
+struct Marker {
+  double position[3];
+  double radius;
+};
+
+// Shown are geom groups 0 to 2, as in MuJoCo's viewer, and besides: the guilty geoms whatever their
+// group (the rest of such a body is then drawn as glass), and the colliding geoms of bodies which
+// would show nothing otherwise.
+class Stage {
+ public:
+  static constexpr int kWidth = 640;
+  static constexpr int kHeight = 480;
+
+  explicit Stage(const mjModel* model);  // Throws std::runtime_error if there is no OpenGL.
+
+  void SetGuilty(const std::vector<int>& geoms);
+  void SetPose(const std::vector<double>& qpos);  // Also finds the contacts of the pose.
+
+  const mjModel& model() const { return *model_; }
+  const mjData& data() const { return *data_; }
+  bool IsGuilty(int geom) const { return shade_[geom] != 0; }
+  bool IsShown(int geom) const { return model_->geom_group[geom] == 0; }
+  bool IsUnbounded(int geom) const;  // A floor, say.
+
+  // The pixels as OpenGL has them: 3 bytes each, the lowest line first. `title` and `when` are
+  // written in the corner; characters outside ASCII become '?'.
+  std::vector<std::uint8_t> Draw(mjvCamera& camera, Tint tint, const std::string& title,
+                                 const std::string& when);
+
+  // How much of the picture each geom fills (0 to 1), and after them each marker. From a picture
+  // of few pixels.
+  std::vector<double> Shares(mjvCamera camera, const std::vector<Marker>& markers);
+
+ private:
+  struct Deleter {
+    void operator()(mjModel* model) const { mj_deleteModel(model); }
+    void operator()(mjData* data) const { mj_deleteData(data); }
+  };
+  struct Scene : mjvScene {
+    Scene() { mjv_defaultScene(this); }
+    ~Scene() { mjv_freeScene(this); }
+  };
+  struct Canvas : mjrContext {
+    Canvas() { mjr_defaultContext(this); }
+    ~Canvas() { mjr_freeContext(this); }
+  };
+
+  void UpdateScene(mjvCamera& camera);
+  bool IsGlass(const mjvGeom& geom) const;
+  void TintScene(Tint tint);
+
+  const mjModel* source_;
+  std::unique_ptr<mjModel, Deleter> model_;  // A copy: shown geoms are in group 0.
+  std::unique_ptr<mjData, Deleter> data_;
+  EglContext egl_;  // Must outlive the canvas.
+  Canvas canvas_;
+  Scene scene_;
+  mjvOption option_;
+  std::vector<int> shade_;        // Per geom: 0 if innocent, else 1 + the index of its shade.
+  std::vector<bool> glass_body_;  // Has a guilty geom, hidden by default, usually inside others.
+};
+
+}  // namespace mjcf_pdg::app
+
+#endif  // MJCF_PDG_APPS_STAGE_H_

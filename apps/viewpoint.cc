@@ -1,0 +1,230 @@
+#include "apps/viewpoint.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+namespace mjcf_pdg::app {
+namespace {
+
+// Guilty geoms which fill less of the picture look small.
+constexpr double kSmallShare = 0.03;
+
+using Point = std::array<double, 3>;
+
+struct Box {
+  explicit Box(const std::vector<Point>& points) : low(points.at(0)), high(points.at(0)) {
+    for (const Point& point : points) {
+      for (int i = 0; i < 3; ++i) {
+        low[i] = std::min(low[i], point[i]);
+        high[i] = std::max(high[i], point[i]);
+      }
+    }
+  }
+  double Radius() const { return mju_dist3(low.data(), high.data()) / 2; }
+  Point Middle() const {
+    return {(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2};
+  }
+  Point low, high;
+};
+
+// ---- What should be in the picture ------------------------------------------
+
+// Corners of geoms.
+struct Subject {
+  std::vector<Point> whole;
+  std::vector<Point> guilty;  // A part of `whole`.
+};
+
+bool IsMoving(const mjModel& model, int body) { return model.body_weldid[body] != 0; }
+
+void AppendCorners(const Stage& stage, int geom, std::vector<Point>& points) {
+  const mjtNum* aabb = &stage.model().geom_aabb[6 * geom];  // Center and half sizes.
+  for (int corner = 0; corner < 8; ++corner) {
+    Point local;
+    for (int i = 0; i < 3; ++i) {
+      local[i] = aabb[i] + ((corner >> i & 1) ? aabb[3 + i] : -aabb[3 + i]);
+    }
+    Point& world = points.emplace_back();
+    mju_mulMatVec3(world.data(), &stage.data().geom_xmat[9 * geom], local.data());
+    mju_addTo3(world.data(), &stage.data().geom_xpos[3 * geom]);
+  }
+}
+
+// Adds what counts at the present pose: the trees of the guilty geoms (all trees, if none of them
+// moves), and fixed guilty geoms as long as they are no larger.
+void AppendPose(const Stage& stage, Subject& subject) {
+  const mjModel& model = stage.model();
+  std::vector<bool> guilty_tree(model.nbody, false);
+  bool any_tree = false;
+  for (int geom = 0; geom < model.ngeom; ++geom) {
+    const int body = model.geom_bodyid[geom];
+    if (!stage.IsGuilty(geom) || !IsMoving(model, body)) continue;
+    guilty_tree[model.body_rootid[body]] = any_tree = true;
+  }
+  for (int geom = 0; geom < model.ngeom; ++geom) {
+    const int body = model.geom_bodyid[geom];
+    if (!IsMoving(model, body) || !stage.IsShown(geom)) continue;
+    if (any_tree && !guilty_tree[model.body_rootid[body]]) continue;
+    AppendCorners(stage, geom, subject.whole);
+    if (stage.IsGuilty(geom)) AppendCorners(stage, geom, subject.guilty);
+  }
+  const double radius = subject.whole.empty() ? model.stat.extent : Box(subject.whole).Radius();
+  for (int geom = 0; geom < model.ngeom; ++geom) {
+    if (IsMoving(model, model.geom_bodyid[geom]) || !stage.IsGuilty(geom)) continue;
+    if (stage.IsUnbounded(geom) || model.geom_rbound[geom] > radius) continue;
+    AppendCorners(stage, geom, subject.whole);
+    AppendCorners(stage, geom, subject.guilty);
+  }
+}
+
+std::vector<Marker> MarkOverlaps(const Stage& stage, double radius) {
+  std::vector<Marker> markers;
+  for (int i = 0; i < stage.data().ncon; ++i) {
+    const mjContact& contact = stage.data().contact[i];
+    if (contact.dist > 0 || contact.geom[0] < 0 || contact.geom[1] < 0) continue;
+    if (!stage.IsGuilty(contact.geom[0]) || !stage.IsGuilty(contact.geom[1])) continue;
+    markers.push_back({{contact.pos[0], contact.pos[1], contact.pos[2]}, radius - contact.dist});
+  }
+  return markers;
+}
+
+// ---- Cameras ----------------------------------------------------------------
+
+// A free camera which looks in the given direction (degrees), as near as it can be with all points
+// in its picture.
+mjvCamera FittedCamera(const mjModel& model, const std::vector<Point>& points, double azimuth,
+                       double elevation) {
+  constexpr double kDegree = std::numbers::pi / 180;
+  const double ca = std::cos(azimuth * kDegree), sa = std::sin(azimuth * kDegree);
+  const double ce = std::cos(elevation * kDegree), se = std::sin(elevation * kDegree);
+  const Point axes[3] = {{sa, -ca, 0}, {-se * ca, -se * sa, ce}, {ce * ca, ce * sa, se}};
+  const double tan_up = 0.93 * std::tan(model.vis.global.fovy * kDegree / 2);  // With a margin.
+  const double tangents[2] = {tan_up * Stage::kWidth / Stage::kHeight, tan_up};
+
+  // In the camera's axes (right, up, forward) each point confines the camera's place (x, y, z):
+  //   p_x - t (p_z - z) <= x <= p_x + t (p_z - z), and so for y.
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  double low[2] = {-kInfinity, -kInfinity}, high[2] = {kInfinity, kInfinity};
+  double nearest = kInfinity, farthest = -kInfinity;
+  for (const Point& point : points) {
+    const double depth = mju_dot3(axes[2].data(), point.data());
+    nearest = std::min(nearest, depth);
+    farthest = std::max(farthest, depth);
+    for (int i = 0; i < 2; ++i) {
+      const double offset = mju_dot3(axes[i].data(), point.data());
+      low[i] = std::max(low[i], offset - tangents[i] * depth);
+      high[i] = std::min(high[i], offset + tangents[i] * depth);
+    }
+  }
+  double place = kInfinity;
+  for (int i = 0; i < 2; ++i) place = std::min(place, (high[i] - low[i]) / (2 * tangents[i]));
+
+  mjvCamera camera;
+  mjv_defaultCamera(&camera);
+  camera.azimuth = azimuth;
+  camera.elevation = elevation;
+  camera.distance = (nearest + farthest) / 2 - place;
+  mju_scl3(camera.lookat, axes[2].data(), place + camera.distance);
+  for (int i = 0; i < 2; ++i) {
+    mju_addToScl3(camera.lookat, axes[i].data(), (low[i] + high[i]) / 2);
+  }
+  return camera;
+}
+
+mjvCamera ModelCamera(int id) {
+  mjvCamera camera;
+  mjv_defaultCamera(&camera);
+  camera.type = mjCAMERA_FIXED;
+  camera.fixedcamid = id;
+  return camera;
+}
+
+struct View {
+  mjvCamera camera;
+  double share = 0;   // Of the picture, filled by guilty geoms.
+  double score = -1;  // How well one sees them, and above all where they overlap.
+};
+
+View Judge(Stage& stage, const mjvCamera& camera, const std::vector<Marker>& markers) {
+  View view = {camera, 0, 0};
+  const std::vector<double> shares = stage.Shares(camera, markers);
+  const int num_geoms = static_cast<int>(stage.model().ngeom);
+  for (int geom = 0; geom < num_geoms; ++geom) {
+    if (!stage.IsGuilty(geom) || stage.IsUnbounded(geom)) continue;
+    view.share += shares[geom];
+    // By the root, a geom seen a little counts for more than much of another one.
+    view.score += std::sqrt(shares[geom]);
+  }
+  if (markers.empty()) return view;
+  const auto num_seen = std::count_if(shares.begin() + num_geoms, shares.end(),
+                                      [](double share) { return share > 0; });
+  view.score *= 1 + 2 * static_cast<double>(num_seen) / static_cast<double>(markers.size());
+  return view;
+}
+
+View BestFreeView(Stage& stage, const Subject& subject, const std::vector<Marker>& markers) {
+  const mjModel& model = stage.model();
+  View best;
+  constexpr std::pair<double, double> kElevations[] = {{-25, 1.0}, {-55, 0.9}};
+  for (const auto& [elevation, preference] : kElevations) {
+    for (int turn = 0; turn < 8; ++turn) {
+      const double azimuth = model.vis.global.azimuth + 45.0 * turn;
+      View view = Judge(stage, FittedCamera(model, subject.whole, azimuth, elevation), markers);
+      view.score *= preference;
+      if (view.score > best.score) best = view;
+    }
+  }
+  if (subject.guilty.empty()) return best;
+  // Come closer: the whole shrinks towards the guilty geoms.
+  const Point middle = Box(subject.guilty).Middle();
+  for (const double zoom : {0.7, 0.5, 0.35}) {
+    if (best.share >= kSmallShare) break;
+    std::vector<Point> points = subject.guilty;
+    for (const Point& point : subject.whole) {
+      Point& drawn = points.emplace_back();
+      for (int i = 0; i < 3; ++i) drawn[i] = middle[i] + zoom * (point[i] - middle[i]);
+    }
+    best = Judge(stage, FittedCamera(model, points, best.camera.azimuth, best.camera.elevation),
+                 markers);
+  }
+  return best;
+}
+
+}  // namespace
+
+mjvCamera ChooseCamera(Stage& stage, const std::vector<double>& qpos_in,
+                       const std::vector<double>& qpos) {
+  const mjModel& model = stage.model();
+  Subject subject;
+  if (!qpos.empty()) {
+    stage.SetPose(qpos);
+    AppendPose(stage, subject);
+  }
+  stage.SetPose(qpos_in);
+  AppendPose(stage, subject);
+  if (subject.whole.empty()) {
+    mjvCamera camera;
+    mjv_defaultFreeCamera(&model, &camera);
+    return camera;
+  }
+
+  const std::vector<Marker> markers = MarkOverlaps(stage, 0.025 * Box(subject.whole).Radius());
+  const int named = mj_name2id(&model, mjOBJ_CAMERA, "view");
+  if (named >= 0) {
+    const View view = Judge(stage, ModelCamera(named), markers);
+    if (subject.guilty.empty() || view.share >= kSmallShare) return view.camera;
+  }
+  const View best = BestFreeView(stage, subject, markers);
+  for (int i = 0; i < model.ncam; ++i) {
+    if (model.cam_mode[i] == mjCAMLIGHT_FIXED && IsMoving(model, model.cam_bodyid[i])) continue;
+    const View view = Judge(stage, ModelCamera(i), markers);
+    if (view.score >= 0.7 * best.score) return view.camera;
+  }
+  return best.camera;
+}
+
+}  // namespace mjcf_pdg::app

@@ -1,0 +1,38 @@
+// Convex geoms as the lower bound sees them: a farthest point along a direction, extreme points.
+//
+// Part of lower_bound.h.
+#ifndef MJCF_PDG_SRC_LOWER_BOUND_GEOM_H_
+#define MJCF_PDG_SRC_LOWER_BOUND_GEOM_H_
+
+#include <mujoco/mujoco.h>
+
+#include <vector>
+
+#include "kinematics.h"
+
+namespace mjcf_pdg {
+
+// At q_in, in world axes.
+struct ConvexGeom {
+  int type = 0;
+  Vector3d center, size;
+  Matrix3d R;
+  std::vector<Vector3d> points;  // their hull, grown by radius, is the geom; round geoms are
+  double radius = 0.0;           // inside it
+
+  // Cylinders and ellipsoids, whose points are not their own.
+  bool IsRound() const { return type == mjGEOM_ELLIPSOID || type == mjGEOM_CYLINDER; }
+
+  // The geom's farthest point along n.
+  Vector3d Support(const Vector3d& n) const;
+
+ private:
+  Vector3d RoundSupport(const Vector3d& n) const;
+};
+
+// Any geom with a signed distance; of a plane, nothing but center and R is of use.
+ConvexGeom ConvexGeomOf(const mjModel& m, const mjData& d, int geom);
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_LOWER_BOUND_GEOM_H_

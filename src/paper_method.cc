@@ -1,0 +1,34 @@
+#include "paper_method.h"
+
+#include <utility>
+
+namespace mjcf_pdg {
+
+PaperMethod::PaperMethod(Problem& problem)
+    : selection_(problem), iteration_(problem), problem_(problem) {}
+
+PaperResult PaperMethod::Run(const std::optional<VectorXd>& hint, const PaperOptions& options) {
+  PaperResult result;
+  result.q = problem_.q_in;
+  selection_.Begin(hint, problem_.options.seed);
+  std::optional<FreeConfiguration> q_f;
+  if (options.selection.empty()) {
+    q_f = selection_.SelectInPaperOrder();
+  } else if (std::optional<VectorXd> q = selection_.Select(options.selection)) {
+    q_f = FreeConfiguration{*std::move(q), options.selection};
+  }
+  result.selections = selection_.tried();
+  if (!q_f) return result;
+  result.start = q_f->start;
+  IterationResult iterated = iteration_.Run(q_f->q, options.iteration);
+  sweeps_ += iterated.sweeps;
+  result.free = iterated.start_free;
+  result.q = std::move(iterated.q);
+  result.sigma = iterated.sigma;
+  result.sigmas = std::move(iterated.sigmas);
+  result.iterations = iterated.iterations;
+  result.certified = iterated.certified;
+  return result;
+}
+
+}  // namespace mjcf_pdg

@@ -1,0 +1,61 @@
+// The paper's method as one sequence of steps: free-configuration selection, contact-space
+// projection, constrained optimization, re-projection, until σ stops falling.
+//
+// Source: Tang & Kim, Sec. 3.1, 5 and 6.1. The numbered deviations stand with each step, in
+// free_configuration.h, successive_perturbation.h, contact_space_projection.h, ccdg.h and
+// contact_space_iteration.h.
+#ifndef MJCF_PDG_SRC_PAPER_METHOD_H_
+#define MJCF_PDG_SRC_PAPER_METHOD_H_
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "contact_space_iteration.h"
+#include "free_configuration.h"
+#include "problem.h"
+
+namespace mjcf_pdg {
+
+struct PaperOptions {
+  IterationOptions iteration = {.max_iterations = 100, .corrections = 6, .reverse_samples = 16};
+  std::string selection;  // by name; empty: the paper's order
+};
+
+struct PaperResult {
+  bool free = false;  // false: no free configuration was found; q is q_in
+  VectorXd q;
+  double sigma = std::numeric_limits<double>::infinity();  // [m²]
+  std::vector<double> sigmas;  // of the accepted free configurations, never rising [m²]
+  std::string start;           // selection
+  int selections = 0;          // tried
+  int iterations = 0;          // constrained optimizations
+  bool certified = false;      // every CCD on the way was proven
+};
+
+// One per thread. Refers to problem.q_in and what goes with it.
+class PaperMethod {
+ public:
+  explicit PaperMethod(Problem& problem);
+
+  PaperResult Run(const std::optional<VectorXd>& hint = std::nullopt,
+                  const PaperOptions& options = {});
+
+  // Motion coherence: an answer, or a frame, for later runs to start from.
+  void Remember(const VectorXd& q) { selection_.Remember(q); }
+  // The remembered configuration nearest to q_in that is free.
+  std::optional<VectorXd> Recall() { return selection_.Select("motion_coherence"); }
+
+  int sweeps() const { return sweeps_; }  // of Gauss-Seidel, all runs together
+
+ private:
+  FreeConfigurationSelection selection_;
+  ContactSpaceIteration iteration_;
+  Problem& problem_;
+  int sweeps_ = 0;
+};
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_PAPER_METHOD_H_

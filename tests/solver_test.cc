@@ -1,0 +1,385 @@
+#include "mjcf_pdg/pdg.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <optional>
+#include <thread>
+
+#include "kinematics.h"
+#include "test_support.h"
+
+namespace mjcf_pdg::test {
+namespace {
+
+using ::testing::AnyOf;
+using ::testing::HasSubstr;
+
+class SolverTest : public MujocoTest {};
+
+using Q = std::vector<double>;
+
+// What a program with MuJoCo alone sees, on a copy of the user's model.
+class Witness {
+ public:
+  explicit Witness(const Scene& scene)
+      : scene_(scene), model_(mj_copyModel(nullptr, scene.model())), data_(nullptr) {
+    model_->opt.disableflags |= mjDSBL_MULTICCD;  // its `dist` is off by centimetres
+    model_->opt.ccd_tolerance = 1e-9;
+    data_.reset(mj_makeData(model_.get()));
+  }
+
+  // Smallest of all contact distances and kept pairs' signed distances, at most 1 m. Capsules that
+  // pierce boxes are left to the slow oracle: MuJoCo misses them.
+  double Least(const Q& q) {
+    const mjModel* m = model_.get();
+    mjData* d = data_.get();
+    mju_copy(d->qpos, q.data(), m->nq);
+    mj_kinematics(m, d);
+    mj_comPos(m, d);
+    mj_collision(m, d);
+    double least = 1.0;
+    for (int c = 0; c < d->ncon; ++c) least = std::min(least, d->contact[c].dist);
+    for (const KeptPair& pair : scene_.tables().pairs) {
+      if (pair.has_distance) least = std::min(least, Distance(pair.geom1, pair.geom2));
+    }
+    return least;
+  }
+
+ private:
+  double Distance(int g1, int g2) {
+    const mjModel* m = model_.get();
+    const double* p = data_->geom_xpos;
+    const bool missed = m->geom_type[g1] == mjGEOM_CAPSULE && m->geom_type[g2] == mjGEOM_BOX;
+    if (!missed) return mj_geomDistance(m, data_.get(), g1, g2, 1.0, nullptr);
+    const double reach = m->geom_rbound[g1] + m->geom_rbound[g2];
+    const double apart = mju_dist3(p + 3 * g1, p + 3 * g2) - reach;
+    return apart > 0.01 ? apart : BruteDistance(m, data_.get(), g1, g2).distance;
+  }
+
+  const Scene& scene_;
+  ModelPtr model_;
+  DataPtr data_;
+};
+
+Q PartOfTheWay(const Scene& scene, const Q& q_in, const Q& q, double share) {
+  VectorXd dq, out;
+  const VectorXd from = Normalized(scene.tables(), ToEigen(q_in));
+  Difference(scene.tables(), from, ToEigen(q), dq);
+  Integrate(scene.tables(), from, share * dq, out);
+  return ToVector(out);
+}
+
+// Everything a solved result must keep to, by other means than the solver's.
+void ExpectSolved(const Scene& scene, const Q& q_in, const Result& result) {
+  ASSERT_EQ(result.status, Status::kSolved) << result.reason << "\n" << Join(ToEigen(q_in));
+  EXPECT_GE(Witness(scene).Least(result.q), -1.1e-6) << Join(ToEigen(q_in));
+  EXPECT_LE(LimitExcess(scene.tables(), ToEigen(result.q)), 1e-9);
+  EXPECT_TRUE(Verify(scene, result.q).free);
+  EXPECT_NEAR(ObjectNorm(scene, Metric::kSequential, q_in).Sigma(result.q), result.sigma,
+              1e-12 + 1e-9 * result.sigma);
+  EXPECT_LE(result.sigma_lower_bound, result.sigma);
+  EXPECT_TRUE(result.reason.empty()) << result.reason;
+}
+
+// Random configurations that overlap by a centimetre or more.
+std::vector<Q> CollidingRows(const Scene& scene, Random& rng, int n) {
+  std::vector<Q> rows;
+  Witness witness(scene);
+  while (static_cast<int>(rows.size()) < n) {
+    rows.push_back(ToVector(RandomConfiguration(scene, rng, 0.2)));
+    if (witness.Least(rows.back()) > -0.01) rows.pop_back();
+  }
+  return rows;
+}
+
+std::string World(const std::string& inside) {
+  return "<mujoco><worldbody>" + inside + "</worldbody></mujoco>";
+}
+
+const std::string kSphereOnPlane =
+    World(R"(<geom name="floor" type="plane" size="0 0 1"/>
+    <body name="ball"><freejoint/><geom name="ball" size=".1"/></body>)");
+
+// A bead on a rail along x between two walls `gap` apart: it fits if gap >= .2.
+std::string BeadBetweenWalls(double gap) {
+  const double x = 0.5 * gap + 0.05;
+  return World("<geom name='left' type='box' size='.05 1 1' pos='" + std::to_string(-x) +
+               " 0 0'/><geom name='right' type='box' size='.05 1 1' pos='" + std::to_string(x) +
+               R"( 0 0'/><body name="bead"><joint name="rail" type="slide" axis="1 0 0"
+               range="-.1 .1"/><geom name="bead" size=".1"/></body>)");
+}
+
+// ---- Answers ----
+
+TEST_F(SolverTest, AFreeConfigurationComesBackBitForBit) {
+  const Scene scene = Scene::FromString(kSphereOnPlane);
+  Solver solver(scene);
+  for (const Q& q_in : {Q{0, 0, 0.1, 1, 0, 0, 0}, Q{-0.0, 1e-17, 0.3, 0.1, 0.2, -0.7, 3}}) {
+    const Result result = solver.Solve(q_in);
+    EXPECT_EQ(result.status, Status::kAlreadyFree);
+    EXPECT_EQ(result.q, q_in);
+    EXPECT_TRUE(std::signbit(result.q[0]) == std::signbit(q_in[0]));
+    EXPECT_EQ(result.sigma, 0.0);
+    EXPECT_EQ(result.sigma_lower_bound, 0.0);
+    EXPECT_TRUE(result.contacts_in.empty());
+  }
+}
+
+TEST_F(SolverTest, AKnownDepthIsReportedInAllItsParts) {
+  const Scene scene = Scene::FromString(kSphereOnPlane);
+  const Q q_in = {0.3, -0.2, 0.06, 1, 0, 0, 0};
+  const Result result = Solver(scene).Solve(q_in);
+  ExpectSolved(scene, q_in, result);
+  EXPECT_NEAR(std::sqrt(result.sigma), 0.04, 2e-6);
+  EXPECT_NEAR(result.depth_in, -0.04, 1e-9);
+  EXPECT_NEAR(result.min_distance, 0.0, 1e-6);
+  EXPECT_GT(result.sigma_lower_bound, 0.2 * result.sigma);
+  EXPECT_TRUE(result.certified);
+  EXPECT_EQ(result.start, "direct");
+  ASSERT_EQ(result.contacts_in.size(), 1u);
+  ASSERT_EQ(result.contacts.size(), 1u);
+  EXPECT_EQ(scene.GeomName(result.contacts_in[0].geom[0]), "floor");
+  EXPECT_NEAR(result.contacts_in[0].normal_W[2], 1.0, 1e-9);
+  EXPECT_NEAR(result.contacts_in[0].distance, -0.04, 1e-9);
+  EXPECT_GT(result.stats.iterations, 0);
+  EXPECT_GT(result.stats.collision_queries, result.stats.iterations);
+  EXPECT_EQ(result.stats.starts, 1);
+}
+
+TEST_F(SolverTest, OfRandomRobotsEveryAnswerIsFreeAndALittleLessCollides) {
+  Random rng(1);
+  int runs = 0, solved = 0, moved = 0, collide = 0;
+  for (int model = 0; model < 12; ++model) {
+    RobotOptions robot;
+    robot.bodies = 3 + model % 6;
+    robot.free_base = model % 2 == 1;
+    const Scene scene = Scene::FromString(RandomRobotXml(rng, robot));
+    Solver solver(scene);
+    Witness witness(scene);
+    for (int k = 0; k < 12; ++k) {
+      const Q q_in = ToVector(RandomConfiguration(scene, rng, 0.3));
+      const Result result = solver.Solve(q_in);
+      if (result.status == Status::kAlreadyFree) continue;
+      ++runs;
+      EXPECT_LT(witness.Least(q_in), 0.0);
+      if (result.status == Status::kUnsolved) {
+        EXPECT_LT(witness.Least(result.q), 0.0) << Join(ToEigen(q_in));
+        continue;
+      }
+      ++solved;
+      ExpectSolved(scene, q_in, result);
+      if (result.sigma < 1e-6) continue;
+      ++moved;
+      collide += witness.Least(PartOfTheWay(scene, q_in, result.q, 0.98)) < -1e-6;
+    }
+  }
+  std::printf("  %d runs, %d solved, %d of %d collide again when shrunk\n", runs, solved, collide,
+              moved);
+  EXPECT_GT(runs, 60);
+  EXPECT_GE(solved, runs * 95 / 100);
+  EXPECT_GE(collide, moved * 97 / 100);
+}
+
+TEST_F(SolverTest, LimitsExceededAtTheStartAreMovedInside) {
+  const Scene chain = Scene::FromString(BallChainXml(true));  // 60° each
+  Q q_in = chain.DefaultQpos();
+  const double half = 0.5 * 100 * M_PI / 180;
+  q_in[4] = std::cos(half);
+  q_in[6] = std::sin(half);
+  const Result ball = Solver(chain).Solve(q_in);
+  ExpectSolved(chain, q_in, ball);
+  EXPECT_GT(ball.sigma, 1e-3);
+  EXPECT_GT(2 * std::acos(std::abs(ball.q[4])), 0.9);  // no further than needed
+
+  const Scene bead = Scene::FromString(BeadBetweenWalls(2.0));
+  const Result slide = Solver(bead).Solve({0.25});
+  ExpectSolved(bead, {0.25}, slide);
+  EXPECT_NEAR(slide.q[0], 0.1, 1e-9);
+}
+
+TEST_F(SolverTest, RoundingBeyondALimitIsStillFree) {
+  const Scene bead = Scene::FromString(BeadBetweenWalls(2.0));
+  EXPECT_EQ(Solver(bead).Solve({0.1 + 0.9e-6}).status, Status::kAlreadyFree);
+  EXPECT_EQ(Solver(bead).Solve({0.1 + 1.1e-6}).status, Status::kSolved);
+}
+
+TEST_F(SolverTest, EveryEffortSolvesAndMaxIsNoWorseThanFast) {
+  Random rng(2);
+  RobotOptions robot;
+  robot.free_base = true;
+  const Scene scene = Scene::FromString(RandomRobotXml(rng, robot));
+  for (const Q& q_in : CollidingRows(scene, rng, 8)) {
+    double sigma[3];
+    for (const Effort effort : {Effort::kFast, Effort::kDefault, Effort::kMax}) {
+      Options options;
+      options.effort = effort;
+      const Result result = Solver(scene, options).Solve(q_in);
+      EXPECT_NE(result.status, Status::kUnsolved) << result.reason;
+      sigma[static_cast<int>(effort)] = result.sigma;
+    }
+    EXPECT_LE(sigma[1], 1.02 * sigma[0] + 1e-9);
+    EXPECT_LE(sigma[2], 1.02 * sigma[0] + 1e-9);
+  }
+}
+
+TEST_F(SolverTest, AFreeHintIsAStartAndABadOneDoesNoHarm) {
+  const Scene scene = Scene::FromString(kSphereOnPlane);
+  const Q q_in = {0, 0, -0.3, 1, 0, 0, 0};
+  const Q hints[] = {{0.1, 0, 0.4, 1, 0, 0, 0}, {0, 0, -9, 1, 0, 0, 0}, {0, 0, 5, 0, 1, 1, 0}};
+  for (const Q& hint : hints) {
+    const Result result = Solver(scene).Solve(q_in, hint);
+    ExpectSolved(scene, q_in, result);
+    EXPECT_NEAR(std::sqrt(result.sigma), 0.4, 1e-4);
+    EXPECT_GE(result.stats.starts, 2);
+  }
+  const Scene bead = Scene::FromString(BeadBetweenWalls(2.0));  // a free hint beyond a limit
+  ExpectSolved(bead, {0.3}, Solver(bead).Solve({0.3}, Q{0.2}));
+}
+
+// ---- Honesty ----
+
+TEST_F(SolverTest, WhatCannotBeFreedIsUnsolvedLeastPenetratingAndSaysWhy) {
+  const Scene scene = Scene::FromString(BeadBetweenWalls(0.18));
+  const Result result = Solver(scene).Solve({0.06});
+  EXPECT_EQ(result.status, Status::kUnsolved);
+  EXPECT_THAT(result.reason, HasSubstr("bead"));
+  EXPECT_THAT(result.reason, AnyOf(HasSubstr("left"), HasSubstr("right")));
+  ASSERT_EQ(result.q.size(), 1u);
+  EXPECT_LE(std::abs(result.q[0]), 0.011);  // between the two contacts: 2 cm in all
+  EXPECT_NEAR(result.min_distance, Witness(scene).Least(result.q), 1e-6);
+  EXPECT_FALSE(result.contacts.empty());
+}
+
+TEST_F(SolverTest, OverlapsThatNoJointCanSeparateAreNamed) {
+  const Scene scene = Scene::FromString(World(R"(<geom name="floor" type="plane" size="0 0 1"/>
+      <body name="post" pos="0 0 -.05"><joint name="turn" axis="0 0 1"/>
+      <geom name="post" size=".1"/><body name="arm" pos="0 0 .5"><joint axis="0 1 0"/>
+      <geom name="arm" type="capsule" size=".02" fromto="0 0 0 .3 0 0"/></body></body>)"));
+  SceneOptions only_arm;
+  only_arm.movable = {"arm"};
+  const Scene frozen = Scene::FromString(World(R"(<geom name="floor" type="plane" size="0 0 1"/>
+      <body name="post" pos="0 0 -.05"><joint axis="1 0 0"/><geom name="post" size=".1"/></body>
+      <body name="arm" pos="1 0 .5"><joint axis="0 1 0"/>
+      <geom type="capsule" size=".02" fromto="0 0 0 .3 0 0"/></body>)"), only_arm);
+  const Result result = Solver(frozen).Solve({0.2, 0.0});
+  EXPECT_EQ(result.status, Status::kUnsolved);
+  EXPECT_THAT(result.reason, HasSubstr("post"));
+  EXPECT_THAT(result.reason, HasSubstr("floor"));
+  EXPECT_EQ(result.q, (Q{0.2, 0.0}));
+  EXPECT_EQ(result.stats.starts, 0) << "nothing to search for";
+  const Result turned = Solver(scene).Solve({0.0, 0.0});  // it may turn, which does not help
+  EXPECT_EQ(turned.status, Status::kUnsolved);
+  EXPECT_THAT(turned.reason, HasSubstr("post"));
+}
+
+TEST_F(SolverTest, ATinyTimeLimitEndsTheSolveWithoutAFalseClaim) {
+  Random rng(3);
+  const Scene scene = Scene::FromString(RandomRobotXml(rng));
+  Options hurried;
+  hurried.time_limit = 1e-9;
+  int unsolved = 0;
+  for (int k = 0; k < 40; ++k) {
+    const Q q_in = ToVector(RandomConfiguration(scene, rng));
+    const Result result = Solver(scene, hurried).Solve(q_in);
+    EXPECT_EQ(result.q.size(), q_in.size());
+    EXPECT_LE(result.stats.starts, 1);
+    if (result.status == Status::kSolved) ExpectSolved(scene, q_in, result);
+    if (result.status != Status::kUnsolved) continue;
+    ++unsolved;
+    EXPECT_THAT(result.reason, HasSubstr("time limit"));
+    EXPECT_LT(Witness(scene).Least(result.q), 0.0);
+  }
+  EXPECT_GT(unsolved, 5);
+}
+
+TEST_F(SolverTest, ActiveEqualitiesAreRefusedByName) {
+  const std::string arm = World(R"(<body name="a"><joint name="j1" axis="0 1 0"/><geom size=".1"/>
+      </body><body name="b" pos="1 0 0"><joint name="j2" axis="0 1 0"/><geom size=".1"/></body>)");
+  auto with = [&arm](const std::string& active) {
+    std::string xml = arm;
+    xml.insert(xml.rfind("</mujoco>"), "<equality><joint name='coupling' joint1='j1' joint2='j2' "
+                                       "active='" + active + "'/></equality>");
+    return Scene::FromString(xml);
+  };
+  EXPECT_THAT(ErrorOf([&] { Solver(with("true")); }), HasSubstr("coupling"));
+  EXPECT_EQ(Solver(with("false")).Solve({0, 0}).status, Status::kAlreadyFree);
+}
+
+TEST_F(SolverTest, BadInputThrowsAndTheSolverGoesOn) {
+  const Scene scene = Scene::FromString(kSphereOnPlane);
+  Solver solver(scene);
+  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = 1.0 / 0.0;
+  const Q good = {0, 0, 0, 1, 0, 0, 0};
+  const Q bad_ones[] = {{},
+                        {0, 0, 0, 1, 0, 0},
+                        {0, 0, 0, 1, 0, 0, 0, 0},
+                        {nan, 0, 0, 1, 0, 0, 0},
+                        {0, 0, -inf, 1, 0, 0, 0},
+                        {0, 0, 0, 0, 0, 0, 0},
+                        {0, 0, 0, nan, 0, 0, 1}};
+  for (const Q& bad : bad_ones) {
+    EXPECT_THROW(solver.Solve(bad), Error);
+    EXPECT_THROW(solver.Solve(good, bad), Error);
+  }
+  EXPECT_EQ(solver.Solve(good).status, Status::kSolved);
+  auto refused = [&scene](auto change) {
+    Options options;
+    change(options);
+    EXPECT_THROW(Solver(scene, options), Error);
+  };
+  refused([](Options& o) { o.tolerance = 0.0; });
+  refused([nan](Options& o) { o.tolerance = nan; });
+  refused([](Options& o) { o.clearance = -0.1; });
+  refused([nan](Options& o) { o.clearance = nan; });
+  refused([inf](Options& o) { o.rest = inf; });
+  refused([](Options& o) { o.time_limit = 0.0; });
+  refused([nan](Options& o) { o.time_limit = nan; });
+  refused([](Options& o) { o.mocap_pos = {0, 0, 0}; });
+}
+
+// ---- The same again ----
+
+TEST_F(SolverTest, ResultsDependOnNeitherEarlierRowsNorThreads) {
+  Random rng(4);
+  const Scene scene = Scene::FromString(RandomRobotXml(rng));
+  const std::vector<Q> rows = CollidingRows(scene, rng, 8);
+  std::vector<Q> alone, in_turn(rows.size()), threaded(rows.size());
+  Solver solver(scene);
+  for (const Q& row : rows) alone.push_back(Solver(scene).Solve(row).q);
+  for (std::size_t k = rows.size(); k-- > 0;) in_turn[k] = solver.Solve(rows[k]).q;
+  std::vector<std::thread> threads;
+  for (std::size_t first : {0, 1}) {
+    threads.emplace_back([&, first] {
+      Solver own(scene);
+      for (std::size_t k = first; k < rows.size(); k += 2) threaded[k] = own.Solve(rows[k]).q;
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(in_turn, alone);
+  EXPECT_EQ(threaded, alone);
+}
+
+TEST_F(SolverTest, TheUsersModelIsNeverWrittenTo) {
+  Random rng(5);
+  RobotOptions robot;
+  robot.free_base = true;
+  const ModelPtr model = LoadModel(RandomRobotXml(rng, robot));
+  model->opt.disableflags |= mjDSBL_CONTACT;  // and what it disables is none of our business
+  const std::vector<char> before = ModelBytes(model.get());
+  const Scene scene = Scene::FromModel(model.get());
+  Solver solver(scene);
+  int solved = 0;
+  for (int k = 0; k < 20; ++k) {
+    const Q q_in = ToVector(RandomConfiguration(scene, rng, 0.2));
+    solved += solver.Solve(q_in).status == Status::kSolved;
+  }
+  EXPECT_GT(solved, 5);
+  EXPECT_EQ(ModelBytes(model.get()), before);
+}
+
+}  // namespace
+}  // namespace mjcf_pdg::test
