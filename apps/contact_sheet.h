@@ -1,30 +1,33 @@
-// Pairs of pictures in lines, on one sheet.
+// Pairs of pictures side by side on one sheet, written as a PNG file.
 #ifndef MJCF_PDG_APPS_CONTACT_SHEET_H_
 #define MJCF_PDG_APPS_CONTACT_SHEET_H_
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
-#include "apps/png_writer.h"
-
 namespace mjcf_pdg::app {
+
+using Bytes = std::vector<std::uint8_t>;  // Red, green and blue of one pixel after the other.
 
 class ContactSheet {
  public:
   // As many pairs a line as give the sheet about the shape of a picture.
   ContactSheet(int num_pairs, int picture_width, int picture_height);
 
-  // `pixels`: 3 bytes each, the lowest line first. What is not pasted stays empty.
-  enum Side { kLeft, kRight };
-  void Paste(int pair, Side side, const std::vector<std::uint8_t>& pixels);
+  // `side`: 0 is left, 1 is right. `picture` has its lowest line first, as in OpenGL.
+  void Paste(int pair, int side, const Bytes& picture);
 
-  const RgbImage& image() const { return image_; }
+  // Throws std::runtime_error with a one-line reason, and then leaves no file.
+  void Write(const std::string& png_path) const;
 
  private:
   int picture_width_;
   int picture_height_;
-  int columns_;
-  RgbImage image_;
+  int columns_;  // Of pairs.
+  int width_;
+  int height_;
+  Bytes rgb_;  // Highest line first.
 };
 
 }  // namespace mjcf_pdg::app

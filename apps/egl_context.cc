@@ -5,7 +5,6 @@
 #include <EGL/eglext.h>
 
 #include <stdexcept>
-#include <string>
 
 namespace mjcf_pdg::app {
 namespace {
@@ -21,51 +20,33 @@ EGLDisplay InitializedDisplay() {
   }
   const EGLDisplay display = eglGetDisplay(EGL_DEFAULT_DISPLAY);
   if (display != EGL_NO_DISPLAY && eglInitialize(display, nullptr, nullptr)) return display;
-  return EGL_NO_DISPLAY;
+  throw std::runtime_error("cannot render: no EGL display (is a driver such as Mesa installed?)");
 }
 
 }  // namespace
 
-EglContext::EglContext() {
-  const char* const reason = Open();
-  if (reason == nullptr) return;
-  Close();
-  throw std::runtime_error(std::string("cannot render: ") + reason);
-}
-
-EglContext::~EglContext() { Close(); }
-
-const char* EglContext::Open() {
-  display_ = InitializedDisplay();
-  if (display_ == EGL_NO_DISPLAY) return "no EGL display (is a driver such as Mesa installed?)";
-  if (!eglBindAPI(EGL_OPENGL_API)) return "this EGL has no desktop OpenGL";
-  const EGLint attributes[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE,
-                               EGL_OPENGL_BIT, EGL_NONE};
+EglContext::EglContext() : display_(InitializedDisplay()) {
+  constexpr EGLint kAttributes[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE,
+                                    EGL_OPENGL_BIT, EGL_NONE};
   EGLConfig config = nullptr;
   EGLint num_configs = 0;
-  if (!eglChooseConfig(display_, attributes, &config, 1, &num_configs) || num_configs == 0) {
-    return "EGL has no OpenGL configuration";
+  if (eglBindAPI(EGL_OPENGL_API) &&
+      eglChooseConfig(display_, kAttributes, &config, 1, &num_configs) && num_configs > 0) {
+    context_ = eglCreateContext(display_, config, EGL_NO_CONTEXT, nullptr);
+    if (eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_) &&
+        context_ != EGL_NO_CONTEXT) {
+      return;
+    }
   }
-  context_ = eglCreateContext(display_, config, EGL_NO_CONTEXT, nullptr);
-  if (context_ == EGL_NO_CONTEXT) return "EGL cannot create an OpenGL context";
-  if (!eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_)) {
-    return "the OpenGL context needs a surface";
-  }
-  return nullptr;
+  eglTerminate(display_);
+  throw std::runtime_error("cannot render: EGL gives no OpenGL context without a surface");
 }
 
-void EglContext::Close() noexcept {
-  if (display_ == EGL_NO_DISPLAY) return;
+EglContext::~EglContext() {
   eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-  if (context_ != EGL_NO_CONTEXT) eglDestroyContext(display_, context_);
+  eglDestroyContext(display_, context_);
   eglTerminate(display_);
   eglReleaseThread();
-}
-
-void EglContext::SetBackground(const float rgb[3]) {
-  using ClearColor = void (*)(float, float, float, float);
-  const auto clear_color = reinterpret_cast<ClearColor>(eglGetProcAddress("glClearColor"));
-  if (clear_color != nullptr) clear_color(rgb[0], rgb[1], rgb[2], 1);
 }
 
 }  // namespace mjcf_pdg::app

@@ -13,15 +13,9 @@ class EglContext {
   EglContext(const EglContext&) = delete;
   EglContext& operator=(const EglContext&) = delete;
 
-  // What glClear paints: MuJoCo leaves it black.
-  void SetBackground(const float rgb[3]);
-
  private:
-  const char* Open();  // The reason if it fails, else null.
-  void Close() noexcept;
-
-  void* display_ = nullptr;  // EGLDisplay and EGLContext.
-  void* context_ = nullptr;
+  void* display_;            // EGLDisplay
+  void* context_ = nullptr;  // EGLContext
 };
 
 }  // namespace mjcf_pdg::app

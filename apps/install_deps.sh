@@ -9,7 +9,7 @@ packages=(
   python3 python3-pip                              # to fetch MuJoCo
   libeigen3-dev libassimp-dev zlib1g-dev           # zlib: Debian's assimp needs it to link, but does not depend on it
   libcli11-dev nlohmann-json3-dev
-  libgtest-dev libgmock-dev libbenchmark-dev
+  libgtest-dev libgmock-dev
   libegl-dev libegl-mesa0 libgl1-mesa-dri libpng-dev  # pictures without a screen
 )
 
@@ -21,7 +21,7 @@ if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
   cat >&2 <<'END'
 install_deps: this is not a Debian or Ubuntu system, so please install by hand:
   a C++20 compiler, CMake 3.22 or newer, make, python3 with pip (or set MuJoCo_ROOT to an unpacked MuJoCo 4.0.x);
-  with headers: Eigen 3.4, assimp 5, zlib, CLI11, nlohmann-json, GoogleTest with GMock, Google Benchmark;
+  with headers: Eigen 3.4, assimp 5, zlib, CLI11, nlohmann-json, GoogleTest with GMock;
   for pictures: EGL and libpng with headers, and Mesa's EGL with its software driver (llvmpipe).
 Then run this again with MJCF_PDG_SKIP_DEPS=1.
 END

@@ -5,7 +5,6 @@
 #include <stdexcept>
 
 #include "apps/contact_sheet.h"
-#include "apps/png_writer.h"
 #include "apps/stage.h"
 #include "apps/viewpoint.h"
 
@@ -22,13 +21,13 @@ int RenderBeforeAfter(const mjModel* model, const std::vector<RenderRow>& rows,
     stage.SetGuilty(row.guilty_geoms);
     mjvCamera camera = ChooseCamera(stage, row.qpos_in, row.qpos);
     const char* const when = row.qpos.empty() ? "before (no after)" : "before";
-    sheet.Paste(i, ContactSheet::kLeft, stage.Draw(camera, Tint::kRed, row.title, when));
+    sheet.Paste(i, 0, stage.Draw(camera, Tint::kRed, row.title, when));
     if (row.qpos.empty()) continue;
     camera.type = mjCAMERA_USER;  // Stays where it is, even if it rides on a body.
     stage.SetPose(row.qpos);
-    sheet.Paste(i, ContactSheet::kRight, stage.Draw(camera, Tint::kGreen, row.title, "after"));
+    sheet.Paste(i, 1, stage.Draw(camera, Tint::kGreen, row.title, "after"));
   }
-  WritePng(sheet.image(), png_path);
+  sheet.Write(png_path);
   return num_rows;
 }
 

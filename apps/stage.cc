@@ -7,9 +7,7 @@
 namespace mjcf_pdg::app {
 namespace {
 
-constexpr int kProbeWidth = 160;
-constexpr int kProbeHeight = 120;
-constexpr float kBackground[3] = {0.72f, 0.77f, 0.83f};
+constexpr float kBackdrop[3] = {0.72f, 0.77f, 0.83f};
 constexpr std::size_t kMaxTitle = 56;  // Characters.
 
 // In shades, so that one can tell apart two guilty bodies which touch.
@@ -30,15 +28,12 @@ void SetQuality(mjModel* model) {
   model->vis.global.offheight = Stage::kHeight;
   model->vis.global.orthographic = 0;
   model->vis.quality.offsamples = 4;
+  // Coarse balls and capsules shine through each other where they coincide.
   model->vis.quality.numslices = std::max(model->vis.quality.numslices, 40);
   model->vis.quality.numstacks = std::max(model->vis.quality.numstacks, 20);
   // Many models are made for other renderers, and dark in this one.
-  auto& headlight = model->vis.headlight;
-  headlight.active = 1;
-  for (int i = 0; i < 3; ++i) {
-    headlight.ambient[i] = std::max(headlight.ambient[i], 0.4f);
-    headlight.diffuse[i] = std::max(headlight.diffuse[i], 0.6f);
-  }
+  model->vis.headlight.active = 1;
+  for (float& ambient : model->vis.headlight.ambient) ambient = std::max(ambient, 0.45f);
 }
 
 // What the font has.
@@ -66,6 +61,7 @@ Stage::Stage(const mjModel* model) : source_(model), model_(mj_copyModel(nullptr
   const auto num_objects = model_->ngeom + model_->nsite + model_->ntendon + model_->nwrap;
   mjv_makeScene(model_.get(), &scene_, static_cast<int>(2 * num_objects) + 1000);
   mjv_defaultOption(&option_);
+  scene_.flags[mjRND_CULL_FACE] = 0;     // The backdrop is seen from inside.
   option_.flags[mjVIS_SKIN] = 0;         // Skins hide the geoms.
   option_.flags[mjVIS_RANGEFINDER] = 0;  // Sensors are not computed.
 }
@@ -123,6 +119,15 @@ void Stage::UpdateScene(mjvCamera& camera) {
   mjv_updateScene(model_.get(), data_.get(), &option_, nullptr, &camera, mjCAT_ALL, &scene_);
 }
 
+mjvGeom* Stage::AddBall(const mjtNum position[3], double radius) {
+  if (scene_.ngeom >= scene_.maxgeom) return nullptr;
+  mjvGeom* const ball = &scene_.geoms[scene_.ngeom++];
+  const mjtNum size[3] = {radius, radius, radius};
+  mjv_initGeom(ball, mjGEOM_SPHERE, size, position, nullptr, nullptr);
+  ball->category = mjCAT_DECOR;
+  return ball;
+}
+
 bool Stage::IsGlass(const mjvGeom& geom) const {
   return geom.objtype == mjOBJ_GEOM && geom.objid >= 0 && !IsGuilty(geom.objid) &&
          glass_body_[model_->geom_bodyid[geom.objid]];
@@ -147,57 +152,60 @@ void Stage::TintScene(Tint tint) {
   }
 }
 
-std::vector<std::uint8_t> Stage::Draw(mjvCamera& camera, Tint tint, const std::string& title,
-                                      const std::string& when) {
+// A bright hollow ball around everything: without a sky box the background would be black.
+void Stage::AddBackdrop() {
+  if (std::count(model_->tex_type, model_->tex_type + model_->ntex, mjTEXTURE_SKYBOX) > 0) return;
+  const mjvGLCamera camera = mjv_averageCamera(&scene_.camera[0], &scene_.camera[1]);
+  const mjtNum center[3] = {camera.pos[0], camera.pos[1], camera.pos[2]};
+  mjvGeom* const ball = AddBall(center, 0.9 * camera.frustum_far);
+  if (ball == nullptr) return;
+  // Nearly black to the lights, and bright by itself.
+  ball->emission = 100;
+  for (int i = 0; i < 3; ++i) ball->rgba[i] = kBackdrop[i] / ball->emission;
+  ball->specular = 0;
+  ball->reflectance = 0;
+  ball->castshadow = 0;
+}
+
+Bytes Stage::Draw(mjvCamera& camera, Tint tint, const std::string& title, const std::string& when) {
   UpdateScene(camera);
   TintScene(tint);
+  AddBackdrop();
   const mjrRect viewport = {0, 0, kWidth, kHeight};
-  egl_.SetBackground(kBackground);
   mjr_render(viewport, &scene_, &canvas_);
   mjr_overlay(mjFONT_NORMAL, mjGRID_TOPLEFT, viewport, Ascii(title).c_str(), when.c_str(),
               &canvas_);
-  std::vector<std::uint8_t> rgb(3 * std::size_t{kWidth} * kHeight);
+  Bytes rgb(3 * std::size_t{kWidth} * kHeight);
   mjr_readPixels(rgb.data(), nullptr, viewport, &canvas_);
   return rgb;
 }
 
-std::vector<double> Stage::Shares(mjvCamera camera, const std::vector<Marker>& markers) {
+std::vector<int> Stage::CountPixels(mjvCamera camera, const std::vector<Marker>& markers) {
   UpdateScene(camera);
   // MuJoCo paints each thing in the colour segid + 1, and nothing where segid is -1.
-  const int num_ids = static_cast<int>(model_->ngeom + markers.size());
+  const int num_geoms = static_cast<int>(model_->ngeom);
+  const int num_ids = num_geoms + static_cast<int>(markers.size());
   for (int i = 0; i < scene_.ngeom; ++i) {
     mjvGeom& geom = scene_.geoms[i];
     geom.segid = geom.objtype == mjOBJ_GEOM && geom.objid >= 0 ? geom.objid : num_ids;
     if (IsGlass(geom)) geom.segid = -1;
   }
-  for (int id = static_cast<int>(model_->ngeom); const Marker& marker : markers) {
-    if (scene_.ngeom >= scene_.maxgeom) break;
-    mjvGeom& ball = scene_.geoms[scene_.ngeom++];
-    const double size[3] = {marker.radius, marker.radius, marker.radius};
-    mjv_initGeom(&ball, mjGEOM_SPHERE, size, marker.position, nullptr, nullptr);
-    ball.category = mjCAT_DECOR;
-    ball.segid = id++;
+  for (int id = num_geoms; id < num_ids; ++id) {
+    const Marker& marker = markers[id - num_geoms];
+    if (mjvGeom* const ball = AddBall(marker.position, marker.radius)) ball->segid = id;
   }
-
-  mjtByte flags[mjNRNDFLAG];
-  std::copy_n(scene_.flags, +mjNRNDFLAG, flags);
-  for (const int flag : {mjRND_SHADOW, mjRND_REFLECTION, mjRND_SKYBOX}) scene_.flags[flag] = 0;
   for (const int flag : {mjRND_SEGMENT, mjRND_IDCOLOR}) scene_.flags[flag] = 1;
   const mjrRect viewport = {0, 0, kProbeWidth, kProbeHeight};
-  constexpr float kBlack[3] = {0, 0, 0};
-  egl_.SetBackground(kBlack);
   mjr_render(viewport, &scene_, &canvas_);
-  std::copy_n(flags, +mjNRNDFLAG, scene_.flags);
-
-  constexpr int kNumPixels = kProbeWidth * kProbeHeight;
-  std::vector<std::uint8_t> rgb(std::size_t{3} * kNumPixels);
+  for (const int flag : {mjRND_SEGMENT, mjRND_IDCOLOR}) scene_.flags[flag] = 0;
+  Bytes rgb(std::size_t{3} * kProbeWidth * kProbeHeight);
   mjr_readPixels(rgb.data(), nullptr, viewport, &canvas_);
-  std::vector<double> shares(num_ids, 0.0);
+  std::vector<int> counts(num_ids, 0);
   for (std::size_t i = 0; i < rgb.size(); i += 3) {
     const int id = (rgb[i] | rgb[i + 1] << 8 | rgb[i + 2] << 16) - 1;
-    if (id >= 0 && id < num_ids) shares[id] += 1.0 / kNumPixels;
+    if (id >= 0 && id < num_ids) ++counts[id];
   }
-  return shares;
+  return counts;
 }
 
 }  // namespace mjcf_pdg::app

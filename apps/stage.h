@@ -4,18 +4,18 @@
 
 #include <mujoco/mujoco.h>
 
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "apps/contact_sheet.h"
 #include "apps/egl_context.h"
 
 namespace mjcf_pdg::app {
 
 enum class Tint { kRed, kGreen };
 
-// A ball, only there to ask whether a place is seen.
+// A ball which is not drawn, only there to ask whether a place is seen.
 struct Marker {
   double position[3];
   double radius;
@@ -40,14 +40,14 @@ class Stage {
   bool IsShown(int geom) const { return model_->geom_group[geom] == 0; }
   bool IsUnbounded(int geom) const;  // A floor, say.
 
-  // The pixels as OpenGL has them: 3 bytes each, the lowest line first. `title` and `when` are
-  // written in the corner; characters outside ASCII become '?'.
-  std::vector<std::uint8_t> Draw(mjvCamera& camera, Tint tint, const std::string& title,
-                                 const std::string& when);
+  // A picture, the lowest line first, with the guilty geoms tinted and the texts in its corner
+  // (characters outside ASCII become '?').
+  Bytes Draw(mjvCamera& camera, Tint tint, const std::string& title, const std::string& when);
 
-  // How much of the picture each geom fills (0 to 1), and after them each marker. From a picture
-  // of few pixels.
-  std::vector<double> Shares(mjvCamera camera, const std::vector<Marker>& markers);
+  // How many pixels each geom fills, and after the geoms each marker, in a small picture.
+  static constexpr int kProbeWidth = 160;
+  static constexpr int kProbeHeight = 120;
+  std::vector<int> CountPixels(mjvCamera camera, const std::vector<Marker>& markers);
 
  private:
   struct Deleter {
@@ -64,8 +64,10 @@ class Stage {
   };
 
   void UpdateScene(mjvCamera& camera);
+  mjvGeom* AddBall(const mjtNum position[3], double radius);  // Null if there is no room.
   bool IsGlass(const mjvGeom& geom) const;
   void TintScene(Tint tint);
+  void AddBackdrop();
 
   const mjModel* source_;
   std::unique_ptr<mjModel, Deleter> model_;  // A copy: shown geoms are in group 0.

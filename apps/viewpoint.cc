@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -10,8 +11,12 @@
 namespace mjcf_pdg::app {
 namespace {
 
-// Guilty geoms which fill less of the picture look small.
+// Of the picture, filled by guilty geoms: below the first the camera named "view" is given up,
+// below the second a free camera comes closer.
 constexpr double kSmallShare = 0.03;
+constexpr double kTinyShare = 0.02;
+constexpr double kMarkerRadius = 0.025;  // Of the subject's.
+constexpr double kDegree = std::numbers::pi / 180;
 
 using Point = std::array<double, 3>;
 
@@ -54,8 +59,22 @@ void AppendCorners(const Stage& stage, int geom, std::vector<Point>& points) {
   }
 }
 
+// What is below a guilty floor cannot be seen: lifts it there.
+void LiftOntoFloors(const Stage& stage, std::vector<Point>& points) {
+  for (int geom = 0; geom < stage.model().ngeom; ++geom) {
+    if (!stage.IsGuilty(geom) || stage.model().geom_type[geom] != mjGEOM_PLANE) continue;
+    const mjtNum* const rotation = &stage.data().geom_xmat[9 * geom];
+    const Point normal = {rotation[2], rotation[5], rotation[8]};
+    const double floor = mju_dot3(normal.data(), &stage.data().geom_xpos[3 * geom]);
+    for (Point& point : points) {
+      const double height = mju_dot3(normal.data(), point.data()) - floor;
+      if (height < 0) mju_addToScl3(point.data(), normal.data(), -height);
+    }
+  }
+}
+
 // Adds what counts at the present pose: the trees of the guilty geoms (all trees, if none of them
-// moves), and fixed guilty geoms as long as they are no larger.
+// moves), and fixed bodies with guilty geoms, or at least these, as long as they are no larger.
 void AppendPose(const Stage& stage, Subject& subject) {
   const mjModel& model = stage.model();
   std::vector<bool> guilty_tree(model.nbody, false);
@@ -73,12 +92,23 @@ void AppendPose(const Stage& stage, Subject& subject) {
     if (stage.IsGuilty(geom)) AppendCorners(stage, geom, subject.guilty);
   }
   const double radius = subject.whole.empty() ? model.stat.extent : Box(subject.whole).Radius();
-  for (int geom = 0; geom < model.ngeom; ++geom) {
-    if (IsMoving(model, model.geom_bodyid[geom]) || !stage.IsGuilty(geom)) continue;
-    if (stage.IsUnbounded(geom) || model.geom_rbound[geom] > radius) continue;
-    AppendCorners(stage, geom, subject.whole);
-    AppendCorners(stage, geom, subject.guilty);
+  for (int body = 0; body < model.nbody; ++body) {
+    if (IsMoving(model, body)) continue;
+    std::vector<Point> whole, guilty;
+    for (int i = 0; i < model.body_geomnum[body]; ++i) {
+      const int geom = model.body_geomadr[body] + i;
+      if (stage.IsUnbounded(geom) || !stage.IsShown(geom)) continue;
+      AppendCorners(stage, geom, whole);
+      const bool small = model.geom_rbound[geom] <= radius;
+      if (stage.IsGuilty(geom) && small) AppendCorners(stage, geom, guilty);
+    }
+    if (guilty.empty()) continue;
+    const std::vector<Point>& framed = body != 0 && Box(whole).Radius() <= radius ? whole : guilty;
+    subject.whole.insert(subject.whole.end(), framed.begin(), framed.end());
+    subject.guilty.insert(subject.guilty.end(), guilty.begin(), guilty.end());
   }
+  LiftOntoFloors(stage, subject.whole);
+  LiftOntoFloors(stage, subject.guilty);
 }
 
 std::vector<Marker> MarkOverlaps(const Stage& stage, double radius) {
@@ -87,7 +117,8 @@ std::vector<Marker> MarkOverlaps(const Stage& stage, double radius) {
     const mjContact& contact = stage.data().contact[i];
     if (contact.dist > 0 || contact.geom[0] < 0 || contact.geom[1] < 0) continue;
     if (!stage.IsGuilty(contact.geom[0]) || !stage.IsGuilty(contact.geom[1])) continue;
-    markers.push_back({{contact.pos[0], contact.pos[1], contact.pos[2]}, radius - contact.dist});
+    markers.push_back(
+        {{contact.pos[0], contact.pos[1], contact.pos[2]}, radius - contact.dist / 2});
   }
   return markers;
 }
@@ -98,11 +129,10 @@ std::vector<Marker> MarkOverlaps(const Stage& stage, double radius) {
 // in its picture.
 mjvCamera FittedCamera(const mjModel& model, const std::vector<Point>& points, double azimuth,
                        double elevation) {
-  constexpr double kDegree = std::numbers::pi / 180;
   const double ca = std::cos(azimuth * kDegree), sa = std::sin(azimuth * kDegree);
   const double ce = std::cos(elevation * kDegree), se = std::sin(elevation * kDegree);
   const Point axes[3] = {{sa, -ca, 0}, {-se * ca, -se * sa, ce}, {ce * ca, ce * sa, se}};
-  const double tan_up = 0.93 * std::tan(model.vis.global.fovy * kDegree / 2);  // With a margin.
+  const double tan_up = 0.9 * std::tan(model.vis.global.fovy * kDegree / 2);  // With a margin.
   const double tangents[2] = {tan_up * Stage::kWidth / Stage::kHeight, tan_up};
 
   // In the camera's axes (right, up, forward) each point confines the camera's place (x, y, z):
@@ -135,14 +165,6 @@ mjvCamera FittedCamera(const mjModel& model, const std::vector<Point>& points, d
   return camera;
 }
 
-mjvCamera ModelCamera(int id) {
-  mjvCamera camera;
-  mjv_defaultCamera(&camera);
-  camera.type = mjCAMERA_FIXED;
-  camera.fixedcamid = id;
-  return camera;
-}
-
 struct View {
   mjvCamera camera;
   double share = 0;   // Of the picture, filled by guilty geoms.
@@ -151,26 +173,31 @@ struct View {
 
 View Judge(Stage& stage, const mjvCamera& camera, const std::vector<Marker>& markers) {
   View view = {camera, 0, 0};
-  const std::vector<double> shares = stage.Shares(camera, markers);
+  const std::vector<int> counts = stage.CountPixels(camera, markers);
   const int num_geoms = static_cast<int>(stage.model().ngeom);
   for (int geom = 0; geom < num_geoms; ++geom) {
     if (!stage.IsGuilty(geom) || stage.IsUnbounded(geom)) continue;
-    view.share += shares[geom];
+    view.share += counts[geom] / double{Stage::kProbeWidth * Stage::kProbeHeight};
     // By the root, a geom seen a little counts for more than much of another one.
-    view.score += std::sqrt(shares[geom]);
+    view.score += std::sqrt(counts[geom]);
   }
   if (markers.empty()) return view;
-  const auto num_seen = std::count_if(shares.begin() + num_geoms, shares.end(),
-                                      [](double share) { return share > 0; });
-  view.score *= 1 + 2 * static_cast<double>(num_seen) / static_cast<double>(markers.size());
+  // How much is seen of each marker: its disk would be this large, were nothing before it.
+  const double picture_height =
+      2 * camera.distance * std::tan(stage.model().vis.global.fovy * kDegree / 2);
+  double seen = 0;
+  for (std::size_t i = 0; i < markers.size(); ++i) {
+    const double radius = markers[i].radius / picture_height * Stage::kProbeHeight;
+    seen += std::min(1.0, counts[num_geoms + i] / (std::numbers::pi * radius * radius));
+  }
+  view.score *= 1 + 4 * seen / static_cast<double>(markers.size());
   return view;
 }
 
 View BestFreeView(Stage& stage, const Subject& subject, const std::vector<Marker>& markers) {
   const mjModel& model = stage.model();
   View best;
-  constexpr std::pair<double, double> kElevations[] = {{-25, 1.0}, {-55, 0.9}};
-  for (const auto& [elevation, preference] : kElevations) {
+  for (const auto& [elevation, preference] : {std::pair(-25.0, 1.0), std::pair(-50.0, 0.75)}) {
     for (int turn = 0; turn < 8; ++turn) {
       const double azimuth = model.vis.global.azimuth + 45.0 * turn;
       View view = Judge(stage, FittedCamera(model, subject.whole, azimuth, elevation), markers);
@@ -178,20 +205,26 @@ View BestFreeView(Stage& stage, const Subject& subject, const std::vector<Marker
       if (view.score > best.score) best = view;
     }
   }
-  if (subject.guilty.empty()) return best;
-  // Come closer: the whole shrinks towards the guilty geoms.
-  const Point middle = Box(subject.guilty).Middle();
-  for (const double zoom : {0.7, 0.5, 0.35}) {
-    if (best.share >= kSmallShare) break;
-    std::vector<Point> points = subject.guilty;
-    for (const Point& point : subject.whole) {
-      Point& drawn = points.emplace_back();
-      for (int i = 0; i < 3; ++i) drawn[i] = middle[i] + zoom * (point[i] - middle[i]);
-    }
-    best = Judge(stage, FittedCamera(model, points, best.camera.azimuth, best.camera.elevation),
-                 markers);
-  }
   return best;
+}
+
+// The model's own camera, turned to the subject and as near as it can be.
+mjvCamera Approached(const Stage& stage, int camera, const std::vector<Point>& points) {
+  const mjtNum* const rotation = &stage.data().cam_xmat[9 * camera];
+  const Point forward = {-rotation[2], -rotation[5], -rotation[8]};
+  return FittedCamera(stage.model(), points, std::atan2(forward[1], forward[0]) / kDegree,
+                      std::asin(std::clamp(forward[2], -1.0, 1.0)) / kDegree);
+}
+
+// The whole, drawn in towards the guilty geoms.
+std::vector<Point> Zoomed(const Subject& subject, double zoom) {
+  const Point middle = Box(subject.guilty).Middle();
+  std::vector<Point> points = subject.guilty;
+  for (const Point& point : subject.whole) {
+    Point& drawn = points.emplace_back(middle);
+    for (int i = 0; i < 3; ++i) drawn[i] += zoom * (point[i] - middle[i]);
+  }
+  return points;
 }
 
 }  // namespace
@@ -206,23 +239,30 @@ mjvCamera ChooseCamera(Stage& stage, const std::vector<double>& qpos_in,
   }
   stage.SetPose(qpos_in);
   AppendPose(stage, subject);
-  if (subject.whole.empty()) {
-    mjvCamera camera;
-    mjv_defaultFreeCamera(&model, &camera);
-    return camera;
-  }
-
-  const std::vector<Marker> markers = MarkOverlaps(stage, 0.025 * Box(subject.whole).Radius());
+  mjvCamera camera;
+  mjv_defaultFreeCamera(&model, &camera);
   const int named = mj_name2id(&model, mjOBJ_CAMERA, "view");
   if (named >= 0) {
-    const View view = Judge(stage, ModelCamera(named), markers);
-    if (subject.guilty.empty() || view.share >= kSmallShare) return view.camera;
+    camera.type = mjCAMERA_FIXED;
+    camera.fixedcamid = named;
   }
-  const View best = BestFreeView(stage, subject, markers);
-  for (int i = 0; i < model.ncam; ++i) {
-    if (model.cam_mode[i] == mjCAMLIGHT_FIXED && IsMoving(model, model.cam_bodyid[i])) continue;
-    const View view = Judge(stage, ModelCamera(i), markers);
-    if (view.score >= 0.7 * best.score) return view.camera;
+  if (subject.whole.empty() || (named >= 0 && subject.guilty.empty())) return camera;
+
+  const std::vector<Marker> markers =
+      MarkOverlaps(stage, kMarkerRadius * Box(subject.whole).Radius());
+  View best;
+  if (named >= 0) {
+    best = Judge(stage, camera, markers);
+    if (best.share >= kSmallShare) return camera;
+    best = Judge(stage, Approached(stage, named, subject.whole), markers);
+  }
+  if (best.score <= 0) best = BestFreeView(stage, subject, markers);
+  for (const double zoom : {0.75, 0.55}) {
+    if (subject.guilty.empty() || best.share >= kTinyShare) break;
+    best = Judge(
+        stage,
+        FittedCamera(model, Zoomed(subject, zoom), best.camera.azimuth, best.camera.elevation),
+        markers);
   }
   return best.camera;
 }

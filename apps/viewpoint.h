@@ -10,11 +10,10 @@
 
 namespace mjcf_pdg::app {
 
-// A camera for both poses which shows the guilty geoms and where they overlap at `qpos_in`:
-// - the model's camera named "view", if they fill a few percent of its picture;
-// - else the model's first camera that does not ride on a moving body and shows them well;
-// - else a free camera from the side where they are seen best. It frames the kinematic trees of
-//   the guilty geoms, and comes closer as long as these look small.
+// A camera for both poses: the model's camera named "view", if the guilty geoms fill 3 % of its
+// picture at `qpos_in`. Else a free one which frames the kinematic trees of the guilty geoms, and
+// comes closer if they are tiny: it looks as "view" does or, if there is none or it sees nothing of
+// them, from where they and their overlaps are seen best.
 // Leaves the stage at `qpos_in`. `qpos` may be empty.
 mjvCamera ChooseCamera(Stage& stage, const std::vector<double>& qpos_in,
                        const std::vector<double>& qpos);

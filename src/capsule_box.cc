@@ -100,8 +100,7 @@ SignedGap PiercingGap(const Vector3d& a, const Vector3d& b, const Vector3d& half
 
 }  // namespace
 
-SignedGap CapsuleBoxGap(const Vector3d& a, const Vector3d& b, double radius,
-                        const Vector3d& half) {
+SignedGap CapsuleBoxGap(const Vector3d& a, const Vector3d& b, double radius, const Vector3d& half) {
   SignedGap gap;
   const double t = NearestParameter(a, b - a, half);
   const Vector3d on_segment = a + t * (b - a);

@@ -43,8 +43,7 @@ int ContactRows::Append(double gap_value, int row_key) {
 }
 
 void ContactRow(const SceneTables& tables, const PosedModel& posed, int pair, const Vector3d& p1_W,
-                const Vector3d& p2_W, const Vector3d& n_W,
-                Eigen::Ref<Eigen::RowVectorXd> out) {
+                const Vector3d& p2_W, const Vector3d& n_W, Eigen::Ref<Eigen::RowVectorXd> out) {
   const mjModel& m = *posed.model();
   out.setZero();
   int dof1 = LastDof(m, m.geom_bodyid[tables.pairs[pair].geom1]);

@@ -14,8 +14,8 @@ namespace mjcf_pdg {
 // m rows over n movable degrees of freedom. Grows only.
 struct ContactRows {
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> C;  // capacity × n
-  VectorXd gap;           // capacity; signed slack of each row [m or rad]
-  std::vector<int> key;   // the same row keeps its key from step to step; < 0: a joint limit
+  VectorXd gap;          // capacity; signed slack of each row [m or rad]
+  std::vector<int> key;  // the same row keeps its key from step to step; < 0: a joint limit
   int m = 0;
 
   void Clear(int n);
@@ -30,8 +30,7 @@ void ContactRow(const SceneTables& tables, const PosedModel& posed, int pair, co
                 const Vector3d& p2_W, const Vector3d& n_W, Eigen::Ref<Eigen::RowVectorXd> out);
 
 // Rows for joint limits closer than `reach` [rad or m] at q.
-void AppendLimitRows(const SceneTables& tables, const VectorXd& q, double reach,
-                     ContactRows& rows);
+void AppendLimitRows(const SceneTables& tables, const VectorXd& q, double reach, ContactRows& rows);
 
 }  // namespace mjcf_pdg
 

@@ -1,9 +1,8 @@
 // The paper's iteration on the contact space, from a free configuration.
 //
 // Source: Tang & Kim, Sec. 3.1 steps 2-5 and Sec. 5.2-5.4: project the free configuration onto the
-// contact space, linearize the contacts there, minimize the object norm on the linearization (LCP by
-// projected Gauss-Seidel), re-project, repeat until σ stops falling.
-// Differs from it:
+// contact space, linearize the contacts there, minimize the object norm on the linearization (LCP
+// by projected Gauss-Seidel), re-project, repeat until σ stops falling. Differs from it:
 //   1. Joint limits are rows of the LCP, not truncated afterwards.
 //   2. A re-projection that would raise σ (possible: on straight lines with large hinge angles σ is
 //      not monotone) is not accepted and ends the iteration.
@@ -27,19 +26,19 @@ namespace mjcf_pdg {
 
 struct IterationOptions {
   int max_iterations = 30;
-  int max_sweeps = 1000;       // projected Gauss-Seidel
-  double convergence = 1e-5;   // relative decrease of σ that still counts
-  int corrections = 0;         // per iteration at most, deviation 4
-  int reverse_samples = 0;     // of the reverse projection (contact_space_projection.h); 0: none
+  int max_sweeps = 1000;      // projected Gauss-Seidel
+  double convergence = 1e-5;  // relative decrease of σ that still counts
+  int corrections = 0;        // per iteration at most, deviation 4
+  int reverse_samples = 0;    // of the reverse projection (contact_space_projection.h); 0: none
 };
 
 struct IterationResult {
-  VectorXd q;                    // free if q_f was
-  bool start_free = false;       // false: q_f overlaps; q is q_f
-  bool certified = true;         // every motion on the way was proven free
+  VectorXd q;               // free if q_f was
+  bool start_free = false;  // false: q_f overlaps; q is q_f
+  bool certified = true;    // every motion on the way was proven free
   double sigma = std::numeric_limits<double>::infinity();  // [m²]
-  std::vector<double> sigmas;    // of the accepted free configurations, never rising [m²]
-  int iterations = 0;            // constrained optimizations
+  std::vector<double> sigmas;  // of the accepted free configurations, never rising [m²]
+  int iterations = 0;          // constrained optimizations
   int sweeps = 0;
 };
 

@@ -19,8 +19,8 @@ SignedGap CapsuleBoxInWorld(const PosedModel& posed, int capsule, int box) {
   const Matrix3d R = AsMatrix(d.geom_xmat + 9 * box);
   const Vector3d origin = AsVector(d.geom_xpos + 3 * box);
   const Vector3d center = R.transpose() * (AsVector(d.geom_xpos + 3 * capsule) - origin);
-  const Vector3d axis = R.transpose() * AsMatrix(d.geom_xmat + 9 * capsule).col(2) *
-                        m.geom_size[3 * capsule + 1];
+  const Vector3d axis =
+      R.transpose() * AsMatrix(d.geom_xmat + 9 * capsule).col(2) * m.geom_size[3 * capsule + 1];
   SignedGap gap = CapsuleBoxGap(center - axis, center + axis, m.geom_size[3 * capsule],
                                 AsVector(m.geom_size + 3 * box));
   gap.p1 = origin + R * gap.p1;
@@ -51,8 +51,8 @@ const std::vector<NearPair>& ContactFinder::Find(double margin) {
   near_.clear();
   const mjData& d = *posed_.data();
   for (std::size_t b = 0; b < centers_W_.size(); ++b) {
-    centers_W_[b] = AsVector(d.xpos + 3 * b) +
-                    AsMatrix(d.xmat + 9 * b) * tables_.body_spheres[b].center_B;
+    centers_W_[b] =
+        AsVector(d.xpos + 3 * b) + AsMatrix(d.xmat + 9 * b) * tables_.body_spheres[b].center_B;
   }
   NearPair near;
   for (const BodyPair& bodies : tables_.body_pairs) {

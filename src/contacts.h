@@ -16,10 +16,10 @@ namespace mjcf_pdg {
 
 // A kept pair within the margin. Contact-only pairs may appear several times, once per contact.
 struct NearPair {
-  int pair = 0;             // index into SceneTables::pairs
-  double distance = 0.0;    // signed [m]
-  Vector3d p1_W, p2_W;      // witness points on geom 1 and geom 2
-  Vector3d n_W;             // unit, from geom 1 to geom 2; distance = n · (p2 - p1)
+  int pair = 0;           // index into SceneTables::pairs
+  double distance = 0.0;  // signed [m]
+  Vector3d p1_W, p2_W;    // witness points on geom 1 and geom 2
+  Vector3d n_W;           // unit, from geom 1 to geom 2; distance = n · (p2 - p1)
 };
 
 // One per thread. Counts its queries.
@@ -31,7 +31,8 @@ class ContactFinder {
   void Pose(const VectorXd& q) { posed_.Pose(q); }
   const PosedModel& posed() const { return posed_; }
 
-  // All kept pairs nearer than `margin` at the posed configuration, in the scene's order. One query.
+  // All kept pairs nearer than `margin` at the posed configuration, in the scene's order. One
+  // query.
   const std::vector<NearPair>& Find(double margin);
 
   // Signed distance of one kept pair at the posed configuration. Exact when below `cutoff` [m];

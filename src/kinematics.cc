@@ -8,9 +8,7 @@
 namespace mjcf_pdg {
 namespace {
 
-int QuatAddress(const JointEntry& joint) {
-  return joint.qadr + (joint.type == mjJNT_FREE ? 3 : 0);
-}
+int QuatAddress(const JointEntry& joint) { return joint.qadr + (joint.type == mjJNT_FREE ? 3 : 0); }
 
 int RotationColumn(const JointEntry& joint) {
   return joint.col + (joint.type == mjJNT_FREE ? 3 : 0);
@@ -37,8 +35,7 @@ void Integrate(const SceneTables& tables, const VectorXd& q, const VectorXd& dq,
   }
 }
 
-void Difference(const SceneTables& tables, const VectorXd& from, const VectorXd& to,
-                VectorXd& dq) {
+void Difference(const SceneTables& tables, const VectorXd& from, const VectorXd& to, VectorXd& dq) {
   dq.resize(tables.n);
   for (const JointEntry& joint : tables.joints) {
     if (!Rotates3d(joint)) {

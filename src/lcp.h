@@ -10,7 +10,8 @@
 // GᵀG is the paper's C' H⁻¹ C'ᵀ, Gᵀy its C' X_c (Eq. 12, 30).
 // Source: Tang & Kim, Sec. 3.2 and 5.3 (projected Gauss-Seidel).
 // Differs from it:
-//   1. An upper bound μ (elastic rows): conflicting contacts have an answer too. μ = ∞: the paper's.
+//   1. An upper bound μ (elastic rows): conflicting contacts have an answer too. μ = ∞: the
+//   paper's.
 //   2. Beside Gauss-Seidel, an active-set method (Goldfarb & Idnani's dual steps, with bounds) that
 //      ends in finitely many steps and copes with dependent rows.
 #ifndef MJCF_PDG_SRC_LCP_H_
@@ -55,8 +56,7 @@ class ActiveSetLcp {
 
   void StartFrom(const ConstMatrix& G, const Eigen::VectorXd& b, const Eigen::VectorXd& mu,
                  const std::vector<int>& guess, Eigen::VectorXd& lambda);
-  void UpdateSlack(const ConstMatrix& G, const Eigen::VectorXd& b,
-                   const Eigen::VectorXd& lambda);
+  void UpdateSlack(const ConstMatrix& G, const Eigen::VectorXd& b, const Eigen::VectorXd& lambda);
   int MostViolated(double tolerance) const;
   void Enter(const ConstMatrix& G, const Eigen::VectorXd& mu, int row, Eigen::VectorXd& lambda);
   void AddFree(int row);
@@ -67,14 +67,14 @@ class ActiveSetLcp {
 
   std::vector<Side> side_;
   std::vector<int> free_;
-  Eigen::VectorXd norms_;      // of G's columns
-  Eigen::VectorXd slack_;      // b - GᵀG λ: positive where a constraint is violated
-  Eigen::VectorXd x_;          // G λ
+  Eigen::VectorXd norms_;  // of G's columns
+  Eigen::VectorXd slack_;  // b - GᵀG λ: positive where a constraint is violated
+  Eigen::VectorXd x_;      // G λ
   // Of the free rows' G_FᵀG_F: the lower triangle and its Cholesky factor, row by row.
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> gram_, factor_;
   Eigen::VectorXd cross_, forward_;  // G_Fᵀ g for the entering row g, and L⁻¹ of it
   double left_ = 0.0;                // ‖g‖² - ‖L⁻¹ G_Fᵀ g‖²
-  Eigen::VectorXd direction_;  // how the free multipliers answer to the entering one
+  Eigen::VectorXd direction_;        // how the free multipliers answer to the entering one
 };
 
 }  // namespace mjcf_pdg

@@ -7,17 +7,18 @@ namespace mjcf_pdg {
 namespace {
 
 constexpr int kMaxContactRows = 48;
-constexpr double kFirstPrice = 10.0;   // μ [m]
-constexpr double kHighestPrice = 1e4;
-constexpr double kLimitPrice = 1e6;    // joint limits give way to nothing
-constexpr double kNearKnown = 0.1;      // √σ to a known optimum, in units of its own √σ
-constexpr int kPatience = 2;           // steps without progress before the trust radius shrinks
+// μ [m], for scenes up to desk size; larger ones scale it. Joint limits give way to nothing.
+constexpr double kFirstPrice = 10.0, kHighestPrice = 1e4, kLimitPrice = 1e6;
+constexpr double kDeskSize = 0.1;     // [m]
+constexpr double kNearKnown = 0.1;    // √σ to a known optimum, in units of its own √σ
+constexpr double kBeatsKnown = 0.95;  // a prediction below that may lead elsewhere
+constexpr int kPatience = 2;          // steps without progress before the trust radius shrinks
 // Levenberg-Marquardt: a tenth after each better step, tenfold after a streak of worse ones.
 constexpr double kFirstDamping = 0.1, kLeastDamping = 1e-5, kRenewedDamping = 1e-4;
 constexpr double kLeastRadius = 1e-7;  // [m]
 // Margins within which pairs get rows, in units of the scene's size; later three times the step.
 constexpr double kFirstMargin = 0.25, kLeastMargin = 0.02, kLargestMargin = 1.0;
-constexpr double kLimitReach = 0.5;    // joint limits farther than this get no row [rad or m]
+constexpr double kLimitReach = 0.5;  // joint limits farther than this get no row [rad or m]
 
 }  // namespace
 
@@ -27,7 +28,7 @@ void LocalOptimization::Evaluate(const VectorXd& q, double margin, Iterate& out)
   out.q = q;
   out.sigma = problem_.norm.Sigma(q);
   problem_.finder.Pose(q);
-  out.near = problem_.finder.Find(margin);
+  out.near = problem_.finder.Find(margin + problem_.options.clearance);
   out.violation = 0.0;
   out.worst = -1.0;
   for (const NearPair& near : out.near) {
@@ -62,7 +63,7 @@ void LocalOptimization::Linearize(const Iterate& at, double margin) {
     ContactRow(tables, posed, near->pair, near->p1_W, near->p2_W, near->n_W, rows_.C.row(row));
     auto append_remembered = [&](int slot, const Vector3d& p1_W, const Vector3d& p2_W) {
       const double distance = near->n_W.dot(p2_W - p1_W);
-      if (distance > margin) return;
+      if (distance > margin + problem_.options.clearance) return;
       const int extra = rows_.Append(distance + offset, key + 1 + slot);
       ContactRow(tables, posed, near->pair, p1_W, p2_W, near->n_W, rows_.C.row(extra));
     };
@@ -86,7 +87,7 @@ double LocalOptimization::SolveStep(double trust_radius) {
   b_ = -rows_.gap.head(m);
   b_.noalias() += G_.transpose() * y_;
   bounds_.resize(m);
-  for (int i = 0; i < m; ++i) bounds_[i] = rows_.IsLimit(i) ? kLimitPrice : mu_;
+  for (int i = 0; i < m; ++i) bounds_[i] = rows_.IsLimit(i) ? kLimitPrice * scale_ : mu_;
   LcpOptions options;
   options.max_steps = 10 * (n + m);
   options.tolerance = 0.01 * problem_.tolerances.user;
@@ -141,8 +142,8 @@ double LocalOptimization::Step(const Iterate& current, double radius, double mar
   const double length = SolveStep(radius);
   problem_.norm.Retract(current.q, dq_, next_);
   ClampToLimits(problem_.tables, next_);
-  const double reach = std::clamp(3.0 * length, kLeastMargin * problem_.size,
-                                  kLargestMargin * problem_.size);
+  const double reach =
+      std::clamp(3.0 * length, kLeastMargin * problem_.size, kLargestMargin * problem_.size);
   Evaluate(next_, reach, trial);
   posed_ = &trial;
   return length;
@@ -150,7 +151,7 @@ double LocalOptimization::Step(const Iterate& current, double radius, double mar
 
 // By the norm's local metric: close enough to the known optimum to end there.
 bool LocalOptimization::NearKnown(const VectorXd& q, const LocalOptions& options) {
-  if (!options.known) return false;
+  if (!options.known || predicted_sigma_ < kBeatsKnown * options.known_sigma) return false;
   Difference(problem_.tables, q, *options.known, apart_);
   return (J_ * apart_).squaredNorm() < kNearKnown * kNearKnown * options.known_sigma;
 }
@@ -158,14 +159,17 @@ bool LocalOptimization::NearKnown(const VectorXd& q, const LocalOptions& options
 LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& options) {
   memory_.Clear(problem_.tables.pairs.size());
   active_.clear();
-  mu_ = kFirstPrice;
+  scale_ = std::max(1.0, problem_.size / kDeskSize);
+  mu_ = kFirstPrice * scale_;
   LocalResult result;
   Iterate best, current, trial;
-  Evaluate(q, kFirstMargin * problem_.size, best);
+  next_ = q;
+  ClampToLimits(problem_.tables, next_);
+  Evaluate(next_, kFirstMargin * problem_.size, best);
   Keep(best, result);
   current = best;
   posed_ = &current;
-  double radius = options.trust_radius;
+  double radius = options.trust_radius * scale_;
   damping_ = kFirstDamping;
   int impatience = 0, settled = 0, hopeless = 0;
   while (result.iterations < options.max_iterations && !problem_.Expired()) {
@@ -193,7 +197,7 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
       if (small || settled >= 2) break;
     } else if (small && impatience > 0) {
       // Converged to an overlap: raise its price, or admit that contacts conflict here.
-      if (mu_ >= kHighestPrice) break;
+      if (mu_ >= kHighestPrice * scale_) break;
       mu_ *= 10.0;
       best = current;
       impatience = 0;

@@ -24,9 +24,10 @@ namespace mjcf_pdg {
 
 struct LocalOptions {
   int max_iterations = 60;
-  double trust_radius = 0.3;     // largest step, √σ units [m]
-  double convergence = 1e-4;     // relative decrease of σ that still counts
-  double give_up_sigma = std::numeric_limits<double>::infinity();  // a worse prediction ends it [m²]
+  double trust_radius = 0.3;  // largest step, √σ units [m]; grows with large scenes
+  double convergence = 1e-4;  // relative decrease of σ that still counts
+  double give_up_sigma =
+      std::numeric_limits<double>::infinity();  // a worse prediction ends it [m²]
   const VectorXd* known = nullptr;  // an optimum already found: coming close to it ends it
   double known_sigma = 0.0;         // [m²]
 };
@@ -35,8 +36,8 @@ struct LocalResult {
   VectorXd q;
   double sigma = std::numeric_limits<double>::infinity();  // [m²]
   bool reached_known = false;  // ended within a few percent of LocalOptions::known
-  bool free = false;     // by the solver's own distances
-  double violation = 0;  // Σ over pairs of the overlap beyond what is accepted [m]
+  bool free = false;           // by the solver's own distances
+  double violation = 0;        // Σ over pairs of the overlap beyond what is accepted [m]
   int iterations = 0;
 };
 
@@ -44,7 +45,7 @@ class LocalOptimization {
  public:
   explicit LocalOptimization(Problem& problem);
 
-  // From `q` (limits may be exceeded, overlaps may be deep). Bounded by options.max_iterations.
+  // From `q` moved inside its limits; overlaps may be deep. Bounded by options.max_iterations.
   LocalResult Run(const VectorXd& q, const LocalOptions& options);
 
   int lcp_steps() const { return lcp_steps_; }
@@ -77,6 +78,7 @@ class LocalOptimization {
   std::vector<int> active_;  // keys of the rows that the last step pressed on
   std::vector<int> guess_;
   int lcp_steps_ = 0;
+  double scale_ = 1.0;  // of lengths in large scenes
   double mu_ = 0.0;
   double predicted_sigma_ = 0.0;
   double damping_ = 0.0;

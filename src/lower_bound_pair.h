@@ -4,6 +4,7 @@
 #ifndef MJCF_PDG_SRC_LOWER_BOUND_PAIR_H_
 #define MJCF_PDG_SRC_LOWER_BOUND_PAIR_H_
 
+#include <array>
 #include <vector>
 
 #include "lower_bound_chain.h"
@@ -12,8 +13,8 @@
 namespace mjcf_pdg {
 
 struct PairProblem {
-  Chain chain[2];  // what carries geom 1 and geom 2 relative to each other; all finite
-  ConvexGeom geom[2];
+  std::array<Chain, 2> chain;  // what carries geom 1 and geom 2 relative to each other; all finite
+  std::array<ConvexGeom, 2> geom;
   double required = 0.0;    // ρ [m]
   double needed = 0.0;      // ρ - d [m]
   bool plane = false;       // geom 1 is a plane that does not move relative to geom 2's base

@@ -35,9 +35,7 @@ Eigen::Quaterniond QuatAt(const VectorXd& q, int adr) {
   return Eigen::Quaterniond(q[adr], q[adr + 1], q[adr + 2], q[adr + 3]).normalized();
 }
 
-int QuatAddress(const JointEntry& joint) {
-  return joint.qadr + (joint.type == mjJNT_FREE ? 3 : 0);
-}
+int QuatAddress(const JointEntry& joint) { return joint.qadr + (joint.type == mjJNT_FREE ? 3 : 0); }
 
 // conj(a) ⊗ b with non-negative real part: the short way from a to b, in a's frame.
 Eigen::Quaterniond Relative(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
@@ -228,8 +226,7 @@ void NormEvaluator::Residual(const VectorXd& q, VectorXd& r) {
   for (const NormTerm& term : terms_) {
     if (term.kind == Kind::kBodyPose) {
       const Matrix3d R = AsMatrix(d.xmat + 9 * term.body);
-      const Eigen::Quaterniond p =
-          Relative(Eigen::Quaterniond(term.R_in), Eigen::Quaterniond(R));
+      const Eigen::Quaterniond p = Relative(Eigen::Quaterniond(term.R_in), Eigen::Quaterniond(R));
       const Vector3d com_W = AsVector(d.xpos + 3 * term.body) + R * term.com_B;
       r.segment<3>(term.row) = scale * std::sqrt(term.mass) * (com_W - term.com_W);
       r.segment<3>(term.row + 3) = scale * 2.0 * term.sqrt_inertia_W * (term.R_in * p.vec());
@@ -265,8 +262,7 @@ void NormEvaluator::Linearize(const VectorXd& q, VectorXd& r, MatrixXd& J) {
   for (const NormTerm& term : terms_) {
     if (term.kind == Kind::kBodyPose) {
       const Matrix3d R = AsMatrix(d.xmat + 9 * term.body);
-      const Eigen::Quaterniond p =
-          Relative(Eigen::Quaterniond(term.R_in), Eigen::Quaterniond(R));
+      const Eigen::Quaterniond p = Relative(Eigen::Quaterniond(term.R_in), Eigen::Quaterniond(R));
       const Vector3d com_W = AsVector(d.xpos + 3 * term.body) + R * term.com_B;
       BodyJacobians(tables_, posed_, term.body, com_W, jac_com, jac_rot);
       // World-axes rotations here: w = Rᵀ ω.
@@ -294,8 +290,7 @@ void NormEvaluator::Linearize(const VectorXd& q, VectorXd& r, MatrixXd& J) {
       row += 3;
       col += 3;
     }
-    J.block<3, 3>(row, col) =
-        scale * 2.0 * term.sqrt_inertia_W * QuatVectorJacobian(term.R_in, p);
+    J.block<3, 3>(row, col) = scale * 2.0 * term.sqrt_inertia_W * QuatVectorJacobian(term.R_in, p);
   }
 }
 
@@ -318,7 +313,8 @@ std::string NormEvaluator::TermName(const NormTerm& term) const {
   const int id = is_joint ? tables_.joints[term.joint].id : term.body;
   // The top body's own joints are the root's pose change, where it is the root.
   const int root = metric_ == Metric::kSequential ? tables_.root_body : -1;
-  if (root >= 0 && (!is_joint || tables_.joints[term.joint].body == TopBody(*tables_.model, root))) {
+  if (root >= 0 &&
+      (!is_joint || tables_.joints[term.joint].body == TopBody(*tables_.model, root))) {
     return "root";
   }
   const char* name = mj_id2name(tables_.model, is_joint ? mjOBJ_JOINT : mjOBJ_BODY, id);

@@ -19,12 +19,12 @@ namespace mjcf_pdg {
 struct NormTerm {
   enum class Kind { kSlide, kHinge, kBall, kFree, kBodyPose };
   Kind kind = Kind::kSlide;
-  int joint = -1;        // index into SceneTables::joints; -1 for kBodyPose
-  int body = -1;         // kBodyPose: whose pose carries the piece
-  int row = 0;           // first row of r; 1 (slide, hinge), 3 (ball) or 6 rows
-  double mass = 0.0;     // of the piece that moves [kg]
-  double inertia = 0.0;  // hinge: ωᵀ I ω [kg m²]
-  Matrix3d inertia_W = Matrix3d::Zero();       // ball: about the anchor; pose: about the CoM
+  int joint = -1;                         // index into SceneTables::joints; -1 for kBodyPose
+  int body = -1;                          // kBodyPose: whose pose carries the piece
+  int row = 0;                            // first row of r; 1 (slide, hinge), 3 (ball) or 6 rows
+  double mass = 0.0;                      // of the piece that moves [kg]
+  double inertia = 0.0;                   // hinge: ωᵀ I ω [kg m²]
+  Matrix3d inertia_W = Matrix3d::Zero();  // ball: about the anchor; pose: about the CoM
   Matrix3d sqrt_inertia_W = Matrix3d::Zero();  // L with I = L Lᵀ
   Matrix3d R_in = Matrix3d::Identity();        // frame of the joint's body, or of `body`, at q_in
   Vector3d com_W = Vector3d::Zero();           // the piece's centre of mass at q_in
@@ -49,7 +49,8 @@ class NormEvaluator {
   double Sigma(const VectorXd& q);
   void Residual(const VectorXd& q, VectorXd& r);
   void Linearize(const VectorXd& q, VectorXd& r, MatrixXd& J);
-  // H = JᵀJ (n × n, only its blocks are written), made definite where the norm does not see a joint.
+  // H = JᵀJ (n × n, only its blocks are written), made definite where the norm does not see a
+  // joint.
   void InnerProduct(const MatrixXd& J, MatrixXd& H) const;
   // σ of one term, given the residual at q.
   double TermSigma(const NormTerm& term, const VectorXd& r) const;

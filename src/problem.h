@@ -34,12 +34,12 @@ struct Problem {
   const SceneTables& tables;
   const Options& options;
   Tolerances tolerances;
-  NormEvaluator norm;      // reference q_in
+  NormEvaluator norm;  // reference q_in
   ContactFinder finder;
   MocapPoses mocap;
-  VectorXd q_in;           // normalized
-  VectorXd required;       // per kept pair: smallest distance that counts as free [m]
-  double size = 1.0;       // a typical geom radius [m]
+  VectorXd q_in;      // normalized
+  VectorXd required;  // per kept pair: smallest distance that counts as free [m]
+  double size = 1.0;  // a typical geom radius [m]
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
 
   // The outer guard on time; without a limit the clock is never read.

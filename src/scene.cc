@@ -198,9 +198,7 @@ std::vector<double> Scene::KeyQpos(int key) const {
   return {q, q + nq()};
 }
 
-std::vector<double> Scene::DefaultQpos() const {
-  return {model()->qpos0, model()->qpos0 + nq()};
-}
+std::vector<double> Scene::DefaultQpos() const { return {model()->qpos0, model()->qpos0 + nq()}; }
 
 void Scene::CheckConfiguration(const std::vector<double>& q) const {
   const mjModel* m = model();

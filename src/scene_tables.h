@@ -13,11 +13,11 @@ namespace mjcf_pdg {
 // A joint that may move. Angles in rad, slides in m.
 struct JointEntry {
   int id = 0;
-  int type = 0;         // mjtJoint
+  int type = 0;  // mjtJoint
   int body = 0;
-  int qadr = 0;         // first entry in qpos
-  int vadr = 0;         // first entry in MuJoCo's tangent (nv)
-  int col = 0;          // first entry in ours (n)
+  int qadr = 0;  // first entry in qpos
+  int vadr = 0;  // first entry in MuJoCo's tangent (nv)
+  int col = 0;   // first entry in ours (n)
   int ndof = 0;
   bool limited = false;
   double lo = 0.0, hi = 0.0;  // a ball's total angle is at most hi
@@ -26,9 +26,9 @@ struct JointEntry {
 // Two geoms whose overlap counts, in MuJoCo's order (by type, then by body).
 struct KeptPair {
   int geom1 = 0, geom2 = 0;
-  double allowed = 0.0;         // overlap the model allows by a negative margin + gap [m], >= 0
-  bool has_distance = true;     // false for SDF and height fields: contacts only
-  bool moves = true;            // some movable joint lies between the two geoms
+  double allowed = 0.0;      // overlap the model allows by a negative margin + gap [m], >= 0
+  bool has_distance = true;  // false for SDF and height fields: contacts only
+  bool moves = true;         // some movable joint lies between the two geoms
 };
 
 // Kept pairs of one pair of bodies: pairs[begin, end).
@@ -52,13 +52,13 @@ struct SceneTables {
   // The same with the user's own multi-contact setting and tolerances: what Verify asks.
   mjModel verify_model;
 
-  std::vector<JointEntry> joints;   // movable ones, in MJCF order
-  std::vector<int> column_of_dof;   // nv -> n, -1 when frozen
-  std::vector<char> body_moves;     // nbody: some movable joint is above it
+  std::vector<JointEntry> joints;  // movable ones, in MJCF order
+  std::vector<int> column_of_dof;  // nv -> n, -1 when frozen
+  std::vector<char> body_moves;    // nbody: some movable joint is above it
   int n = 0;
-  int root_body = -1;               // the norm's root link, -1: top bodies
+  int root_body = -1;  // the norm's root link, -1: top bodies
 
-  std::vector<KeptPair> pairs;      // sorted by body pair
+  std::vector<KeptPair> pairs;  // sorted by body pair
   std::vector<BodyPair> body_pairs;
   std::vector<BoundingSphere> body_spheres;  // nbody
   bool has_contact_only_pairs = false;

@@ -9,16 +9,17 @@ namespace mjcf_pdg {
 
 // How far to go, by effort. Measured in bench/: success first, then σ, then time.
 struct Search::Plan {
-  int starts = 20;            // selections at most
-  int agree = 3;              // starts within 1 % of the best that end the search
-  int hops = 3;               // tries about the best
-  double direct_only = 1.0;   // relative depth up to which the direct start alone is trusted
+  int starts = 20;           // selections at most
+  int agree = 4;             // starts within 1 % of the best that end the search
+  int hops = 3;              // tries about the best
+  double direct_only = 1.0;  // relative depth up to which the direct start alone is trusted
 };
 
 namespace {
 
 constexpr double kAgreement = 1.01;
-constexpr double kGiveUp = 1.3;   // a start whose prediction is worse than this is dropped
+constexpr double kGiveUp = 1.3;  // a start whose prediction is worse than this is dropped
+constexpr int kAnywhere = 20;    // uniform starts, if nothing else came free
 constexpr double kNoise[] = {7.5, 3.0, 4.5, 12.0};  // spreads of the noisy starts, in turn
 
 LocalOptions Loose() {
@@ -37,14 +38,15 @@ double HalfThickness(const mjModel& m, int geom) {
 
 }  // namespace
 
-Search::Search(Problem& problem) : problem_(problem), local_(problem), iteration_(problem), random_(0) {}
+Search::Search(Problem& problem)
+    : problem_(problem), local_(problem), iteration_(problem), random_(0) {}
 
 Search::Plan Search::PlanFor(Effort effort) {
   switch (effort) {
     case Effort::kFast:
       return {12, 1, 0, std::numeric_limits<double>::infinity()};
     case Effort::kDefault:
-      return {20, 3, 3, 1.0};
+      return {20, 4, 3, 1.0};
     case Effort::kMax:
       return {48, 6, 8, 0.3};
   }
@@ -86,9 +88,9 @@ void Search::Try(const VectorXd& q, const std::string& start, const LocalOptions
   outcome_.confirmed += result.reached_known;
   if (result.free) {
     Candidate candidate{std::move(result.q), result.sigma, start};
-    auto place = std::upper_bound(
-        outcome_.free.begin(), outcome_.free.end(), candidate,
-        [](const Candidate& a, const Candidate& b) { return a.sigma < b.sigma; });
+    auto place =
+        std::upper_bound(outcome_.free.begin(), outcome_.free.end(), candidate,
+                         [](const Candidate& a, const Candidate& b) { return a.sigma < b.sigma; });
     if (candidate.sigma * kAgreement < BestSigma()) outcome_.confirmed = 0;
     outcome_.free.insert(place, std::move(candidate));
   } else if (outcome_.least_overlap.q.size() == 0 ||
@@ -99,7 +101,8 @@ void Search::Try(const VectorXd& q, const std::string& start, const LocalOptions
 }
 
 // The paper's way: a pose that may be free goes through contact-space projection and iteration, for
-// motions that no local step from q_in can find; local optimization finishes, or tries if it is not.
+// motions that no local step from q_in can find; local optimization finishes, or tries if it is
+// not.
 void Search::TryFreePose(const VectorXd& q_f, const std::string& start) {
   if (problem_.Expired() && outcome_.starts > 0) return;
   const IterationResult result = iteration_.Run(q_f);
@@ -121,13 +124,22 @@ void Search::TryNoise(const Plan& plan) {
     if (problem_.Expired()) return;
     const double spread = kNoise[k % 4];
     if (HasFree()) {
-      Try(GaussianStart(problem_, problem_.q_in, BestSigma(), spread, random_), "noise", Loose());
+      Try(GaussianStart(problem_, center_, BestSigma(), spread, random_), "noise", Loose());
     } else {
       // Nothing free yet: the scale is a guess, widened from try to try.
       const double widened = spread * (1.0 + 0.5 * k);
-      Try(GaussianStart(problem_, problem_.q_in, unknown, widened, random_), "noise", Loose());
+      Try(GaussianStart(problem_, center_, unknown, widened, random_), "noise", Loose());
     }
   }
+}
+
+// Nothing near q_in worked: anywhere inside the limits, and home from there.
+void Search::TryAnywhere() {
+  for (int k = 0; k < kAnywhere && !HasFree() && !problem_.Expired(); ++k) {
+    Try(UniformStart(problem_, center_, random_), "anywhere", LocalOptions{});
+  }
+  if (!HasFree()) return;
+  TryFreePose(outcome_.free.front().q, "anywhere");
 }
 
 void Search::TryHops(const Plan& plan) {
@@ -142,15 +154,16 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
   outcome_ = {};
   random_ = Random(problem_.options.seed);
   const Plan plan = PlanFor(problem_.options.effort);
-  VectorXd direct = problem_.q_in;
-  ClampToLimits(problem_.tables, direct);
-  Try(direct, "direct", LocalOptions{});
+  center_ = problem_.q_in;
+  ClampToLimits(problem_.tables, center_);
+  Try(center_, "direct", LocalOptions{});
   if (hint) TryFreePose(*hint, "user_pose");
   const bool settled = HasFree() && RelativeDepth(overlaps) < plan.direct_only;
   if (!settled && Agreeing() < plan.agree) {
     if (HasFree()) Try(MirroredStart(problem_, outcome_.free.front().q), "mirror", Loose());
     TryNoise(plan);
     if (!HasFree()) TryTranslations(overlaps);
+    if (!HasFree()) TryAnywhere();
     TryHops(plan);
   }
   return std::move(outcome_);

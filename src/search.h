@@ -54,6 +54,7 @@ class Search {
   void TryFreePose(const VectorXd& q_f, const std::string& start);
   void TryTranslations(const std::vector<NearPair>& overlaps);
   void TryNoise(const Plan& plan);
+  void TryAnywhere();
   void TryHops(const Plan& plan);
   bool HasFree() const { return !outcome_.free.empty(); }
   double BestSigma() const;
@@ -66,6 +67,7 @@ class Search {
   ContactSpaceIteration iteration_;
   Random random_;
   SearchOutcome outcome_;
+  VectorXd center_;  // q_in inside its limits
 };
 
 }  // namespace mjcf_pdg

@@ -11,14 +11,25 @@ struct Sphere {
   double radius = 0.0;
 };
 
-// About the mean of the geoms' centres; planes have no extent and count as points.
-Sphere Enclose(const PosedModel& posed, const std::vector<int>& geoms) {
-  Sphere sphere;
+// A geom's bounding sphere; a plane's is one that, seen from `from_W`, lies along its normal and is
+// as large as from_W is deep.
+Sphere Bound(const PosedModel& posed, int geom, const Vector3d& from_W) {
+  const mjModel& m = *posed.model();
   const mjData& d = *posed.data();
-  for (int g : geoms) sphere.center_W += AsVector(d.geom_xpos + 3 * g) / geoms.size();
+  const Vector3d center_W = AsVector(d.geom_xpos + 3 * geom);
+  if (m.geom_type[geom] != mjGEOM_PLANE) return {center_W, m.geom_rbound[geom]};
+  const Vector3d normal_W = AsMatrix(d.geom_xmat + 9 * geom).col(2);
+  return {from_W - normal_W, std::max(0.0, normal_W.dot(center_W - from_W))};
+}
+
+// About the mean of the geoms' centres.
+Sphere Enclose(const PosedModel& posed, const std::vector<int>& geoms, const Vector3d& from_W) {
+  Sphere sphere;
+  for (int g : geoms) sphere.center_W += Bound(posed, g, from_W).center_W / geoms.size();
   for (int g : geoms) {
-    const double reach = (AsVector(d.geom_xpos + 3 * g) - sphere.center_W).norm();
-    sphere.radius = std::max(sphere.radius, reach + posed.model()->geom_rbound[g]);
+    const Sphere part = Bound(posed, g, from_W);
+    const double reach = (part.center_W - sphere.center_W).norm() + part.radius;
+    sphere.radius = std::max(sphere.radius, reach);
   }
   return sphere;
 }
@@ -106,6 +117,30 @@ VectorXd GaussianStart(Problem& problem, const VectorXd& center, double sigma, d
   return out;
 }
 
+VectorXd UniformStart(const Problem& problem, const VectorXd& center, Random& random) {
+  auto between = [&random](double low, double high) {
+    return low + (high - low) * random.Uniform();
+  };
+  const double reach = 10.0 * problem.size;
+  VectorXd dq(problem.tables.n), q;
+  for (const JointEntry& joint : problem.tables.joints) {
+    const bool scalar = joint.type == mjJNT_HINGE || joint.type == mjJNT_SLIDE;
+    for (int k = 0; k < joint.ndof; ++k) {
+      const bool slides = joint.type == mjJNT_SLIDE || (joint.type == mjJNT_FREE && k < 3);
+      const double range = slides ? reach : mjPI;
+      dq[joint.col + k] = between(-range, range);
+    }
+    if (!scalar || !joint.limited) continue;
+    const double span = joint.type == mjJNT_SLIDE ? reach : joint.hi - joint.lo;
+    const double low = std::max(joint.lo, center[joint.qadr] - span);
+    const double high = std::min(joint.hi, center[joint.qadr] + span);
+    dq[joint.col] = between(low, high) - center[joint.qadr];
+  }
+  Integrate(problem.tables, center, dq, q);
+  ClampToLimits(problem.tables, q);
+  return q;
+}
+
 std::vector<VectorXd> ConstrainedTranslation(Problem& problem,
                                              const std::vector<NearPair>& overlaps) {
   return ConstrainedTranslation(problem, overlaps, problem.q_in);
@@ -124,7 +159,8 @@ std::vector<VectorXd> ConstrainedTranslation(Problem& problem,
   std::vector<int> own, others;
   SplitGeoms(*tables.model, tree, tables, overlaps, own, others);
   if (free.empty() || own.empty() || others.empty()) return starts;
-  const Sphere A = Enclose(posed, own), B = Enclose(posed, others);
+  const Sphere A = Enclose(posed, own, Vector3d::Zero());
+  const Sphere B = Enclose(posed, others, A.center_W);
   const double distance = A.radius + B.radius;
 
   auto translate = [&](const Vector3d& direction_W) {

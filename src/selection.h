@@ -21,6 +21,10 @@ VectorXd MirroredStart(const Problem& problem, const VectorXd& q);
 VectorXd GaussianStart(Problem& problem, const VectorXd& center, double sigma, double spread,
                        Random& random);
 
+// Every joint anywhere: uniform within limits, hinges without limits and rotations all around,
+// slides and free bodies within a few sizes of the scene about `center`.
+VectorXd UniformStart(const Problem& problem, const VectorXd& center, Random& random);
+
 // Eq. 20: the tree that overlaps most is carried off along its base's free directions, away from
 // the centroid of what it overlaps, by the radii of the enclosing spheres. Candidates in the order
 // to try: the projected direction, then ± the free directions. Empty if the base is fixed or

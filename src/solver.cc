@@ -89,8 +89,7 @@ struct Solver::Impl {
   bool FrozenOverlap(const std::vector<NearPair>& overlaps) const;
   bool Accept(const Candidate& candidate, const std::vector<double>& q_in, Result& result);
   bool AcceptBest(SearchOutcome& outcome, const std::vector<double>& q_in, Result& result);
-  void FillUnsolved(const SearchOutcome& outcome, const std::vector<double>& q_in,
-                    Result& result);
+  void FillUnsolved(const SearchOutcome& outcome, const std::vector<double>& q_in, Result& result);
   void FillContacts(Result& result);
 
   Scene scene;
@@ -197,8 +196,9 @@ bool Solver::Impl::AcceptBest(SearchOutcome& outcome, const std::vector<double>&
 void Solver::Impl::FillUnsolved(const SearchOutcome& outcome, const std::vector<double>& q_in,
                                 Result& result) {
   const bool found = outcome.least_overlap.q.size() > 0;
-  const VectorXd& q = found ? outcome.least_overlap.q
-                            : outcome.free.empty() ? problem.q_in : outcome.free.front().q;
+  const VectorXd& q = found                  ? outcome.least_overlap.q
+                      : outcome.free.empty() ? problem.q_in
+                                             : outcome.free.front().q;
   result.status = Status::kUnsolved;
   result.q = ToStd(q);
   result.sigma = problem.norm.Sigma(q);

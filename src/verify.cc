@@ -106,7 +106,7 @@ int Verifier::PairIndex(int geom1, int geom2) const {
 void Verifier::SetMocap(const MocapPoses& poses) {
   mj_resetData(&model_, posed_.data());  // the model's own poses, where `poses` has none
   posed_.SetMocap(poses);
-  rest_q_in_.clear();
+  UpdateRest({});
 }
 
 // What each pair must keep. Empty q_in: nothing rests.

@@ -31,10 +31,10 @@ void WitnessMemory::Add(const SceneTables& tables, const PosedModel& posed, cons
   const mjData& d = *posed.data();
   const int g1 = tables.pairs[near.pair].geom1, g2 = tables.pairs[near.pair].geom2;
   Points& points = entry.points_G[entry.next];
-  points.p1_W = AsMatrix(d.geom_xmat + 9 * g1).transpose() *
-                (near.p1_W - AsVector(d.geom_xpos + 3 * g1));
-  points.p2_W = AsMatrix(d.geom_xmat + 9 * g2).transpose() *
-                (near.p2_W - AsVector(d.geom_xpos + 3 * g2));
+  points.p1_W =
+      AsMatrix(d.geom_xmat + 9 * g1).transpose() * (near.p1_W - AsVector(d.geom_xpos + 3 * g1));
+  points.p2_W =
+      AsMatrix(d.geom_xmat + 9 * g2).transpose() * (near.p2_W - AsVector(d.geom_xpos + 3 * g2));
   entry.next = (entry.next + 1) % kPerPair;
   entry.count = std::min(entry.count + 1, kPerPair);
 }

@@ -19,8 +19,7 @@ struct Iterator {
     problem.required.setZero(static_cast<Eigen::Index>(scene.tables().pairs.size()));
   }
 
-  IterationResult Run(const VectorXd& q_f, const VectorXd& q_in,
-                      const IterationOptions& how = {}) {
+  IterationResult Run(const VectorXd& q_f, const VectorXd& q_in, const IterationOptions& how = {}) {
     problem.q_in = Normalized(scene.tables(), q_in);
     problem.norm.SetReference(problem.q_in);
     return iteration.Run(q_f, how);
@@ -56,7 +55,7 @@ constexpr double kTip = 1e-3;
 std::string TwoLinks(double height) {
   const std::string link = R"(<joint axis="0 1 0"/><inertial mass="1" pos="0 0 -.5"
       diaginertia=".083333333333333333 .083333333333333333 1e-6"/><geom type="sphere" size=")" +
-      std::to_string(kTip) + R"(" pos="0 0 -1"/>)";
+                           std::to_string(kTip) + R"(" pos="0 0 -1"/>)";
   const double ground = -height - kTip;
   return World("<geom type='plane' size='0 0 1' pos='0 0 " + Join(&ground, 1) + "'/><body>" + link +
                "<body pos='0 0 -1'>" + link + "</body></body>");

@@ -62,8 +62,8 @@ inline std::string TwoLinksXml(double d) {
       "diaginertia='.08333333333333333 .08333333333333333 1e-9'/>"
       "<geom type='capsule' size='.001' fromto='0 0 0 0 0 -1'/>";
   const double height = d + radius;
-  return InWorld("<geom type='plane' size='5 5 1'/><body pos='0 0 " + Join(&height, 1) + "'>" +
-                 stick + "<body pos='0 0 -1'>" + stick + "</body></body>");
+  return InWorld("<geom type='plane' size='5 5 1'/><body pos='0 0 " + std::to_string(height) +
+                 "'>" + stick + "<body pos='0 0 -1'>" + stick + "</body></body>");
 }
 
 // The least σ of Eq. 32 subject to cos θ1 + cos(θ1 + θ2) = d, by fine search over θ1.

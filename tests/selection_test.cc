@@ -47,7 +47,8 @@ std::string World(const std::string& inside) {
 // A free box inside another: spheres of radius .3 (half diagonal of .2 .2 .1) and √3 · .4.
 std::string BoxInBox(const std::string& pos) {
   return World(R"(<geom type="box" size=".4 .4 .4"/>
-      <body pos=")" + pos + R"("><freejoint/><geom type="box" size=".2 .2 .1"/></body>)");
+      <body pos=")" +
+               pos + R"("><freejoint/><geom type="box" size=".2 .2 .1"/></body>)");
 }
 
 TEST_F(SelectionTest, AFreeBodyIsCarriedAwayFromTheCentreByBothRadii) {

@@ -8,6 +8,7 @@
 #include "kinematics.h"
 #include "mjcf_pdg/pdg.h"
 #include "test_support.h"
+#include "witness.h"
 
 namespace mjcf_pdg::test {
 namespace {
@@ -19,49 +20,6 @@ using ::testing::HasSubstr;
 class SolverHardCasesTest : public MujocoTest {};
 
 using Q = std::vector<double>;
-
-// What a program with MuJoCo alone sees, on a copy of the user's model.
-class Witness {
- public:
-  explicit Witness(const Scene& scene)
-      : scene_(scene), model_(mj_copyModel(nullptr, scene.model())), data_(nullptr) {
-    model_->opt.disableflags |= mjDSBL_MULTICCD;  // its `dist` is off by centimetres
-    model_->opt.ccd_tolerance = 1e-9;
-    data_.reset(mj_makeData(model_.get()));
-  }
-
-  // Smallest of all contact distances and kept pairs' signed distances, at most 1 m. Capsules that
-  // pierce boxes are left to the slow oracle: MuJoCo misses them.
-  double Least(const Q& q) {
-    const mjModel* m = model_.get();
-    mjData* d = data_.get();
-    mju_copy(d->qpos, q.data(), m->nq);
-    mj_kinematics(m, d);
-    mj_comPos(m, d);
-    mj_collision(m, d);
-    double least = 1.0;
-    for (int c = 0; c < d->ncon; ++c) least = std::min(least, d->contact[c].dist);
-    for (const KeptPair& pair : scene_.tables().pairs) {
-      if (pair.has_distance) least = std::min(least, Distance(pair.geom1, pair.geom2));
-    }
-    return least;
-  }
-
- private:
-  double Distance(int g1, int g2) {
-    const mjModel* m = model_.get();
-    const double* p = data_->geom_xpos;
-    const bool missed = m->geom_type[g1] == mjGEOM_CAPSULE && m->geom_type[g2] == mjGEOM_BOX;
-    if (!missed) return mj_geomDistance(m, data_.get(), g1, g2, 1.0, nullptr);
-    const double reach = m->geom_rbound[g1] + m->geom_rbound[g2];
-    const double apart = mju_dist3(p + 3 * g1, p + 3 * g2) - reach;
-    return apart > 0.01 ? apart : BruteDistance(m, data_.get(), g1, g2).distance;
-  }
-
-  const Scene& scene_;
-  ModelPtr model_;
-  DataPtr data_;
-};
 
 // Everything a solved result must keep to, by other means than the solver's.
 void ExpectSolved(const Scene& scene, const Q& q_in, const Result& result) {
@@ -96,7 +54,8 @@ void ExpectAllSolved(const std::string& xml, const Q& q_in, double noise, std::u
 std::string Standing(double depth) {
   return World(R"(<geom name="floor" type="plane" size="0 0 1"/>
       <geom name="wall" type="box" size=".05 1 1" pos=".35 0 0"/>
-      <body name="torso" pos="0 0 )" + std::to_string(0.1 - depth) + R"("><freejoint/>
+      <body name="torso" pos="0 0 )" +
+               std::to_string(0.1 - depth) + R"("><freejoint/>
       <geom name="torso" type="box" size=".1 .1 .1"/>
       <body name="arm" pos="0 0 .2"><joint name="lift" axis="0 1 0"/>
       <geom name="arm" type="capsule" size=".02" fromto="0 0 0 .35 0 0"/></body></body>)");
@@ -214,7 +173,8 @@ TEST_F(SolverHardCasesTest, TerrainAndDistanceFieldsAreSolvedButNotCertified) {
     const Scene scene = Scene::FromString(World("<geom " + ground + R"(/>
         <body pos=".1 .05 .12"><freejoint/><geom size=".1"/>
         <body pos=".1 0 0"><joint axis="0 1 0"/>
-        <geom type="capsule" size=".02" fromto="0 0 0 .2 0 0"/></body></body>)", assets));
+        <geom type="capsule" size=".02" fromto="0 0 0 .2 0 0"/></body></body>)",
+                                                assets));
     const Q q_in = scene.DefaultQpos();
     ASSERT_LT(Witness(scene).Least(q_in), -0.01);
     const Result result = Solver(scene).Solve(q_in);
@@ -259,7 +219,8 @@ std::string FigureXml() {
         <geom type="capsule" size=".06" fromto="0 0 -.05 0 0 -.4"/><body pos="0 0 -.45">
         <joint axis="0 1 0" range="-2 140"/>
         <geom type="capsule" size=".05" fromto="0 0 -.03 0 0 -.4"/>
-        <geom type="box" size=".12 .04 .03" pos=".05 0 -.45"/></body></body><body pos="0 )" + side +
+        <geom type="box" size=".12 .04 .03" pos=".05 0 -.45"/></body></body><body pos="0 )" +
+             side +
              R"(.25 .35"><joint type="ball" range="0 150"/>
         <geom type="capsule" size=".04" fromto="0 0 -.05 0 0 -.5"/></body>)";
   }

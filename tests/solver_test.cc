@@ -1,5 +1,3 @@
-#include "mjcf_pdg/pdg.h"
-
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -10,7 +8,9 @@
 #include <thread>
 
 #include "kinematics.h"
+#include "mjcf_pdg/pdg.h"
 #include "test_support.h"
+#include "witness.h"
 
 namespace mjcf_pdg::test {
 namespace {
@@ -21,49 +21,6 @@ using ::testing::HasSubstr;
 class SolverTest : public MujocoTest {};
 
 using Q = std::vector<double>;
-
-// What a program with MuJoCo alone sees, on a copy of the user's model.
-class Witness {
- public:
-  explicit Witness(const Scene& scene)
-      : scene_(scene), model_(mj_copyModel(nullptr, scene.model())), data_(nullptr) {
-    model_->opt.disableflags |= mjDSBL_MULTICCD;  // its `dist` is off by centimetres
-    model_->opt.ccd_tolerance = 1e-9;
-    data_.reset(mj_makeData(model_.get()));
-  }
-
-  // Smallest of all contact distances and kept pairs' signed distances, at most 1 m. Capsules that
-  // pierce boxes are left to the slow oracle: MuJoCo misses them.
-  double Least(const Q& q) {
-    const mjModel* m = model_.get();
-    mjData* d = data_.get();
-    mju_copy(d->qpos, q.data(), m->nq);
-    mj_kinematics(m, d);
-    mj_comPos(m, d);
-    mj_collision(m, d);
-    double least = 1.0;
-    for (int c = 0; c < d->ncon; ++c) least = std::min(least, d->contact[c].dist);
-    for (const KeptPair& pair : scene_.tables().pairs) {
-      if (pair.has_distance) least = std::min(least, Distance(pair.geom1, pair.geom2));
-    }
-    return least;
-  }
-
- private:
-  double Distance(int g1, int g2) {
-    const mjModel* m = model_.get();
-    const double* p = data_->geom_xpos;
-    const bool missed = m->geom_type[g1] == mjGEOM_CAPSULE && m->geom_type[g2] == mjGEOM_BOX;
-    if (!missed) return mj_geomDistance(m, data_.get(), g1, g2, 1.0, nullptr);
-    const double reach = m->geom_rbound[g1] + m->geom_rbound[g2];
-    const double apart = mju_dist3(p + 3 * g1, p + 3 * g2) - reach;
-    return apart > 0.01 ? apart : BruteDistance(m, data_.get(), g1, g2).distance;
-  }
-
-  const Scene& scene_;
-  ModelPtr model_;
-  DataPtr data_;
-};
 
 Q PartOfTheWay(const Scene& scene, const Q& q_in, const Q& q, double share) {
   VectorXd dq, out;
@@ -100,8 +57,7 @@ std::string World(const std::string& inside) {
   return "<mujoco><worldbody>" + inside + "</worldbody></mujoco>";
 }
 
-const std::string kSphereOnPlane =
-    World(R"(<geom name="floor" type="plane" size="0 0 1"/>
+const std::string kSphereOnPlane = World(R"(<geom name="floor" type="plane" size="0 0 1"/>
     <body name="ball"><freejoint/><geom name="ball" size=".1"/></body>)");
 
 // A bead on a rail along x between two walls `gap` apart: it fits if gap >= .2.
@@ -264,7 +220,8 @@ TEST_F(SolverTest, OverlapsThatNoJointCanSeparateAreNamed) {
   const Scene frozen = Scene::FromString(World(R"(<geom name="floor" type="plane" size="0 0 1"/>
       <body name="post" pos="0 0 -.05"><joint axis="1 0 0"/><geom name="post" size=".1"/></body>
       <body name="arm" pos="1 0 .5"><joint axis="0 1 0"/>
-      <geom type="capsule" size=".02" fromto="0 0 0 .3 0 0"/></body>)"), only_arm);
+      <geom type="capsule" size=".02" fromto="0 0 0 .3 0 0"/></body>)"),
+                                         only_arm);
   const Result result = Solver(frozen).Solve({0.2, 0.0});
   EXPECT_EQ(result.status, Status::kUnsolved);
   EXPECT_THAT(result.reason, HasSubstr("post"));
@@ -301,8 +258,10 @@ TEST_F(SolverTest, ActiveEqualitiesAreRefusedByName) {
       </body><body name="b" pos="1 0 0"><joint name="j2" axis="0 1 0"/><geom size=".1"/></body>)");
   auto with = [&arm](const std::string& active) {
     std::string xml = arm;
-    xml.insert(xml.rfind("</mujoco>"), "<equality><joint name='coupling' joint1='j1' joint2='j2' "
-                                       "active='" + active + "'/></equality>");
+    xml.insert(xml.rfind("</mujoco>"),
+               "<equality><joint name='coupling' joint1='j1' joint2='j2' "
+               "active='" +
+                   active + "'/></equality>");
     return Scene::FromString(xml);
   };
   EXPECT_THAT(ErrorOf([&] { Solver(with("true")); }), HasSubstr("coupling"));

@@ -23,8 +23,8 @@
 namespace mjcf_pdg {
 
 struct NormPart {
-  std::string name;   // joint name; "root" for the pose of the root link; body name (displacement)
-  double sigma = 0.0; // [m²]
+  std::string name;    // joint name; "root" for the pose of the root link; body name (displacement)
+  double sigma = 0.0;  // [m²]
 };
 
 // σ(q_in, ·). Not thread-safe: one per thread (it poses private MuJoCo data).

@@ -16,7 +16,8 @@
 
 namespace mjcf_pdg {
 
-// One per thread; owns all scratch, including private MuJoCo data. Never writes to the user's model.
+// One per thread; owns all scratch, including private MuJoCo data. Never writes to the user's
+// model.
 class Solver {
  public:
   // Throws Error if an option is out of range or the scene has an active equality constraint.
@@ -38,11 +39,11 @@ class Solver {
 
 struct Verdict {
   bool free = false;
-  bool certified = false;      // every kept pair has a signed distance (no SDF, no height field)
-  double min_distance = 0.0;   // over kept pairs, signed, cut off at 1 m [m]
-  double limit_excess = 0.0;   // largest violation of a joint limit [rad or m]
+  bool certified = false;         // every kept pair has a signed distance (no SDF, no height field)
+  double min_distance = 0.0;      // over kept pairs, signed, cut off at 1 m [m]
+  double limit_excess = 0.0;      // largest violation of a joint limit [rad or m]
   std::vector<Contact> contacts;  // pairs nearer than `tolerance`, deepest first
-  std::string reason;          // what is not free, in words; empty when free
+  std::string reason;             // what is not free, in words; empty when free
 };
 
 // Asks twice, by mj_collision and by signed pair distances, whether q is free (SPEC: overlaps of at

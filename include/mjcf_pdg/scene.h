@@ -36,15 +36,15 @@ class Scene {
   const SceneTables& tables() const { return *tables_; }
 
   int nq() const;
-  int dof() const;              // n, the number of movable degrees of freedom
-  int num_kept_pairs() const;   // pairs of geoms that MuJoCo's filters keep
-  std::string GeomName(int geom) const;    // its name, else "#id"
+  int dof() const;                       // n, the number of movable degrees of freedom
+  int num_kept_pairs() const;            // pairs of geoms that MuJoCo's filters keep
+  std::string GeomName(int geom) const;  // its name, else "#id"
   std::string JointName(int joint) const;
   std::string BodyName(int body) const;
 
-  std::vector<std::string> KeyNames() const;      // "" for an unnamed keyframe
-  std::vector<double> KeyQpos(int key) const;     // nq
-  std::vector<double> DefaultQpos() const;        // qpos0
+  std::vector<std::string> KeyNames() const;   // "" for an unnamed keyframe
+  std::vector<double> KeyQpos(int key) const;  // nq
+  std::vector<double> DefaultQpos() const;     // qpos0
 
   // Throws Error unless q has nq finite entries and no zero quaternion.
   void CheckConfiguration(const std::vector<double>& q) const;

@@ -68,10 +68,10 @@ struct Options {
 
 // One pair of geoms that overlap or touch.
 struct Contact {
-  std::array<int, 2> geom = {-1, -1};    // ids in the user's model, in MuJoCo's order
-  std::array<double, 3> normal_W = {};   // unit, from geom 1 to geom 2
+  std::array<int, 2> geom = {-1, -1};     // ids in the user's model, in MuJoCo's order
+  std::array<double, 3> normal_W = {};    // unit, from geom 1 to geom 2
   std::array<double, 3> position_W = {};  // midpoint of the two witness points [m]
-  double distance = 0.0;                 // signed [m]
+  double distance = 0.0;                  // signed [m]
 };
 
 struct Stats {
@@ -89,9 +89,9 @@ struct Result {
   double sigma_lower_bound = 0.0;  // proven: no free configuration has a smaller σ [m²]
   double depth_in = 0.0;           // smallest signed distance at q_in [m]
   double min_distance = 0.0;       // smallest signed distance at q [m]
-  bool certified = false;          // freeness rests on signed distances alone (no SDF, no height field)
-  std::string start;               // name of the selection that won
-  std::string reason;              // why not solved, in words; empty otherwise
+  bool certified = false;  // freeness rests on signed distances alone (no SDF, no height field)
+  std::string start;       // name of the selection that won
+  std::string reason;      // why not solved, in words; empty otherwise
   std::vector<Contact> contacts_in;  // overlapping pairs at q_in, deepest first
   std::vector<Contact> contacts;     // touching or overlapping pairs at q, deepest first
   Stats stats;

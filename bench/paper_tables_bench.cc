@@ -173,6 +173,4 @@ int PaperTablesMain(int argc, char** argv) {
 }  // namespace mjcf_pdg::bench
 
 // Not where all of bench/ is linked into one program.
-#ifdef MJCF_PDG_PAPER_TABLES_MAIN
 int main(int argc, char** argv) { return mjcf_pdg::bench::PaperTablesMain(argc, argv); }
-#endif
