@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "test_support.h"
+#include "witness.h"
 
 namespace mjcf_pdg::test {
 namespace {
@@ -41,42 +42,6 @@ struct Local {
   Options options;
   Problem problem;
   LocalOptimization local;
-};
-
-// Distances by MuJoCo's own function, for capsules and boxes (it misses those) by the slow oracle.
-class Oracle {
- public:
-  explicit Oracle(const Scene& scene)
-      : scene_(scene), model_(mj_copyModel(nullptr, scene.model())), data_(nullptr) {
-    model_->opt.ccd_tolerance = 1e-9;
-    data_.reset(mj_makeData(model_.get()));
-  }
-
-  // Smallest signed distance of a kept pair that can move, at most 1 m.
-  double Least(const VectorXd& q) {
-    mju_copy(data_->qpos, q.data(), static_cast<int>(q.size()));
-    mj_kinematics(model_.get(), data_.get());
-    double least = 1.0;
-    for (const KeptPair& pair : scene_.tables().pairs) {
-      if (pair.moves) least = std::min(least, Distance(pair.geom1, pair.geom2));
-    }
-    return least;
-  }
-
- private:
-  double Distance(int g1, int g2) {
-    const mjModel* m = model_.get();
-    const double* p = data_->geom_xpos;
-    const bool missed = m->geom_type[g1] == mjGEOM_CAPSULE && m->geom_type[g2] == mjGEOM_BOX;
-    if (!missed) return mj_geomDistance(m, data_.get(), g1, g2, 1.0, nullptr);
-    const double reach = m->geom_rbound[g1] + m->geom_rbound[g2];
-    const double apart = mju_dist3(p + 3 * g1, p + 3 * g2) - reach;
-    return apart > 0.01 ? apart : BruteDistance(m, data_.get(), g1, g2).distance;
-  }
-
-  const Scene& scene_;
-  ModelPtr model_;
-  DataPtr data_;
 };
 
 // q_in moved by this share of the way to q.
@@ -204,7 +169,7 @@ TEST_F(LocalOptimizationTest, MorePairsThanRowsAreAllSeparated) {
   ASSERT_EQ(p.scene.num_kept_pairs(), 81);
   const LocalResult result = p.Run(FreePose(Vector3d(0, 0, -0.05)));
   EXPECT_TRUE(result.free);
-  EXPECT_GE(Oracle(p.scene).Least(result.q), -1.1 * kTolerance);
+  EXPECT_GE(Witness(p.scene).LeastMoving(result.q), -1.1 * kTolerance);
 }
 
 // ---- How it ends ----
@@ -234,9 +199,9 @@ TEST_F(LocalOptimizationTest, AFreeStartFarAwayComesBackToTheContact) {
 TEST_F(LocalOptimizationTest, IterationsAreBoundedAndTheBestSoFarIsReturned) {
   Random rng(3);
   Local p(RandomRobotXml(rng));
-  Oracle oracle(p.scene);
+  Witness oracle(p.scene);
   VectorXd q_in = RandomConfiguration(p.scene, rng);
-  while (oracle.Least(q_in) > -0.03) q_in = RandomConfiguration(p.scene, rng);
+  while (oracle.LeastMoving(q_in) > -0.03) q_in = RandomConfiguration(p.scene, rng);
   double least = 1e300;
   for (int most : {0, 1, 2, 5, 20}) {
     LocalOptions options;
@@ -312,19 +277,20 @@ TEST_F(LocalOptimizationTest, OfRandomRobotsFreeAnswersAreFreeAndAnyLessCollides
     robot.free_base = model % 2 == 1;
     Local p(RandomRobotXml(rng, robot));
     const SceneTables& tables = p.scene.tables();
-    Oracle oracle(p.scene);
+    Witness oracle(p.scene);
     for (int i = 0; i < 20; ++i) {
       const VectorXd q_in = RandomConfiguration(p.scene, rng, 0.3);
-      if (oracle.Least(q_in) > -0.005) continue;
+      if (oracle.LeastMoving(q_in) > -0.005) continue;
       const LocalResult result = p.Run(q_in);
       ++runs;
       if (!result.free) continue;
       ++free;
-      EXPECT_GE(oracle.Least(result.q), -1.5 * kTolerance) << Join(q_in);
+      EXPECT_GE(oracle.LeastMoving(result.q), -1.5 * kTolerance) << Join(q_in);
       EXPECT_LE(LimitExcess(tables, result.q), 1e-9);
       EXPECT_NEAR(result.sigma, p.problem.norm.Sigma(result.q), 1e-12);
       EXPECT_LE(result.iterations, LocalOptions{}.max_iterations);
-      collide += oracle.Least(PartOfTheWay(tables, p.problem.q_in, result.q, 0.98)) < -kTolerance;
+      collide +=
+          oracle.LeastMoving(PartOfTheWay(tables, p.problem.q_in, result.q, 0.98)) < -kTolerance;
     }
   }
   std::printf("  %d runs, %d free, %d collide again when shrunk\n", runs, free, collide);

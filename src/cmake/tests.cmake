@@ -34,6 +34,10 @@ if(MJCF_PDG_BUILD_TESTS)
       add_dependencies(mjcf_pdg_tests mjcf-pdg)
       target_compile_definitions(mjcf_pdg_tests PRIVATE MJCF_PDG_PROGRAM="$<TARGET_FILE:mjcf-pdg>")
     endif()
+    # Tests that take minutes: cmake --build BUILD --target long_tests
+    add_custom_target(long_tests
+      COMMAND "${CMAKE_COMMAND}" -E env MJCF_PDG_LONG_TESTS=1 $<TARGET_FILE:mjcf_pdg_tests>
+      DEPENDS mjcf_pdg_tests USES_TERMINAL)
     # Cases are listed when ctest starts, not at build time: a crash in start-up is a failed test, not a failed build.
     gtest_discover_tests(mjcf_pdg_tests DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60)
   endif()
