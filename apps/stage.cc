@@ -61,7 +61,6 @@ Stage::Stage(const mjModel* model) : source_(model), model_(mj_copyModel(nullptr
   const auto num_objects = model_->ngeom + model_->nsite + model_->ntendon + model_->nwrap;
   mjv_makeScene(model_.get(), &scene_, static_cast<int>(2 * num_objects) + 1000);
   mjv_defaultOption(&option_);
-  scene_.flags[mjRND_CULL_FACE] = 0;     // The backdrop is seen from inside.
   option_.flags[mjVIS_SKIN] = 0;         // Skins hide the geoms.
   option_.flags[mjVIS_RANGEFINDER] = 0;  // Sensors are not computed.
 }
@@ -157,7 +156,7 @@ void Stage::AddBackdrop() {
   if (std::count(model_->tex_type, model_->tex_type + model_->ntex, mjTEXTURE_SKYBOX) > 0) return;
   const mjvGLCamera camera = mjv_averageCamera(&scene_.camera[0], &scene_.camera[1]);
   const mjtNum center[3] = {camera.pos[0], camera.pos[1], camera.pos[2]};
-  mjvGeom* const ball = AddBall(center, 0.9 * camera.frustum_far);
+  mjvGeom* const ball = AddBall(center, -0.9 * camera.frustum_far);  // Inside out.
   if (ball == nullptr) return;
   // Nearly black to the lights, and bright by itself.
   ball->emission = 100;
