@@ -91,12 +91,7 @@ double LocalOptimization::SolveStep(double trust_radius) {
   LcpOptions options;
   options.max_steps = 10 * (n + m);
   options.tolerance = 0.01 * problem_.tolerances.user;
-  guess_.clear();
-  for (int i = 0; i < m; ++i) {
-    if (std::find(active_.begin(), active_.end(), rows_.key[i]) != active_.end()) {
-      guess_.push_back(i);
-    }
-  }
+  GuessActiveRows();
   lcp_steps_ += lcp_.Solve(G_, b_, bounds_, options, guess_, lambda_).steps;
   active_.clear();
   for (const int row : lcp_.free_rows()) active_.push_back(rows_.key[row]);
@@ -111,6 +106,16 @@ double LocalOptimization::SolveStep(double trust_radius) {
   moved_ *= scale;
   predicted_sigma_ = (r_ + moved_).squaredNorm();
   return scale * length;
+}
+
+// The rows that the last step pressed on, wherever they stand now.
+void LocalOptimization::GuessActiveRows() {
+  guess_.clear();
+  for (int i = 0; i < rows_.m; ++i) {
+    if (std::find(active_.begin(), active_.end(), rows_.key[i]) != active_.end()) {
+      guess_.push_back(i);
+    }
+  }
 }
 
 // The norm hardly sees light links: without damping, small gains turn them far and the

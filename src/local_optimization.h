@@ -63,6 +63,7 @@ class LocalOptimization {
   void Evaluate(const VectorXd& q, double margin, Iterate& out);
   void Linearize(const Iterate& at, double margin);
   bool NearKnown(const VectorXd& q, const LocalOptions& options);
+  void GuessActiveRows();
   void AddDamping();
   // Solves for the step at the current linearization; returns its length ‖J dq‖ [m].
   double SolveStep(double trust_radius);

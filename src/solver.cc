@@ -90,6 +90,7 @@ struct Solver::Impl {
   bool Accept(const Candidate& candidate, const std::vector<double>& q_in, Result& result);
   bool AcceptBest(SearchOutcome& outcome, const std::vector<double>& q_in, Result& result);
   void FillUnsolved(const SearchOutcome& outcome, const std::vector<double>& q_in, Result& result);
+  void Repair(const std::vector<double>& q_in, std::optional<VectorXd> hint, Result& result);
   void FillContacts(Result& result);
 
   Scene scene;
@@ -211,6 +212,18 @@ void Solver::Impl::FillUnsolved(const SearchOutcome& outcome, const std::vector<
                    " starts: " + verdict.reason;
 }
 
+// q_in penetrates: bound, search, verify.
+void Solver::Impl::Repair(const std::vector<double>& q_in, std::optional<VectorXd> hint,
+                          Result& result) {
+  const std::vector<NearPair> overlaps = Overlaps();
+  result.sigma_lower_bound = SigmaLowerBound(problem, overlaps);
+  SearchOutcome outcome;
+  if (!FrozenOverlap(overlaps)) outcome = Run(overlaps, std::move(hint));
+  if (!AcceptBest(outcome, q_in, result)) FillUnsolved(outcome, q_in, result);
+  result.stats.iterations = outcome.iterations;
+  result.stats.starts = outcome.starts;
+}
+
 void Solver::Impl::FillContacts(Result& result) {
   problem.finder.Pose(ToEigen(result.q));
   const double reach = kTouching * options.tolerance;
@@ -262,17 +275,9 @@ Result Solver::Solve(const std::vector<double>& q_in,
   } else {
     result.contacts_in = at_start.contacts;
     impl_->SetUp(q_in);
-    const std::vector<NearPair> overlaps = impl_->Overlaps();
-    result.sigma_lower_bound = SigmaLowerBound(problem, overlaps);
-    SearchOutcome outcome;
-    if (!impl_->FrozenOverlap(overlaps)) {
-      std::optional<VectorXd> hint;
-      if (free_hint) hint = Normalized(problem.tables, ToEigen(*free_hint));
-      outcome = impl_->Run(overlaps, std::move(hint));
-    }
-    if (!impl_->AcceptBest(outcome, q_in, result)) impl_->FillUnsolved(outcome, q_in, result);
-    result.stats.iterations = outcome.iterations;
-    result.stats.starts = outcome.starts;
+    std::optional<VectorXd> hint;
+    if (free_hint) hint = Normalized(problem.tables, ToEigen(*free_hint));
+    impl_->Repair(q_in, std::move(hint), result);
   }
   impl_->FillContacts(result);
   if (impl_->options.trajectory) {
