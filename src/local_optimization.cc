@@ -16,8 +16,8 @@ constexpr int kPatience = 2;          // steps without progress before the trust
 // Levenberg-Marquardt: a tenth after each better step, tenfold after a streak of worse ones.
 constexpr double kFirstDamping = 0.1, kLeastDamping = 1e-5, kRenewedDamping = 1e-4;
 constexpr double kLeastRadius = 1e-7;  // [m]
-// Margins within which pairs get rows, in units of the scene's size; later three times the step.
-constexpr double kFirstMargin = 0.25, kLeastMargin = 0.02, kLargestMargin = 1.0;
+// Margins within which pairs get rows, in units of the scene's size; later 1.5 times the step.
+constexpr double kFirstMargin = 0.25, kLeastMargin = 0.02, kLargestMargin = 0.5;
 constexpr double kLimitReach = 0.5;  // joint limits farther than this get no row [rad or m]
 
 }  // namespace
@@ -148,7 +148,7 @@ double LocalOptimization::Step(const Iterate& current, double radius, double mar
   problem_.norm.Retract(current.q, dq_, next_);
   ClampToLimits(problem_.tables, next_);
   const double reach =
-      std::clamp(3.0 * length, kLeastMargin * problem_.size, kLargestMargin * problem_.size);
+      std::clamp(1.5 * length, kLeastMargin * problem_.size, kLargestMargin * problem_.size);
   Evaluate(next_, reach, trial);
   posed_ = &trial;
   return length;

@@ -31,8 +31,11 @@ double SigmaLowerBound(const LowerBoundInput& input);
 
 // The same for a problem whose contact finder is posed at q_in.
 inline double SigmaLowerBound(const Problem& problem, const std::vector<NearPair>& overlaps) {
+  const Effort effort = problem.options.effort;
+  const int cells = effort == Effort::kFast ? 0 : effort == Effort::kMax ? 2000 : 100;
   return SigmaLowerBound({problem.tables, problem.norm, problem.finder.posed(), overlaps,
-                          problem.required, problem.options.metric, problem.options.tolerance});
+                          problem.required, problem.options.metric, problem.options.tolerance,
+                          cells});
 }
 
 }  // namespace mjcf_pdg

@@ -164,7 +164,7 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
     TryNoise(plan);
     if (!HasFree()) TryTranslations(overlaps);
     if (!HasFree()) TryAnywhere();
-    TryHops(plan);
+    if (Agreeing() < plan.agree) TryHops(plan);
   }
   return std::move(outcome_);
 }
