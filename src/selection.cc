@@ -104,7 +104,9 @@ VectorXd GaussianStart(Problem& problem, const VectorXd& center, double sigma, d
   for (int i = 0; i < problem.tables.n; ++i) {
     dq[i] = random.Normal() * step / std::max(J.col(i).norm(), floor);
   }
+  const bool sparse = random.Uniform() < 0.5;
   for (const JointEntry& joint : problem.tables.joints) {
+    if (sparse && random.Uniform() < 0.5) dq.segment(joint.col, joint.ndof).setZero();
     // More than half a turn is the same as less the other way.
     const int first = joint.type == mjJNT_FREE ? 3 : 0;
     if (joint.type == mjJNT_SLIDE) continue;
