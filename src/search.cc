@@ -85,7 +85,8 @@ void Search::Try(const VectorXd& q, const std::string& start, const LocalOptions
   }
   LocalResult result = local_.Run(q, bounded);
   outcome_.iterations += result.iterations;
-  outcome_.confirmed += result.reached_known;
+  const bool agrees = result.free && result.sigma <= kAgreement * BestSigma();
+  outcome_.confirmed += result.reached_known && !agrees;  // else it counts as a candidate
   if (result.free) {
     Candidate candidate{std::move(result.q), result.sigma, start};
     auto place =

@@ -101,12 +101,12 @@ VectorXd GaussianStart(Problem& problem, const VectorXd& center, double sigma, d
   problem.norm.Linearize(center, r, J);
   const double step = spread * std::sqrt(sigma / problem.tables.n);
   const double floor = 1e-3 * J.norm() / std::sqrt(J.cols());
+  const double share = random.Uniform() < 0.5 ? 0.5 : 1.0;
   for (int i = 0; i < problem.tables.n; ++i) {
-    dq[i] = random.Normal() * step / std::max(J.col(i).norm(), floor);
+    const bool stays = random.Uniform() >= share;
+    dq[i] = stays ? 0.0 : random.Normal() * step / std::max(J.col(i).norm(), floor);
   }
-  const bool sparse = random.Uniform() < 0.5;
   for (const JointEntry& joint : problem.tables.joints) {
-    if (sparse && random.Uniform() < 0.5) dq.segment(joint.col, joint.ndof).setZero();
     // More than half a turn is the same as less the other way.
     const int first = joint.type == mjJNT_FREE ? 3 : 0;
     if (joint.type == mjJNT_SLIDE) continue;

@@ -18,7 +18,7 @@ namespace mjcf_pdg {
 VectorXd MirroredStart(const Problem& problem, const VectorXd& q);
 
 // `center` moved by normal noise, each dof by about `spread` · √(sigma / n) of the object norm.
-// In half of the draws about half of the joints stay: many answers move few joints.
+// In half of the draws about half of the dofs stay: many answers move few joints.
 VectorXd GaussianStart(Problem& problem, const VectorXd& center, double sigma, double spread,
                        Random& random);
 

@@ -212,7 +212,7 @@ TEST_F(SelectionTest, NoiseIsAsLargeAsAskedInObjectNormUnits) {
       for (int i = 0; i < 3; ++i) moved += q[i] != p.problem.q_in[i];
     }
     EXPECT_NEAR(sum / moved / (0.04 * spread * spread / 3), 1.0, 0.1);
-    EXPECT_NEAR(moved / 6000.0, 0.75, 0.03);  // half of the joints stay in half of the draws
+    EXPECT_NEAR(moved / 6000.0, 0.75, 0.03);  // half of the dofs stay in half of the draws
   }
 }
 
