@@ -31,6 +31,7 @@ class BlockCholesky {
   // B = L⁻¹ B; B has as many rows as H.
   template <typename Derived>
   void SolveLower(Eigen::MatrixBase<Derived>& B) const {
+    if (B.cols() == 0) return;
     for (const ColumnRange& b : *blocks_) {
       auto rows = B.middleRows(b.begin, b.size);
       if (b.size == 1) {

@@ -75,7 +75,7 @@ TEST_F(FreeConfigurationTest, SuccessivePerturbationAloneTurnsTheTipOutsideANarr
   std::string chain =
       "<body pos='.2 0 0'><joint axis='0 1 0'/>"
       "<geom type='capsule' size='.01' fromto='.05 0 0 .2 0 0'/></body>";
-  for (int i = 0; i < 5; ++i) {
+  for (int i = 0; i < 11; ++i) {
     chain =
         "<body pos='.2 0 0'><joint axis='0 0 1'/>"
         "<geom type='capsule' size='.01' fromto='.02 0 0 .18 0 0'/>" +
@@ -84,7 +84,7 @@ TEST_F(FreeConfigurationTest, SuccessivePerturbationAloneTurnsTheTipOutsideANarr
   Selector s(
       InWorld("<geom type='plane' size='5 5 1' pos='0 .011 0' zaxis='0 -1 0'/>"
               "<geom type='plane' size='5 5 1' pos='0 -.011 0' zaxis='0 1 0'/>"
-              "<geom size='.05' pos='1.35 0 0'/>" +
+              "<geom size='.05' pos='2.55 0 0'/>" +
               chain));
   EXPECT_EQ(s.Solving(), std::vector<std::string>{"successive_perturbation"});
 }
