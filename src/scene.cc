@@ -35,6 +35,17 @@ void RefuseUnsupported(const mjModel& m) {
   if (m.njnt == 0) throw Error("the model has no joints: nothing can move");
 }
 
+// MuJoCo only warns that it cannot collide these: an overlap would never be seen.
+void RefuseUnseenPairs(const SceneTables& tables) {
+  const mjModel& m = *tables.model;
+  for (const KeptPair& pair : tables.pairs) {
+    if (m.geom_type[pair.geom1] == mjGEOM_HFIELD && m.geom_type[pair.geom2] == mjGEOM_SDF) {
+      throw Error("height field '" + NameOrId(&m, mjOBJ_GEOM, pair.geom1) + "' against SDF '" +
+                  NameOrId(&m, mjOBJ_GEOM, pair.geom2) + "' is not supported: exclude the pair");
+    }
+  }
+}
+
 int BodyByName(const mjModel* m, const std::string& name) {
   const int body = mj_name2id(m, mjOBJ_BODY, name.c_str());
   if (body >= 0) return body;
@@ -119,6 +130,7 @@ std::shared_ptr<const SceneTables> MakeTables(std::shared_ptr<const mjModel> own
   FillJoints(*tables, options);
   FillRoot(*tables, options.root);
   FillKeptPairs(*tables);
+  RefuseUnseenPairs(*tables);
   tables->verify_model = UnblindedCopy(*tables);
   tables->query_model = tables->verify_model;
   tables->query_model.opt.disableflags |= mjDSBL_MULTICCD;

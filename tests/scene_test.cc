@@ -302,6 +302,23 @@ TEST_F(SceneTest, UnusableModelsAreRefusedByName) {
   EXPECT_THAT(ErrorOf([] { Scene::FromModel(nullptr); }), HasSubstr("null"));
 }
 
+TEST_F(SceneTest, HeightFieldAgainstDistanceFieldIsRefusedSinceMujocoNeverSeesIt) {
+  const std::string xml = R"(<mujoco><asset>
+      <hfield name="h" nrow="2" ncol="2" size="1 1 .1 .1" elevation="0 1 1 0"/>
+      <mesh name="t" vertex="-.5 -.5 -.1 .5 -.5 -.1 -.5 .5 -.1 .5 .5 -.1 -.5 -.5 .1 .5 -.5 .1
+          -.5 .5 .1 .5 .5 .1"/></asset><worldbody>
+      <geom name="hills" type="hfield" hfield="h" CONTACT/>
+      <body><freejoint/><geom name="stone" type="sdf" mesh="t" density="1000"/></body>
+      </worldbody></mujoco>)";
+  auto with = [&xml](const std::string& contact) {
+    std::string out = xml;
+    return out.replace(out.find("CONTACT"), 7, contact);
+  };
+  EXPECT_THAT(ErrorOf([&] { Scene::FromString(with("")); }),
+              AllOf(HasSubstr("'hills'"), HasSubstr("'stone'")));
+  EXPECT_EQ(Scene::FromString(with("contype='0' conaffinity='0'")).num_kept_pairs(), 0);
+}
+
 TEST_F(SceneTest, BrokenXmlIsReportedOnOneLineWithItsPlace) {
   const std::string unknown =
       ErrorOf([] { Scene::FromString("<mujoco>\n<worldbody>\n<geomm/>\n</worldbody></mujoco>"); });
