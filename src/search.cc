@@ -3,24 +3,24 @@
 #include <algorithm>
 #include <cmath>
 
-#include "selection.h"
-
 namespace mjcf_pdg {
 
 // How far to go, by effort. Measured in bench/: success first, then σ, then time.
 struct Search::Plan {
-  int starts = 20;           // selections at most
-  int agree = 4;             // starts within 1 % of the best that end the search
-  int hops = 3;              // tries about the best
+  int agree = 4;             // independent starts at the best answer that end the search
+  int queries = 600;         // collision queries after which no further start is made
   double direct_only = 1.0;  // relative depth up to which the direct start alone is trusted
 };
 
 namespace {
 
+constexpr char kHop[] = "hop";
 constexpr double kAgreement = 1.01;
-constexpr double kGiveUp = 1.3;  // a start whose prediction is worse than this is dropped
-constexpr int kAnywhere = 20;    // uniform starts, if nothing else came free
+constexpr double kGiveUp = 1.15;  // a start whose prediction is worse than this is dropped
+constexpr int kBlind = 20;        // noisy starts while nothing is free
+constexpr int kAnywhere = 20;     // uniform starts, if nothing else came free
 constexpr double kNoise[] = {7.5, 3.0, 4.5, 12.0};  // spreads of the noisy starts, in turn
+constexpr Hop kHops[] = {Hop::kFromBest, Hop::kFromInput, Hop::kMirrored};
 
 LocalOptions Loose() {
   LocalOptions options;
@@ -44,11 +44,11 @@ Search::Search(Problem& problem)
 Search::Plan Search::PlanFor(Effort effort) {
   switch (effort) {
     case Effort::kFast:
-      return {12, 1, 0, std::numeric_limits<double>::infinity()};
+      return {1, 0, std::numeric_limits<double>::infinity()};
     case Effort::kDefault:
-      return {20, 4, 3, 1.0};
+      return {4, 600, 1.0};
     case Effort::kMax:
-      return {48, 6, 8, 0.3};
+      return {12, 3000, 0.3};
   }
   return {};
 }
@@ -57,10 +57,9 @@ double Search::BestSigma() const {
   return HasFree() ? outcome_.free.front().sigma : std::numeric_limits<double>::infinity();
 }
 
-int Search::Agreeing() const {
-  int count = outcome_.confirmed;
-  for (const Candidate& c : outcome_.free) count += c.sigma <= kAgreement * BestSigma();
-  return count;
+bool Search::Done(const Plan& plan) const {
+  return HasFree() && (outcome_.agreeing >= plan.agree ||
+                       problem_.finder.queries() - first_query_ >= plan.queries);
 }
 
 double Search::RelativeDepth(const std::vector<NearPair>& overlaps) const {
@@ -85,19 +84,27 @@ void Search::Try(const VectorXd& q, const std::string& start, const LocalOptions
   }
   LocalResult result = local_.Run(q, bounded);
   outcome_.iterations += result.iterations;
-  const bool agrees = result.free && result.sigma <= kAgreement * BestSigma();
-  outcome_.confirmed += result.reached_known && !agrees;  // else it counts as a candidate
+  Count(result, start);
   if (result.free) {
     Candidate candidate{std::move(result.q), result.sigma, start};
     auto place =
         std::upper_bound(outcome_.free.begin(), outcome_.free.end(), candidate,
                          [](const Candidate& a, const Candidate& b) { return a.sigma < b.sigma; });
-    if (candidate.sigma * kAgreement < BestSigma()) outcome_.confirmed = 0;
     outcome_.free.insert(place, std::move(candidate));
   } else if (outcome_.least_overlap.q.size() == 0 ||
              result.violation < outcome_.least_overlap.violation) {
     outcome_.least_overlap = std::move(result);
     outcome_.least_overlap_start = start;
+  }
+}
+
+// A hop comes from the best answer, so its return there says nothing.
+void Search::Count(const LocalResult& result, const std::string& start) {
+  const bool independent = start != kHop;
+  if (result.free && result.sigma * kAgreement < BestSigma()) {
+    outcome_.agreeing = independent;
+  } else if (result.reached_known || (result.free && result.sigma <= kAgreement * BestSigma())) {
+    outcome_.agreeing += independent;
   }
 }
 
@@ -118,20 +125,32 @@ void Search::TryTranslations(const std::vector<NearPair>& overlaps) {
   }
 }
 
-void Search::TryNoise(const Plan& plan) {
-  double unknown = std::max(outcome_.least_overlap.sigma, 1e-6);
-  if (!std::isfinite(unknown)) unknown = problem_.size * problem_.size;
-  for (int k = 0; outcome_.starts < plan.starts && Agreeing() < plan.agree; ++k) {
-    if (problem_.Expired()) return;
-    const double spread = kNoise[k % 4];
-    if (HasFree()) {
-      Try(GaussianStart(problem_, center_, BestSigma(), spread, random_), "noise", Loose());
+// Two noisy starts, one hop, and so on; noise alone while nothing is free.
+void Search::TryVaried(const Plan& plan) {
+  for (int k = 0; !Done(plan) && !problem_.Expired(); ++k) {
+    if (k % 3 == 2 && HasFree()) {
+      TryHop(kHops[k / 3 % 3]);
     } else {
       // Nothing free yet: the scale is a guess, widened from try to try.
-      const double widened = spread * (1.0 + 0.5 * k);
-      Try(GaussianStart(problem_, center_, unknown, widened, random_), "noise", Loose());
+      const double widened = HasFree() ? 1.0 : 1.0 + 0.5 * k;
+      TryNoise(widened * kNoise[k % 4]);
     }
+    if (!HasFree() && k + 1 == kBlind) return;
   }
+}
+
+void Search::TryNoise(double spread) {
+  double sigma = BestSigma();
+  if (!HasFree()) {
+    sigma = std::max(outcome_.least_overlap.sigma, 1e-6);
+    if (!std::isfinite(sigma)) sigma = problem_.size * problem_.size;
+  }
+  Try(GaussianStart(problem_, center_, sigma, spread, random_), "noise", Loose());
+}
+
+void Search::TryHop(Hop hop) {
+  const VectorXd best = outcome_.free.front().q;
+  Try(ContactHop(problem_, best, BestSigma(), hop, random_), kHop, Loose());
 }
 
 // Nothing near q_in worked: anywhere inside the limits, and home from there.
@@ -143,30 +162,26 @@ void Search::TryAnywhere() {
   TryFreePose(outcome_.free.front().q, "anywhere");
 }
 
-void Search::TryHops(const Plan& plan) {
-  for (int k = 0; k < plan.hops && HasFree() && !problem_.Expired(); ++k) {
-    const VectorXd best = outcome_.free.front().q;
-    Try(GaussianStart(problem_, best, BestSigma(), 1.0, random_), "hop", Loose());
-  }
-}
-
 SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
                           const std::optional<VectorXd>& hint) {
   outcome_ = {};
   random_ = Random(problem_.options.seed);
+  first_query_ = problem_.finder.queries();
   const Plan plan = PlanFor(problem_.options.effort);
   center_ = problem_.q_in;
   ClampToLimits(problem_.tables, center_);
   Try(center_, "direct", LocalOptions{});
   if (hint) TryFreePose(*hint, "user_pose");
   const bool settled = HasFree() && RelativeDepth(overlaps) < plan.direct_only;
-  if (!settled && Agreeing() < plan.agree) {
-    if (HasFree()) Try(MirroredStart(problem_, outcome_.free.front().q), "mirror", Loose());
-    TryNoise(plan);
-    if (!HasFree()) TryTranslations(overlaps);
-    if (!HasFree()) TryAnywhere();
-    if (Agreeing() < plan.agree) TryHops(plan);
+  if (settled) return std::move(outcome_);
+  if (HasFree() && !Done(plan)) {
+    Try(MirroredStart(problem_, outcome_.free.front().q), "mirror", Loose());
   }
+  TryVaried(plan);
+  if (HasFree()) return std::move(outcome_);
+  TryTranslations(overlaps);
+  if (!HasFree()) TryAnywhere();
+  if (HasFree()) TryVaried(plan);
   return std::move(outcome_);
 }
 

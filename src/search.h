@@ -2,8 +2,9 @@
 //
 // The direct start, q_in itself, settles shallow problems alone. Deep ones are decided by which
 // side of an obstacle, or which order of contacts, a start falls on, so varied starts follow:
-// mirrored, normal noise in object-norm units, then hops about the best. No start is trusted; the
-// best free answer wins, and agreement of several starts ends the search early.
+// mirrored, normal noise in object-norm units, and hops that decide one contact of the best answer
+// anew. No start is trusted; the best free answer wins. Agreement of several starts that know
+// nothing of each other ends the search early, a budget of collision queries ends it late.
 #ifndef MJCF_PDG_SRC_SEARCH_H_
 #define MJCF_PDG_SRC_SEARCH_H_
 
@@ -16,6 +17,7 @@
 #include "local_optimization.h"
 #include "problem.h"
 #include "random.h"
+#include "selection.h"
 
 namespace mjcf_pdg {
 
@@ -29,7 +31,7 @@ struct SearchOutcome {
   std::vector<Candidate> free;  // best first
   LocalResult least_overlap;    // best configuration that is not free; q empty if none was needed
   std::string least_overlap_start;
-  int confirmed = 0;  // starts that ended at the best candidate's door
+  int agreeing = 0;  // independent starts that ended at the best candidate, or at its door
   int starts = 0;
   int iterations = 0;
 };
@@ -51,14 +53,16 @@ class Search {
   static Plan PlanFor(Effort effort);
 
   void Try(const VectorXd& q, const std::string& start, const LocalOptions& options);
+  void Count(const LocalResult& result, const std::string& start);
   void TryFreePose(const VectorXd& q_f, const std::string& start);
   void TryTranslations(const std::vector<NearPair>& overlaps);
-  void TryNoise(const Plan& plan);
+  void TryVaried(const Plan& plan);
+  void TryNoise(double spread);
+  void TryHop(Hop hop);
   void TryAnywhere();
-  void TryHops(const Plan& plan);
   bool HasFree() const { return !outcome_.free.empty(); }
   double BestSigma() const;
-  int Agreeing() const;
+  bool Done(const Plan& plan) const;
   // Deepest overlap in units of the thinner geom's half-thickness: below 1 there is one way out.
   double RelativeDepth(const std::vector<NearPair>& overlaps) const;
 
@@ -67,6 +71,7 @@ class Search {
   ContactSpaceIteration iteration_;
   Random random_;
   SearchOutcome outcome_;
+  int first_query_ = 0;  // the finder's count when the search began
   VectorXd center_;  // q_in inside its limits
 };
 

@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace mjcf_pdg {
 namespace {
+
+constexpr double kTouching = 20.0;                  // of the tolerance
+constexpr double kHopSpreads[] = {3.0, 7.5, 1.5};  // as in GaussianStart, one at random
 
 struct Sphere {
   Vector3d center_W = Vector3d::Zero();
@@ -84,6 +88,53 @@ int DeepestTree(const SceneTables& tables, const std::vector<NearPair>& overlaps
   return tree;
 }
 
+// How far each dof moves for a step of `length` [m] in object-norm units; dofs that the norm hardly
+// sees are held back.
+VectorXd DofSteps(Problem& problem, const VectorXd& at, double length) {
+  VectorXd r;
+  MatrixXd J;
+  problem.norm.Linearize(at, r, J);
+  const double floor = 1e-3 * J.norm() / std::sqrt(J.cols());
+  return length * J.colwise().norm().cwiseMax(floor).cwiseInverse().transpose();
+}
+
+// More than half a turn is the same as less the other way.
+void ShortenTurns(const SceneTables& tables, VectorXd& dq) {
+  for (const JointEntry& joint : tables.joints) {
+    if (joint.type == mjJNT_SLIDE) continue;
+    for (int k = joint.type == mjJNT_FREE ? 3 : 0; k < joint.ndof; ++k) {
+      dq[joint.col + k] = std::clamp(dq[joint.col + k], -mjPI, mjPI);
+    }
+  }
+}
+
+// Marks (n) the dofs between the two bodies of a touching pair picked at random; all of them where
+// nothing touches.
+std::vector<char> DofsOfSomeContact(Problem& problem, const VectorXd& q, Random& random) {
+  const SceneTables& tables = problem.tables;
+  const mjModel& m = *tables.model;
+  const double reach = kTouching * problem.tolerances.user;
+  std::vector<int> touching;
+  problem.finder.Pose(q);
+  for (const NearPair& near : problem.finder.Find(problem.options.clearance + reach)) {
+    const bool touches = near.distance < problem.required[near.pair] + reach;
+    if (touches && tables.pairs[near.pair].moves) touching.push_back(near.pair);
+  }
+  if (touching.empty()) return std::vector<char>(tables.n, 1);
+  std::vector<char> between(tables.n, 0);
+  const KeptPair& pair = tables.pairs[touching[random.Bits() % touching.size()]];
+  int body1 = m.geom_bodyid[pair.geom1], body2 = m.geom_bodyid[pair.geom2];
+  while (body1 != body2) {  // up to the common ancestor; parents have smaller ids
+    int& body = body1 > body2 ? body1 : body2;
+    for (const JointEntry& joint : tables.joints) {
+      if (joint.body != body) continue;
+      std::fill_n(between.begin() + joint.col, joint.ndof, 1);
+    }
+    body = m.body_parentid[body];
+  }
+  return between;
+}
+
 }  // namespace
 
 VectorXd MirroredStart(const Problem& problem, const VectorXd& q) {
@@ -96,26 +147,36 @@ VectorXd MirroredStart(const Problem& problem, const VectorXd& q) {
 
 VectorXd GaussianStart(Problem& problem, const VectorXd& center, double sigma, double spread,
                        Random& random) {
-  VectorXd r, dq(problem.tables.n), out;
-  MatrixXd J;
-  problem.norm.Linearize(center, r, J);
-  const double step = spread * std::sqrt(sigma / problem.tables.n);
-  const double floor = 1e-3 * J.norm() / std::sqrt(J.cols());
+  const VectorXd steps = DofSteps(problem, center, spread * std::sqrt(sigma / problem.tables.n));
+  VectorXd dq(problem.tables.n), out;
   const double share = random.Uniform() < 0.5 ? 0.5 : 1.0;
   for (int i = 0; i < problem.tables.n; ++i) {
     const bool stays = random.Uniform() >= share;
-    dq[i] = stays ? 0.0 : random.Normal() * step / std::max(J.col(i).norm(), floor);
+    dq[i] = stays ? 0.0 : random.Normal() * steps[i];
   }
-  for (const JointEntry& joint : problem.tables.joints) {
-    // More than half a turn is the same as less the other way.
-    const int first = joint.type == mjJNT_FREE ? 3 : 0;
-    if (joint.type == mjJNT_SLIDE) continue;
-    for (int k = first; k < joint.ndof; ++k) {
-      dq[joint.col + k] = std::clamp(dq[joint.col + k], -mjPI, mjPI);
-    }
-  }
+  ShortenTurns(problem.tables, dq);
   Integrate(problem.tables, center, dq, out);
   ClampToLimits(problem.tables, out);
+  return out;
+}
+
+VectorXd ContactHop(Problem& problem, const VectorXd& best, double sigma, Hop hop,
+                    Random& random) {
+  const SceneTables& tables = problem.tables;
+  const std::vector<char> between = DofsOfSomeContact(problem, best, random);
+  const double spread = kHopSpreads[random.Bits() % std::size(kHopSpreads)];
+  const VectorXd steps = DofSteps(problem, problem.q_in, spread * std::sqrt(sigma / tables.n));
+  const double share = random.Uniform() < 0.5 ? 0.5 : 1.0;
+  VectorXd dq, out;
+  Difference(tables, problem.q_in, best, dq);
+  for (int i = 0; i < tables.n; ++i) {
+    if (!between[i] || random.Uniform() >= share) continue;
+    const double noise = random.Normal() * steps[i];
+    dq[i] = hop == Hop::kFromBest ? dq[i] + noise : hop == Hop::kFromInput ? noise : -dq[i];
+  }
+  ShortenTurns(tables, dq);
+  Integrate(tables, problem.q_in, dq, out);
+  ClampToLimits(tables, out);
   return out;
 }
 

@@ -22,6 +22,16 @@ VectorXd MirroredStart(const Problem& problem, const VectorXd& q);
 VectorXd GaussianStart(Problem& problem, const VectorXd& center, double sigma, double spread,
                        Random& random);
 
+// `best`, a configuration in contact, with one contact decided anew: the joints between its two
+// bodies (all of them, or about half) move, the others stay as they are. A model that overlaps in
+// many places has as many choices to make, and a fresh start seldom makes all of them well.
+enum class Hop {
+  kFromBest,   // noise about `best`
+  kFromInput,  // noise about q_in
+  kMirrored,   // to the other side of q_in
+};
+VectorXd ContactHop(Problem& problem, const VectorXd& best, double sigma, Hop hop, Random& random);
+
 // Every joint anywhere: uniform within limits, hinges without limits and rotations all around,
 // slides and free bodies within a few sizes of the scene about `center`.
 VectorXd UniformStart(const Problem& problem, const VectorXd& center, Random& random);
