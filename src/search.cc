@@ -7,7 +7,8 @@ namespace mjcf_pdg {
 
 // How far to go, by effort. Measured in bench/: success first, then σ, then time.
 struct Search::Plan {
-  int agree = 4;             // independent starts at the best answer that end the search
+  int agree = 6;             // independent starts at the best answer that end the search, at most;
+                             // one and the relative depth are enough
   int queries = 600;         // collision queries after which no further start is made
   double direct_only = 1.0;  // relative depth up to which the direct start alone is trusted
 };
@@ -46,7 +47,7 @@ Search::Plan Search::PlanFor(Effort effort) {
     case Effort::kFast:
       return {1, 0, std::numeric_limits<double>::infinity()};
     case Effort::kDefault:
-      return {4, 600, 1.0};
+      return {6, 600, 1.0};
     case Effort::kMax:
       return {12, 3000, 0.3};
   }
@@ -167,13 +168,14 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
   outcome_ = {};
   random_ = Random(problem_.options.seed);
   first_query_ = problem_.finder.queries();
-  const Plan plan = PlanFor(problem_.options.effort);
+  Plan plan = PlanFor(problem_.options.effort);
   center_ = problem_.q_in;
   ClampToLimits(problem_.tables, center_);
   Try(center_, "direct", LocalOptions{});
   if (hint) TryFreePose(*hint, "user_pose");
-  const bool settled = HasFree() && RelativeDepth(overlaps) < plan.direct_only;
-  if (settled) return std::move(outcome_);
+  const double depth = RelativeDepth(overlaps);
+  if (HasFree() && depth < plan.direct_only) return std::move(outcome_);
+  plan.agree = static_cast<int>(std::min<double>(plan.agree, std::floor(1.5 + depth)));
   if (HasFree() && !Done(plan)) {
     Try(MirroredStart(problem_, outcome_.free.front().q), "mirror", Loose());
   }
