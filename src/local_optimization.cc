@@ -12,8 +12,8 @@ constexpr double kFirstPrice = 10.0, kHighestPrice = 1e4, kLimitPrice = 1e6;
 constexpr double kDeskSize = 0.1;     // [m]
 constexpr double kNearKnown = 0.1;    // √σ to a known optimum, in units of its own √σ
 constexpr double kBeatsKnown = 0.95;  // a prediction below that may lead elsewhere
-constexpr int kGiveUpFrom = 4;          // a start that still overlaps after so many steps is judged too
-constexpr int kPatience = 2;          // steps without progress before the trust radius shrinks
+constexpr int kGiveUpFrom = 4;  // a start that still overlaps after so many steps is judged too
+constexpr int kPatience = 2;    // steps without progress before the trust radius shrinks
 // Levenberg-Marquardt: a tenth after each better step, tenfold after a streak of worse ones.
 constexpr double kFirstDamping = 0.1, kLeastDamping = 1e-5, kRenewedDamping = 1e-4;
 constexpr double kLeastRadius = 1e-7;  // [m]

@@ -7,10 +7,10 @@ namespace mjcf_pdg {
 
 // How far to go, by effort. Measured in bench/: success first, then σ, then time.
 struct Search::Plan {
-  int agree = 6;             // independent starts at the best answer that end the search, at most;
-                             // one and the relative depth are enough
-  int queries = 600;         // collision queries after which no further start is made
-  double direct_only = 1.0;  // relative depth up to which the direct start alone is trusted
+  int agree = 6;                 // independent starts at the best answer that end the search ...
+  double agree_per_depth = 1.0;  // ... or fewer: about one, and this many per relative depth
+  int queries = 600;             // collision queries after which no further start is made
+  double direct_only = 1.0;      // relative depth up to which the direct start alone is trusted
 };
 
 namespace {
@@ -45,11 +45,11 @@ Search::Search(Problem& problem)
 Search::Plan Search::PlanFor(Effort effort) {
   switch (effort) {
     case Effort::kFast:
-      return {1, 0, std::numeric_limits<double>::infinity()};
+      return {1, 0.0, 0, std::numeric_limits<double>::infinity()};
     case Effort::kDefault:
-      return {6, 600, 1.0};
+      return {6, 1.0, 600, 1.0};
     case Effort::kMax:
-      return {12, 3000, 0.3};
+      return {12, 4.0, 3000, 0.3};
   }
   return {};
 }
@@ -175,7 +175,8 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
   if (hint) TryFreePose(*hint, "user_pose");
   const double depth = RelativeDepth(overlaps);
   if (HasFree() && depth < plan.direct_only) return std::move(outcome_);
-  plan.agree = static_cast<int>(std::min<double>(plan.agree, std::floor(1.5 + depth)));
+  const double agree = std::floor(1.5 + plan.agree_per_depth * depth);
+  plan.agree = static_cast<int>(std::min<double>(plan.agree, agree));
   if (HasFree() && !Done(plan)) {
     Try(MirroredStart(problem_, outcome_.free.front().q), "mirror", Loose());
   }

@@ -72,7 +72,7 @@ class Search {
   Random random_;
   SearchOutcome outcome_;
   int first_query_ = 0;  // the finder's count when the search began
-  VectorXd center_;  // q_in inside its limits
+  VectorXd center_;      // q_in inside its limits
 };
 
 }  // namespace mjcf_pdg

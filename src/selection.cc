@@ -7,7 +7,7 @@
 namespace mjcf_pdg {
 namespace {
 
-constexpr double kTouching = 20.0;                  // of the tolerance
+constexpr double kTouching = 20.0;                 // of the tolerance
 constexpr double kHopSpreads[] = {3.0, 7.5, 1.5};  // as in GaussianStart, one at random
 
 struct Sphere {
@@ -160,8 +160,7 @@ VectorXd GaussianStart(Problem& problem, const VectorXd& center, double sigma, d
   return out;
 }
 
-VectorXd ContactHop(Problem& problem, const VectorXd& best, double sigma, Hop hop,
-                    Random& random) {
+VectorXd ContactHop(Problem& problem, const VectorXd& best, double sigma, Hop hop, Random& random) {
   const SceneTables& tables = problem.tables;
   const std::vector<char> between = DofsOfSomeContact(problem, best, random);
   const double spread = kHopSpreads[random.Bits() % std::size(kHopSpreads)];
