@@ -57,11 +57,27 @@ void ContactSpaceProjection::Start(const VectorXd& q_f, const ProjectionOptions&
 void ContactSpaceProjection::RunGeneralizedCcd(const VectorXd& q_in) {
   std::fill(moves_.begin(), moves_.end(), 1);
   std::fill(removed_.begin(), removed_.end(), 0);
+  RotateFirst(q_in);
   // Each motion but the last takes a link or a joint out of L.
   while (result_.complete && result_.start_free) {
     const CcdOutcome outcome = MoveFlagged(q_in);
     if (outcome != CcdOutcome::kContact && outcome != CcdOutcome::kLimit) return;
   }
+}
+
+// About the centre of mass, which stays where it is.
+void ContactSpaceProjection::RotateFirst(const VectorXd& q_in) {
+  if (tables_.joints.size() != 1 || tables_.joints[0].type != mjJNT_FREE) return;
+  const JointEntry& joint = tables_.joints[0];
+  const int quat = joint.qadr + 3;
+  if (result_.q.segment<4>(quat) == q_in.segment<4>(quat)) return;
+  const Vector3d com_B = AsVector(tables_.model->body_ipos + 3 * joint.body);
+  sample_ = result_.q;
+  sample_.segment<4>(quat) = q_in.segment<4>(quat);
+  sample_.segment<3>(joint.qadr) += QuatAt(result_.q, quat) * com_B - QuatAt(sample_, quat) * com_B;
+  if (!FreeSample(sample_)) return;
+  result_.q = sample_;
+  ++result_.jumps;
 }
 
 void ContactSpaceProjection::RunGreedyOptimization(const VectorXd& q_in) {

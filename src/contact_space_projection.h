@@ -9,6 +9,8 @@
 //      does; CCD from there, towards q_in, then finds the contact. The jump to the sample is no
 //      motion, so `certified` speaks of the motions around it.
 //   5. A limited ball joint stays a quaternion here; samples outside its limit are not free.
+// A rigid model, one free joint, goes as in Sec. 3.2: first it is rotated to the orientation at
+// q_in, where that is free (a jump, as in 4), and then translated; else full CCD.
 #ifndef MJCF_PDG_SRC_CONTACT_SPACE_PROJECTION_H_
 #define MJCF_PDG_SRC_CONTACT_SPACE_PROJECTION_H_
 
@@ -31,7 +33,7 @@ struct ProjectionResult {
   bool complete = true;    // false: the budget ran out
   std::vector<int> pairs;  // that stopped something, in the order found, without repetition
   int motions = 0;         // CCD calls
-  int jumps = 0;           // CCDrg calls that found a free sample nearer to q_in
+  int jumps = 0;           // to free samples nearer to q_in: CCDrg, or a rigid model's rotation
   int poses = 0, distance_queries = 0, contact_queries = 0;
 };
 
@@ -59,6 +61,7 @@ class ContactSpaceProjection {
 
  private:
   void Start(const VectorXd& q_f, const ProjectionOptions& options, const VectorXd* required);
+  void RotateFirst(const VectorXd& q_in);
   void RunGeneralizedCcd(const VectorXd& q_in);
   void RunGreedyOptimization(const VectorXd& q_in);
   CcdOutcome MoveFlagged(const VectorXd& q_in);

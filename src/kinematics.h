@@ -63,6 +63,11 @@ class PosedModel {
 void BodyJacobians(const SceneTables& tables, const PosedModel& posed, int body,
                    const Vector3d& p_W, MatrixXd& jac_p, MatrixXd& jac_r);
 
+// The unit quaternion (w, x, y, z) at q[adr].
+inline Eigen::Quaterniond QuatAt(const VectorXd& q, int adr) {
+  return Eigen::Quaterniond(q[adr], q[adr + 1], q[adr + 2], q[adr + 3]).normalized();
+}
+
 inline Eigen::Map<const Vector3d> AsVector(const mjtNum* p) {
   return Eigen::Map<const Vector3d>(p);
 }

@@ -31,10 +31,6 @@ Matrix3d Skew(const Vector3d& v) {
   return s;
 }
 
-Eigen::Quaterniond QuatAt(const VectorXd& q, int adr) {
-  return Eigen::Quaterniond(q[adr], q[adr + 1], q[adr + 2], q[adr + 3]).normalized();
-}
-
 int QuatAddress(const JointEntry& joint) { return joint.qadr + (joint.type == mjJNT_FREE ? 3 : 0); }
 
 // conj(a) ⊗ b with non-negative real part: the short way from a to b, in a's frame.
@@ -57,6 +53,13 @@ Matrix3d SqrtOf(const Matrix3d& inertia) {
 
 // The first moving body above `body`: trees may share a static stand.
 int TopBody(const mjModel& m, int body) { return m.tree_bodyadr[m.body_treeid[body]]; }
+
+// The paper's w (Sec. 3.2): the largest in [0, 1] with ‖Q + w dQ‖ <= radius, for ‖Q‖ < radius.
+double WeightWithin(double radius, const Vector3d& Q, const Vector3d& dQ) {
+  if ((Q + dQ).norm() <= radius) return 1.0;
+  const double a = dQ.squaredNorm(), half_b = Q.dot(dQ), c = Q.squaredNorm() - radius * radius;
+  return std::clamp((std::sqrt(half_b * half_b - a * c) - half_b) / a, 0.0, 1.0);
+}
 
 }  // namespace
 
@@ -351,8 +354,10 @@ void NormEvaluator::RetractRotation(const NormTerm& term, const VectorXd& q, con
   const Vector3d w = dq.segment<3>(joint.col + (is_free ? 3 : 0));
   const Eigen::Quaterniond from = QuatAt(q, adr);
   const Eigen::Quaterniond p = Relative(QuatAt(q_in_, adr), from);
-  const Vector3d v = p.vec() + QuatVectorJacobian(Matrix3d::Identity(), p) * w;
-  if (v.norm() >= kQuatChart) return;
+  if (p.vec().norm() >= kQuatChart) return;
+  const Vector3d dQ = QuatVectorJacobian(Matrix3d::Identity(), p) * w;
+  const double weight = WeightWithin(kQuatChart, p.vec(), dQ);
+  const Vector3d v = p.vec() + weight * dQ;
   const Eigen::Quaterniond moved(std::sqrt(1.0 - v.squaredNorm()), v.x(), v.y(), v.z());
   const Eigen::Quaterniond to = QuatAt(q_in_, adr) * moved;
   out.segment<4>(adr) << to.w(), to.x(), to.y(), to.z();
@@ -360,7 +365,7 @@ void NormEvaluator::RetractRotation(const NormTerm& term, const VectorXd& q, con
   // r is linear in the centre of mass: place that, whatever the rotation about it.
   const Vector3d com_shift = dq.segment<3>(joint.col) + from * w.cross(term.com_B);
   out.segment<3>(joint.qadr) =
-      q.segment<3>(joint.qadr) + from * term.com_B + com_shift - to * term.com_B;
+      q.segment<3>(joint.qadr) + from * term.com_B + weight * com_shift - to * term.com_B;
 }
 
 }  // namespace mjcf_pdg

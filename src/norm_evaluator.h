@@ -57,7 +57,8 @@ class NormEvaluator {
   std::string TermName(const NormTerm& term) const;
 
   // out = q moved by dq along X where the chart is sound (away from half turns): r(out) = r + J dq
-  // exactly for those joints; q ⊕ dq for the others (Sec. 3.2's w: |Q| stays below 1).
+  // exactly for those joints; q ⊕ dq for the others. A rotation that would leave the chart is cut
+  // short by Sec. 3.2's weight w, and a free joint's translation with it.
   void Retract(const VectorXd& q, const VectorXd& dq, VectorXd& out) const;
 
  private:

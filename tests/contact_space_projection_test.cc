@@ -205,5 +205,35 @@ TEST_F(ContactSpaceProjectionTest, OfRandomRobotsEveryProjectionIsFreeCertifiedA
   EXPECT_LT(poses, 150L * runs);
 }
 
+// A bar above a wall, turned by 90 degrees against q_in, which lies in the wall.
+TEST_F(ContactSpaceProjectionTest, ARigidModelIsRotatedFirstAndThenTranslated) {
+  Projector p(World(R"(
+      <geom name="wall" type="box" size="1 1 .1"/>
+      <body><freejoint/><geom type="box" size=".3 .02 .02" mass="1" pos=".1 0 0"/></body>)"));
+  VectorXd q_f(7), q_in(7);
+  q_f << 0, 0, 1, std::sqrt(0.5), 0, 0, std::sqrt(0.5);
+  q_in << 0, 0, 0.05, 1, 0, 0, 0;
+  const ProjectionResult& result = p.projection.Project(q_f, q_in);
+  EXPECT_TRUE(result.certified);
+  EXPECT_EQ(result.jumps, 1);
+  EXPECT_EQ(result.q.segment<4>(3), q_in.segment<4>(3));
+  EXPECT_NEAR(result.q[2], 0.12, 1e-5);
+  EXPECT_NEAR(p.Margin(result.q), 0.0, 1e-5);
+}
+
+TEST_F(ContactSpaceProjectionTest, ARotationThatCollidesIsLeftToFullCcd) {
+  Projector p(World(R"(
+      <geom name="wall" type="box" size="1 1 .1"/>
+      <body><freejoint/><geom type="box" size=".3 .02 .02" mass="1"/></body>)"));
+  VectorXd q_f(7), q_in(7);
+  q_f << 0, 0, 0.2, 1, 0, 0, 0;
+  q_in << 0, 0, 0.2, std::sqrt(0.5), 0, std::sqrt(0.5), 0;  // upright: through the wall
+  const ProjectionResult& result = p.projection.Project(q_f, q_in);
+  EXPECT_EQ(result.jumps, 0);
+  EXPECT_FALSE(result.pairs.empty());
+  EXPECT_NEAR(p.Margin(result.q), 0.0, 1e-5);
+  EXPECT_LT(p.Left(result.q, q_in), p.Left(q_f, q_in));
+}
+
 }  // namespace
 }  // namespace mjcf_pdg::test

@@ -223,6 +223,31 @@ TEST_F(NormEvaluatorTest, HalfTurnsGiveFiniteResidualsJacobiansAndSteps) {
   }
 }
 
+// Sec. 3.2: q* = w dq* + q_c.
+TEST_F(NormEvaluatorTest, ARotationTooFarIsCutShortAndTheTranslationWithIt) {
+  const Scene body = Scene::FromString(R"(<mujoco><worldbody><body><freejoint/>
+      <geom type="box" size=".3 .2 .1"/></body></worldbody></mujoco>)");
+  NormEvaluator norm(body.tables(), Metric::kSequential);
+  VectorXd q(7), dq(6), out, r, r_out;
+  q << 0, 0, 0, 1, 0, 0, 0;
+  norm.SetReference(q);
+  MatrixXd J;
+  norm.Linearize(q, r, J);
+  int cut = 0;
+  for (const double turn : {0.1, 1.0, 1.8, 2.0, 6.0, 100.0}) {
+    dq << 0.3, 0, 0, 0, turn, 0;
+    norm.Retract(q, dq, out);
+    norm.Residual(out, r_out);
+    const double w = out[0] / 0.3;
+    EXPECT_GT(w, 0.0);
+    EXPECT_LE(w, 1.0 + 1e-12);
+    EXPECT_LT((r_out - (r + w * J * dq)).norm(), 1e-12) << turn;
+    EXPECT_LE(out.tail<3>().norm(), 1.0);
+    cut += w < 1.0;
+  }
+  EXPECT_EQ(cut, 3);
+}
+
 TEST_F(NormEvaluatorTest, AHalfTurnIsTheFarthestAHingeOrBallCanBe) {
   const Scene arm = MakeScene({ArmXml(), ""});
   NormEvaluator norm(arm.tables(), Metric::kSequential);
