@@ -20,12 +20,26 @@ namespace {
 
 constexpr double kMaxCoordinate = 1e10;  // MuJoCo's own limit (mjMAXVAL)
 
+// In lower case.
+std::string Ending(const std::string& path) {
+  std::string ending = std::filesystem::path(path).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return ending;
+}
+
 void CheckFile(const std::string& path) {
   std::error_code ec;
   if (!std::filesystem::exists(path, ec)) throw Error(path + ": no such file");
   if (!std::filesystem::is_regular_file(path, ec)) throw Error(path + ": is not a file");
   if (std::filesystem::file_size(path, ec) == 0) throw Error(path + ": the file is empty");
-  if (!std::ifstream(path, std::ios::binary)) throw Error(path + ": cannot be read");
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw Error(path + ": cannot be read");
+  if (Ending(path) != ".ply") return;
+  // assimp 5.2 looks for the end of a PLY header for ever.
+  for (std::string line; line.rfind("end_header", 0) != 0;) {
+    if (!std::getline(stream, line)) throw Error(path + ": the header does not end");
+  }
 }
 
 struct Part {
@@ -53,11 +67,8 @@ void CollectParts(const aiScene& scene, const aiNode& node, const Eigen::Affine3
 
 // assimp turns 3ds files by this, from z up to y up.
 Eigen::Affine3d AxesOfFile(const std::string& path) {
-  std::string ending = std::filesystem::path(path).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
   Eigen::Affine3d turn = Eigen::Affine3d::Identity();
-  if (ending == ".3ds") turn.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  if (Ending(path) == ".3ds") turn.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
   return turn;
 }
 
@@ -70,8 +81,15 @@ Size SizeOf(const std::vector<Part>& parts) {
   return size;
 }
 
+// A mesh of its own type, because GCC 12 drops the rounding from (double)(float)x in vectorized
+// code.
+struct FloatMesh {
+  Eigen::Matrix3Xf vertices;
+  Eigen::Matrix3Xi triangles;
+};
+
 // Fills the columns after the first `begin.vertices` and `begin.triangles`.
-void FillPart(const Part& part, const std::string& path, Size begin, TriangleMesh* mesh) {
+void FillPart(const Part& part, const std::string& path, Size begin, FloatMesh* mesh) {
   const aiMesh& source = *part.mesh;
   const bool mirrored = part.pose.linear().determinant() < 0.0;
   for (unsigned i = 0; i < source.mNumVertices; ++i) {
@@ -81,8 +99,7 @@ void FillPart(const Part& part, const std::string& path, Size begin, TriangleMes
     if (p.cwiseAbs().maxCoeff() > kMaxCoordinate) {
       throw Error(path + ": a coordinate is beyond 1e10 m");
     }
-    mesh->vertices.col(static_cast<Eigen::Index>(begin.vertices + i)) =
-        p.cast<float>().cast<double>();
+    mesh->vertices.col(static_cast<Eigen::Index>(begin.vertices + i)) = p.cast<float>();
   }
   for (unsigned i = 0; i < source.mNumFaces; ++i) {
     const aiFace& face = source.mFaces[i];
@@ -123,14 +140,14 @@ TriangleMesh ReadMeshFile(const std::string& path, double scale) {
     throw Error(path + ": has " + std::to_string(count) + " triangles, more than " +
                 std::to_string(kMaxTriangles));
   }
-  TriangleMesh mesh = {Eigen::Matrix3Xd(3, size.vertices), Eigen::Matrix3Xi(3, size.triangles)};
+  FloatMesh mesh = {Eigen::Matrix3Xf(3, size.vertices), Eigen::Matrix3Xi(3, size.triangles)};
   Size filled;
   for (const Part& part : parts) {
     FillPart(part, path, filled, &mesh);
     filled.vertices += part.mesh->mNumVertices;
     filled.triangles += part.mesh->mNumFaces;
   }
-  return mesh;
+  return {mesh.vertices.cast<double>(), std::move(mesh.triangles)};
 }
 
 }  // namespace mjcf_pdg

@@ -29,7 +29,8 @@ if(MJCF_PDG_BUILD_TESTS)
 
   if(test_sources)
     add_executable(mjcf_pdg_tests ${test_sources})
-    target_link_libraries(mjcf_pdg_tests PRIVATE mjcf_pdg_test_support mjcf_pdg_mesh_import GTest::gtest_main)
+    target_link_libraries(mjcf_pdg_tests PRIVATE mjcf_pdg_test_support mjcf_pdg_mesh_import assimp::assimp
+                          GTest::gtest_main)
     if(TARGET mjcf-pdg)
       add_dependencies(mjcf_pdg_tests mjcf-pdg)
       target_compile_definitions(mjcf_pdg_tests PRIVATE MJCF_PDG_PROGRAM="$<TARGET_FILE:mjcf-pdg>")
