@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "mjcf_pdg/types.h"
+#include "ply_check.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -35,10 +36,8 @@ void CheckFile(const std::string& path) {
   if (std::filesystem::file_size(path, ec) == 0) throw Error(path + ": the file is empty");
   std::ifstream stream(path, std::ios::binary);
   if (!stream) throw Error(path + ": cannot be read");
-  if (Ending(path) != ".ply") return;
-  // assimp 5.2 looks for the end of a PLY header for ever.
-  for (std::string line; line.rfind("end_header", 0) != 0;) {
-    if (!std::getline(stream, line)) throw Error(path + ": the header does not end");
+  if (Ending(path) == ".ply" && !IsWholePly(stream)) {
+    throw Error(path + ": the file ends too early or its header is wrong");
   }
 }
 

@@ -32,7 +32,7 @@ SCENES = {
         "home": (0.25, 0, 0), "arm_in_knot": (0.06, 0, -0.03), "in_the_middle": (-0.05, -0.05, -0.03, 30, 20, 0)}, ""),
     "spoon_box": ("A spoon and a box: the quantitative test of Tang & Kim's Fig. 11.", "spoon", "block", {
         "home": (0, 0, 0.08), "bowl_dips": (0, 0, 0.055), "tilted": (0, 0, 0.05, 0, 15, 0), "deep": (0.02, 0, 0.03)},
-        "For the spoon Izz is ten times Iyy, so that translations across y and the turn about y are all that counts."),
+        "For the spoon Izz is ten times Iyy: translations across y\nand the turn about y are all that counts."),
     "ring_on_post": ("A ring around a post.", "ring", "post", {
         "home": (0, 0, 0.06), "off_centre": (0.035, 0, 0.06), "tilted": (0.015, 0, 0.06, 0, 60, 0)},
         "off_centre: the hole's radius is 40 mm, the post's 20 mm, so 15 mm back is the answer, sigma = 2.25e-4 m^2\n"
