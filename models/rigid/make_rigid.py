@@ -31,7 +31,7 @@ SCENES = {
     "l_shape_torus_knot": ("An L and a torus knot, after Tang & Kim's benchmark.", "l_shape", "torus_knot", {
         "home": (0.25, 0, 0), "arm_in_knot": (0.06, 0, -0.03), "in_the_middle": (-0.05, -0.05, -0.03, 30, 20, 0)}, ""),
     "spoon_box": ("A spoon and a box: the quantitative test of Tang & Kim's Fig. 11.", "spoon", "block", {
-        "home": (0, 0, 0.08), "bowl_dips": (0, 0, 0.055), "tilted": (0, 0, 0.05, 0, 15, 0), "deep": (0.02, 0, 0.03)},
+        "home": (0, 0, 0.08), "bowl_dips": (0, 0, 0.055), "tilted": (0, 0, 0.05, 0, 15, 0), "inside": (0.02, 0, 0.03)},
         "For the spoon Izz is ten times Iyy: translations across y\nand the turn about y are all that counts."),
     "ring_on_post": ("A ring around a post.", "ring", "post", {
         "home": (0, 0, 0.06), "off_centre": (0.035, 0, 0.06), "tilted": (0.015, 0, 0.06, 0, 60, 0)},

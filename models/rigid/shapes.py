@@ -178,7 +178,7 @@ def hammer(n=34):
     return mt.loft([(0.0, [(0.0, 0.0)])] + rings + [(0.275, [(0.0, 0.0)])])
 
 
-def spoon(length=0.12, n=10, k=67):
+def spoon(length=0.126, n=10, k=67):
     """1340 triangles: along y, its bowl towards +y and hollow above; Izz is about ten times Iyy, as in Fig. 11."""
     half_width = [(0, .008), (.10, .012), (.50, .006), (.56, .008), (.66, .024), (.80, .036), (.92, .028), (1, .004)]
     thick = [(0, .003), (.55, .003), (.70, .0022), (1, .0018)]
