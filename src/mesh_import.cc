@@ -3,13 +3,20 @@
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <assimp/Importer.hpp>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -112,10 +119,7 @@ void FillPart(const Part& part, const std::string& path, Size begin, FloatMesh* 
   }
 }
 
-}  // namespace
-
-TriangleMesh ReadMeshFile(const std::string& path, double scale) {
-  CheckFile(path);
+FloatMesh ReadThroughAssimp(const std::string& path, double scale) {
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                               aiPrimitiveType_POINT | aiPrimitiveType_LINE);
@@ -146,7 +150,85 @@ TriangleMesh ReadMeshFile(const std::string& path, double scale) {
     filled.vertices += part.mesh->mNumVertices;
     filled.triangles += part.mesh->mNumFaces;
   }
-  return {mesh.vertices.cast<double>(), std::move(mesh.triangles)};
+  return mesh;
+}
+
+// ---- assimp 5.2 crashes on some damaged files and hangs on others: it gets its own process ----
+
+constexpr rlim_t kMaxSeconds = 60;  // of computing; a million triangles take one or two
+
+void Send(int pipe, const void* data, std::size_t size) {
+  const char* next = static_cast<const char*>(data);
+  for (ssize_t sent = 0; size > 0; next += sent, size -= static_cast<std::size_t>(sent)) {
+    sent = ::write(pipe, next, size);
+    if (sent <= 0) ::_exit(1);
+  }
+}
+
+// The child: sends counts and arrays, or two zeros and what is wrong.
+[[noreturn]] void ReadAndSend(const std::string& path, double scale, int pipe) {
+  const rlimit no_core = {0, 0}, time = {kMaxSeconds, kMaxSeconds};
+  ::setrlimit(RLIMIT_CORE, &no_core);
+  ::setrlimit(RLIMIT_CPU, &time);
+  if (const int nowhere = ::open("/dev/null", O_WRONLY); nowhere >= 0) ::dup2(nowhere, 2);
+  FloatMesh mesh;
+  std::string complaint;
+  try {
+    mesh = ReadThroughAssimp(path, scale);
+  } catch (const Error& e) {
+    complaint = e.what();
+  } catch (const std::exception& e) {
+    complaint = path + ": cannot be read as a mesh: " + e.what();
+  }
+  const std::array<Eigen::Index, 2> counts = {mesh.vertices.cols(), mesh.triangles.cols()};
+  Send(pipe, counts.data(), sizeof counts);
+  Send(pipe, mesh.vertices.data(), sizeof(float) * mesh.vertices.size());
+  Send(pipe, mesh.triangles.data(), sizeof(int) * mesh.triangles.size());
+  Send(pipe, complaint.data(), complaint.size());
+  ::_exit(0);
+}
+
+std::string Receive(int pipe) {
+  std::string bytes;
+  std::array<char, 1 << 16> buffer;
+  for (ssize_t n = 0; (n = ::read(pipe, buffer.data(), buffer.size())) > 0;) {
+    bytes.append(buffer.data(), static_cast<std::size_t>(n));
+  }
+  return bytes;
+}
+
+FloatMesh Unpack(const std::string& bytes) {
+  std::array<Eigen::Index, 2> counts;
+  std::memcpy(counts.data(), bytes.data(), sizeof counts);
+  FloatMesh mesh = {Eigen::Matrix3Xf(3, counts[0]), Eigen::Matrix3Xi(3, counts[1])};
+  if (counts[1] == 0) throw Error(bytes.substr(sizeof counts));
+  const std::size_t vertex_bytes = sizeof(float) * mesh.vertices.size();
+  std::memcpy(mesh.vertices.data(), bytes.data() + sizeof counts, vertex_bytes);
+  std::memcpy(mesh.triangles.data(), bytes.data() + sizeof counts + vertex_bytes,
+              sizeof(int) * mesh.triangles.size());
+  return mesh;
+}
+
+}  // namespace
+
+TriangleMesh ReadMeshFile(const std::string& path, double scale) {
+  CheckFile(path);
+  int ends[2];
+  if (::pipe(ends) != 0) throw std::runtime_error("cannot make a pipe");
+  const pid_t child = ::fork();
+  if (child == 0) ReadAndSend(path, scale, ends[1]);
+  ::close(ends[1]);
+  const std::string bytes = child > 0 ? Receive(ends[0]) : "";
+  ::close(ends[0]);
+  int status = 0;
+  if (child < 0 || ::waitpid(child, &status, 0) != child) {
+    throw std::runtime_error("cannot start a process to read " + path);
+  }
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+    throw Error(path + ": the file is damaged: assimp does not survive it");
+  }
+  const FloatMesh mesh = Unpack(bytes);
+  return {mesh.vertices.cast<double>(), mesh.triangles};
 }
 
 }  // namespace mjcf_pdg

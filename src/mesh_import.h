@@ -15,7 +15,8 @@ namespace mjcf_pdg {
 // are not welded.
 //
 // Throws Error, which names the file: missing, empty, unreadable, no triangles, a coordinate that
-// is not finite or beyond 1e10 m, more than kMaxTriangles.
+// is not finite or beyond 1e10 m, more than kMaxTriangles. assimp runs in a forked process (it does
+// not survive some damaged files): call from a program with one thread.
 TriangleMesh ReadMeshFile(const std::string& path, double scale = 1.0);
 
 inline constexpr int kMaxTriangles = 5'000'000;  // MuJoCo takes about 1 KB for each
