@@ -197,6 +197,16 @@ TEST_F(MeshImportTest, TruncatedFilesAreRefusedOrReadNeverACrash) {
   EXPECT_GT(read, 0);
 }
 
+TEST_F(MeshImportTest, AFileThatCrashesAssimpIsRefusedToo) {
+  std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 1\nproperty list uchar int vertex_index\nend_header\n"
+      "0 0? 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n";
+  ply[ply.find('?')] = '\0';
+  const std::string path = Write("nul.ply", ply);
+  EXPECT_EQ(ErrorOf([&] { ReadMeshFile(path); }).rfind(path, 0), 0u);
+}
+
 TEST_F(MeshImportTest, ABinaryStlThatPromisesTooMuchIsRefused) {
   std::string header(80, ' ');
   const std::uint32_t count = 4'000'000'000u;
