@@ -141,6 +141,12 @@ TEST_F(MeshImportTest, AxesOfAColladaFileStayWhateverItCallsUp) {
   EXPECT_EQ(y_up.vertices, z_up.vertices);
 }
 
+TEST_F(MeshImportTest, AMirroringNodeDoesNotTurnTheSurfaceInsideOut) {
+  Export(CubeMesh(), "glb2",
+         Path("cube.glb"));  // keeps nodes; others write what they do to vertices
+  EXPECT_NEAR(FindSolidProperties(ReadMeshFile(Path("cube.glb"))).volume, 1.0, 1e-6);
+}
+
 TEST_F(MeshImportTest, ScaleMultipliesCoordinates) {
   const std::string path = Write("cube.obj", ObjText(CubeMesh({1000.0, 0.0, 0.0})));
   const SolidProperties solid = FindSolidProperties(Import(path, 0.001));
