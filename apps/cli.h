@@ -20,6 +20,7 @@ struct Verb {
 Verb AddSolveVerb(CLI::App& program);
 Verb AddNormVerb(CLI::App& program);
 Verb AddCheckVerb(CLI::App& program);
+Verb AddImportVerb(CLI::App& program);
 
 }  // namespace mjcf_pdg::app
 

@@ -62,6 +62,23 @@ OutputFiles::~OutputFiles() {
     std::error_code ec;
     if (!output.staged.empty()) fs::remove(output.staged, ec);
   }
+  for (const std::string& folder : new_folders_) {
+    std::error_code ec;
+    fs::remove(folder, ec);
+  }
+}
+
+void OutputFiles::AddFolder(const std::string& flag, const std::string& path) {
+  const std::string complaint = flag + ": " + path;
+  const fs::path target = Resolve(path);
+  std::error_code ec;
+  if (!fs::is_directory(target.parent_path(), ec)) {
+    throw Error(flag + ": " + target.parent_path().string() + ": no such folder");
+  }
+  if (fs::is_directory(target, ec)) return;
+  if (fs::exists(target, ec)) throw Error(complaint + ": is not a folder");
+  if (!fs::create_directory(target, ec)) throw Error(complaint + ": cannot be made");
+  new_folders_.push_back(target.string());
 }
 
 void OutputFiles::Add(const std::string& flag, const std::string& path,
@@ -139,6 +156,7 @@ void OutputFiles::Commit() {
     if (ec) throw std::runtime_error(output.path + ": cannot be written: " + ec.message());
     output.staged.clear();
   }
+  new_folders_.clear();
   for (const Output& output : outputs_) {
     if (output.path == "-") {
       WriteStdout(output.stream_content);

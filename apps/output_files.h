@@ -16,6 +16,8 @@ class OutputFiles {
   OutputFiles(const OutputFiles&) = delete;
   OutputFiles& operator=(const OutputFiles&) = delete;
 
+  // For outputs that are added later. Made if there is none, and then gone again without Commit.
+  void AddFolder(const std::string& flag, const std::string& path);
   // Throws Error if `path` cannot be written, is one of `inputs`, or was added before. An empty
   // path is ignored. "-" is stdout.
   void Add(const std::string& flag, const std::string& path,
@@ -41,6 +43,7 @@ class OutputFiles {
   Output& Find(const std::string& path);
 
   std::vector<Output> outputs_;
+  std::vector<std::string> new_folders_;  // absolute
 };
 
 }  // namespace mjcf_pdg::app

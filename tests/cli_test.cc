@@ -41,7 +41,7 @@ std::string Rows(int n) {
 }
 
 TEST_F(CliTest, EveryVerbHasHelpAndVersion) {
-  for (const Arguments& verb : {Arguments{}, {"solve"}, {"norm"}, {"check"}}) {
+  for (const Arguments& verb : {Arguments{}, {"solve"}, {"norm"}, {"check"}, {"import"}}) {
     for (const std::string flag : {"--help", "--version"}) {
       Arguments arguments = verb;
       arguments.push_back(flag);

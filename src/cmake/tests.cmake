@@ -17,6 +17,17 @@ target_include_directories(mjcf_pdg_test_support ${scope} . tests src)
 target_link_libraries(mjcf_pdg_test_support ${scope} mjcf_pdg mjcf_pdg_flags Eigen3::Eigen)
 target_compile_definitions(mjcf_pdg_test_support ${scope} MJCF_PDG_MODEL_DIR="${PROJECT_SOURCE_DIR}/models")
 
+# Models too big to keep: made by their generator.
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
+set(big_model_dir "${PROJECT_BINARY_DIR}/models/rigid")
+add_custom_command(OUTPUT "${big_model_dir}/bunny_dragon.xml"
+  COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/models/rigid/make_rigid.py" "${big_model_dir}"
+  DEPENDS models/rigid/make_rigid.py models/rigid/shapes.py models/mesh_tools.py models/scene_tools.py
+  COMMENT "Making big models")
+add_custom_target(mjcf_pdg_big_models DEPENDS "${big_model_dir}/bunny_dragon.xml")
+add_dependencies(mjcf_pdg_test_support mjcf_pdg_big_models)
+target_compile_definitions(mjcf_pdg_test_support ${scope} MJCF_PDG_BIG_MODEL_DIR="${big_model_dir}")
+
 if(MJCF_PDG_BUILD_TESTS)
   enable_testing()
   find_package(GTest)
@@ -29,7 +40,8 @@ if(MJCF_PDG_BUILD_TESTS)
 
   if(test_sources)
     add_executable(mjcf_pdg_tests ${test_sources})
-    target_link_libraries(mjcf_pdg_tests PRIVATE mjcf_pdg_test_support GTest::gtest_main)
+    target_link_libraries(mjcf_pdg_tests PRIVATE mjcf_pdg_test_support mjcf_pdg_mesh_import assimp::assimp
+                          GTest::gtest_main)
     if(TARGET mjcf-pdg)
       add_dependencies(mjcf_pdg_tests mjcf-pdg)
       target_compile_definitions(mjcf_pdg_tests PRIVATE MJCF_PDG_PROGRAM="$<TARGET_FILE:mjcf-pdg>")
