@@ -50,6 +50,7 @@ Verb AddCheckVerb(CLI::App& program) {
   AddModel(*command, arguments->scene);
   AddWhich(*command, arguments->which);
   AddMovable(*command, arguments->scene);
+  AddExactMesh(*command, arguments->scene);
   AddRest(*command, arguments->options);
   AddTolerance(*command, arguments->options);
   AddJson(*command, arguments->json);

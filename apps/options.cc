@@ -122,6 +122,11 @@ void AddRoot(CLI::App& command, SceneArguments& arguments) {
       ->type_name("BODY");
 }
 
+void AddExactMesh(CLI::App& command, SceneArguments& arguments) {
+  command.add_flag("--exact-mesh", arguments.options.exact_mesh,
+                   "meshes collide as their triangles: those the model marks, or all");
+}
+
 void AddMetric(CLI::App& command, Metric& metric) {
   AddChoice<Metric>(command, "--metric",
                     {{"sequential", Metric::kSequential}, {"displacement", Metric::kDisplacement}},

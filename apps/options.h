@@ -41,6 +41,7 @@ CLI::Option* AddPath(CLI::App& command, const std::string& flag, const std::stri
 void AddModel(CLI::App& command, SceneArguments& arguments);    // MODEL
 void AddMovable(CLI::App& command, SceneArguments& arguments);  // --movable
 void AddRoot(CLI::App& command, SceneArguments& arguments);     // --root
+void AddExactMesh(CLI::App& command, SceneArguments& arguments);  // --exact-mesh
 void AddMetric(CLI::App& command, Metric& metric);              // --metric
 void AddMethod(CLI::App& command, Method& method);              // --method
 void AddEffort(CLI::App& command, Effort& effort);              // --effort

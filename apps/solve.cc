@@ -39,6 +39,7 @@ void AddFlags(CLI::App& command, SolveArguments& arguments) {
                    "rows are frames of one motion: each starts from earlier answers too");
   AddMovable(command, arguments.scene);
   AddRoot(command, arguments.scene);
+  AddExactMesh(command, arguments.scene);
   AddRest(command, arguments.options);
   AddMetric(command, arguments.options.metric);
   AddTolerance(command, arguments.options);

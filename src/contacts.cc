@@ -36,12 +36,17 @@ double SphereAbovePlane(const mjModel& m, const mjData& d, int plane, int geom) 
          m.geom_rbound[geom];
 }
 
+NearPair ToNearPair(int pair, const SignedGap& gap) {
+  return {pair, gap.distance, gap.p1, gap.p2, gap.n};
+}
+
 }  // namespace
 
 ContactFinder::ContactFinder(const SceneTables& tables)
     : tables_(tables),
       model_(tables.query_model),
       posed_(&model_),
+      exact_(tables),
       centers_W_(tables.body_spheres.size()) {
   near_.reserve(64);
 }
@@ -59,7 +64,14 @@ const std::vector<NearPair>& ContactFinder::Find(double margin) {
     if (!BodiesNear(bodies, margin)) continue;
     for (int pair = bodies.begin; pair < bodies.end; ++pair) {
       if (DistanceBound(pair) > margin) continue;
-      if (Distance(pair, margin, near)) near_.push_back(near);
+      const KeptPair& kept = tables_.pairs[pair];
+      if (!kept.exact) {
+        if (Distance(pair, margin, near)) near_.push_back(near);
+      } else if (BoundsNear(kept, margin)) {
+        features_.clear();
+        exact_.Features(posed_, pair, margin, features_);
+        for (const SignedGap& gap : features_) near_.push_back(ToNearPair(pair, gap));
+      }
     }
   }
   if (tables_.has_contact_only_pairs) FindContactOnly(margin);
@@ -100,20 +112,18 @@ bool ContactFinder::BoxesNear(int geom1, int geom2, double margin) const {
   return gap1.maxCoeff() <= margin && gap2.maxCoeff() <= margin;
 }
 
+bool ContactFinder::BoundsNear(const KeptPair& kept, double margin) const {
+  return model_.geom_type[kept.geom1] == mjGEOM_PLANE || BoxesNear(kept.geom1, kept.geom2, margin);
+}
+
 bool ContactFinder::Distance(int pair, double cutoff, NearPair& near) {
   const KeptPair& kept = tables_.pairs[pair];
-  if (!kept.has_distance) return false;
-  if (model_.geom_type[kept.geom1] != mjGEOM_PLANE && !BoxesNear(kept.geom1, kept.geom2, cutoff)) {
-    return false;
-  }
+  if (!kept.has_distance || !BoundsNear(kept, cutoff)) return false;
   SignedGap gap;
-  if (!GeomGap(kept.geom1, kept.geom2, cutoff, gap)) return false;
-  near.pair = pair;
-  near.distance = gap.distance;
-  near.p1_W = gap.p1;
-  near.p2_W = gap.p2;
-  near.n_W = gap.n;
-  return true;
+  const bool found = kept.exact ? exact_.Distance(posed_, pair, cutoff, gap)
+                                : GeomGap(kept.geom1, kept.geom2, cutoff, gap);
+  if (found) near = ToNearPair(pair, gap);
+  return found;
 }
 
 bool ContactFinder::GeomGap(int geom1, int geom2, double cutoff, SignedGap& gap) {
