@@ -35,20 +35,20 @@ FieldValue CylinderAt(const Vector3d& x, double radius, double half) {
 
 // In the first octant with descending half sizes e: the nearest surface point.
 Vector3d NearestOnEllipsoid(const Vector3d& e, const Vector3d& y) {
-  constexpr int kBisections = 200;
+  constexpr int kMaxSteps = 100;
   const Vector3d z = y.cwiseQuotient(e);
   if (y.z() > 0.0) {  // the root of Σ (r_i z_i / (s + r_i))² = 1 in the least half size's units
     const Vector3d r(std::pow(e.x() / e.z(), 2), std::pow(e.y() / e.z(), 2), 1.0);
-    auto g = [&](double s) {
-      return (r.cwiseProduct(z).array() / (s + r.array())).square().sum() - 1.0;
-    };
-    double low = z.z() - 1.0, high = g(0.0) < 0.0 ? 0.0 : r.cwiseProduct(z).norm() - 1.0;
-    for (int i = 0; i < kBisections; ++i) {
-      const double middle = 0.5 * (low + high);
-      if (middle == low || middle == high) break;
-      (g(middle) > 0.0 ? low : high) = middle;
+    // Convex and falling: Newton's steps from where one term alone is 1 never pass the root.
+    double s = (r.cwiseProduct(z) - r).maxCoeff();
+    for (int i = 0; i < kMaxSteps; ++i) {
+      const Eigen::Array3d quotient = r.cwiseProduct(z).array() / (s + r.array());
+      const double value = quotient.square().sum() - 1.0;
+      const double slope = -2.0 * (quotient.square() / (s + r.array())).sum();
+      const double next = s - value / slope;
+      if (!(next > s)) break;
+      s = next;
     }
-    const double s = 0.5 * (low + high);
     return (r.cwiseProduct(y).array() / (s + r.array())).matrix();
   }
   // On the plane of symmetry across the shortest axis: the nearest point may leave that plane.

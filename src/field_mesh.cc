@@ -15,6 +15,7 @@ constexpr double kSameDirection = 0.999;  // cosine; nearer ones are merged
 constexpr int kMaxPatches = 32, kMaxQueries = 128;
 constexpr double kPatchPerMargin = 0.5, kPatchPerSize = 0.25;
 constexpr int kAscents = 3;
+constexpr double kBeyond = 1e-3;  // a surface this near counts as met (2e-7 m)
 
 struct Patch {
   FieldNearest nearest;
@@ -118,8 +119,11 @@ void FieldMesh::Patches(double margin, double patch, const FieldNearest& first,
       continue;
     }
     for (const int child : {mesh_.LeftChild(part.node), mesh_.RightChild(part.node)}) {
-      const FieldNearest nearest = Below(child, margin, -1);
-      ++queries;
+      FieldNearest nearest = part.nearest;
+      if (!mesh_.Holds(child, nearest.triangle)) {
+        nearest = Below(child, margin, -1);
+        ++queries;
+      }
       if (nearest.triangle >= 0) parts.push({nearest, child});
     }
   }
@@ -133,7 +137,7 @@ void FieldMesh::Features(double margin, const FieldNearest& first,
   const std::size_t begin = out.size();
   for (const FieldNearest& nearest : found) {  // nearest first
     if (out.size() - begin >= static_cast<std::size_t>(SolidPair::kMaxFeatures)) break;
-    if (nearest.f <= 0.0 && out.size() > begin) continue;
+    if (nearest.f <= 0.0 && !out.empty()) continue;  // an overlap, told already
     const SignedGap gap = Gap(nearest);
     auto same = [&](const SignedGap& other) {
       return other.n.dot(gap.n) > kSameDirection && (other.p2 - gap.p2).norm() < 0.5 * patch;
@@ -143,8 +147,19 @@ void FieldMesh::Features(double margin, const FieldNearest& first,
   }
 }
 
-// From the primitive's farthest point against an outward normal of the mesh, towards deeper ones.
-void FieldMesh::AppendWayFromWithin(Vector3d outward, std::vector<WayOut>& ways) const {
+// From the primitive's farthest point against an outward normal of the mesh at p: straight out
+// through p's tangent plane, if the way is inside the mesh up to there; then towards deeper points.
+void FieldMesh::AppendWayFromWithin(const Vector3d& p, Vector3d outward,
+                                    std::vector<WayOut>& ways) const {
+  const Vector3d start = pose_.Inverse() * field_.Support(pose_.R * -outward);
+  const double straight = outward.dot(p - start);
+  std::vector<double> crossings;
+  mesh_.Crossings(start, start + (straight + kBeyond) * outward, crossings);
+  const bool clear = !crossings.empty() &&
+                     crossings.front() * (straight + kBeyond) >= straight - kBeyond;
+  if (straight > kAccuracy && clear && mesh_.Contains(start)) {
+    ways.push_back({{-straight, start, start + straight * outward, -outward}, true});
+  }
   WayOut best;
   for (int k = 0; k < kAscents; ++k) {
     const Vector3d y = pose_.Inverse() * field_.Support(pose_.R * -outward);
@@ -175,14 +190,16 @@ void FieldMesh::AppendOverlaps(std::vector<SignedGap>& out) const {
     if (round && nearest.f + field_.size[0] < kAccuracy) way.faces_apart = false;
     ways.push_back(way);
     if (!mesh_.closed() || field_.type == mjGEOM_PLANE) continue;
-    AppendWayFromWithin(mesh_.Normal(nearest.triangle), ways);
+    AppendWayFromWithin(nearest.x, mesh_.Normal(nearest.triangle), ways);
   }
   if (mesh_.closed() && field_.type != mjGEOM_PLANE) {
     const Vector3d center = pose_.Inverse() * Vector3d::Zero();
     const SurfacePoint nearest = mesh_.Nearest(center);
     const bool inside = mesh_.Contains(center);
     const Vector3d out_of_mesh = (nearest.p - center) * (inside ? 1.0 : -1.0);
-    if (nearest.distance > kAccuracy) AppendWayFromWithin(out_of_mesh.normalized(), ways);
+    if (nearest.distance > kAccuracy) {
+      AppendWayFromWithin(nearest.p, out_of_mesh.normalized(), ways);
+    }
   }
   AppendDeepest(ways, patch, out);
 }

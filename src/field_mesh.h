@@ -52,7 +52,7 @@ class FieldMesh {
   void Patches(double margin, double patch, const FieldNearest& first,
                std::vector<FieldNearest>& out) const;
   double PatchSize(double margin) const;
-  void AppendWayFromWithin(Vector3d outward, std::vector<WayOut>& ways) const;
+  void AppendWayFromWithin(const Vector3d& p, Vector3d outward, std::vector<WayOut>& ways) const;
 
   const ConvexField field_;
   const Solid& mesh_;

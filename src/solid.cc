@@ -167,6 +167,10 @@ void Solid::BuildTree() {
   }
   tree_.addSubModel(points, faces);
   tree_.endModel();
+  places_.resize(num_triangles());
+  for (int node = 0; node < tree_.getNumBVs(); ++node) {
+    if (IsLeaf(node)) places_[TriangleOf(node)] = tree_.getBV(node).first_primitive;
+  }
 }
 
 SurfacePoint Solid::Nearest(const Vector3d& x, double cutoff) const {

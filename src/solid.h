@@ -59,6 +59,10 @@ class Solid {
   int LeftChild(int node) const { return tree_.getBV(node).leftChild(); }
   int RightChild(int node) const { return tree_.getBV(node).rightChild(); }
   int TriangleOf(int leaf) const { return tree_.getBV(leaf).primitiveId(); }
+  bool Holds(int node, int triangle) const {
+    const int place = places_[triangle] - tree_.getBV(node).first_primitive;
+    return place >= 0 && place < tree_.getBV(node).num_primitives;
+  }
   double HalfDiagonal(int node) const { return BoxOf(node).obb.extent.norm(); }
 
   // The nearest surface point, if it is nearer than `cutoff`; else triangle is -1 and the distance
@@ -93,6 +97,7 @@ class Solid {
   double radius_ = 0.0;
   int open_edges_ = 0;
   fcl::BVHModel<Bv> tree_;
+  std::vector<int> places_;  // of triangles, in the order of the tree's leaves
 };
 
 // The point of the triangle a, b, c nearest to x. Source: Ericson, Real-Time Collision Detection,

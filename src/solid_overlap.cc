@@ -10,6 +10,7 @@ namespace {
 constexpr double kNoDepth = 1e-7;      // depths below this have no direction (2e-11 m)
 constexpr double kDeepEnough = 1.1;    // stop when nothing is deeper than this factor
 constexpr int kMaxNodes = 400;         // looked at in each direction
+constexpr double kShallow = 1e-3;      // of the smaller mesh's radius
 constexpr int kMaxWays = 8;            // rows of one overlap
 constexpr double kSameDirection = 0.9;
 
@@ -128,26 +129,24 @@ void AppendWays(const SolidPair& pair, bool of_a, std::vector<WayOut>& ways) {
   }
 }
 
-// Closed meshes whose surfaces coincide: a point below one's surface may be inside both.
-bool AppendCommonPoint(const SolidPair& pair, std::vector<SignedGap>& out) {
-  const NearestTriangles near = pair.Nearest(SolidPair::kTouching);
-  if (near.a < 0 || !pair.a().closed() || !pair.b().closed()) return false;
+// Where the surfaces coincide, or nearly, their points say little: a point below one's surface may
+// be deep inside both.
+void AppendCommonPoint(const SolidPair& pair, std::vector<WayOut>& ways) {
+  if (!pair.a().closed() || !pair.b().closed()) return;
+  const NearestTriangles near = pair.Nearest(std::numeric_limits<double>::infinity());
   const Vector3d middle =
       (pair.a().Corner(near.a, 0) + pair.a().Corner(near.a, 1) + pair.a().Corner(near.a, 2)) / 3.0;
   const RelativePose a_in_b = pair.pose().Inverse();
-  SignedGap gap;
+  double deepest = kNoDepth;
   for (double h = pair.a().radius(); h > kNoDepth; h *= 0.25) {
     const Vector3d x = middle - h * pair.a().Normal(near.a);
     if (!pair.a().Contains(x) || !pair.b().Contains(a_in_b * x)) continue;
     const SurfacePoint way_out = pair.b().Nearest(a_in_b * x);
-    const double depth = std::min(way_out.distance, pair.a().Nearest(x).distance);
-    if (depth <= std::max(kNoDepth, -gap.distance)) continue;
+    if (way_out.distance <= deepest) continue;
+    deepest = way_out.distance;
     const Vector3d p = pair.pose() * way_out.p;
-    gap = {-way_out.distance, x, p, (x - p) / way_out.distance};
+    ways.push_back({{-deepest, x, p, (x - p) / deepest}, true});
   }
-  if (gap.distance == 0.0) return false;
-  out.push_back(gap);
-  return true;
 }
 
 // What is known of two triangles alone.
@@ -200,12 +199,14 @@ void AppendOverlaps(const SolidPair& pair, std::vector<SignedGap>& out) {
   std::vector<WayOut> ways;
   AppendWays(pair, true, ways);
   AppendWays(pair, false, ways);
+  const double size = std::min(pair.a().radius(), pair.b().radius());
+  auto deep = [size](const WayOut& way) { return -way.gap.distance > kShallow * size; };
+  if (std::none_of(ways.begin(), ways.end(), deep)) AppendCommonPoint(pair, ways);
   if (ways.empty()) {
-    if (AppendCommonPoint(pair, out)) return;
     out.push_back(TriangleSized(pair));
     return;
   }
-  AppendDeepest(ways, 0.25 * std::min(pair.a().radius(), pair.b().radius()), out);
+  AppendDeepest(ways, 0.25 * size, out);
 }
 
 double TriangleOverlap(const Vector3d first[3], const Vector3d second[3], Vector3d& n) {

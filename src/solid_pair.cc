@@ -90,7 +90,7 @@ Vector3d SolidPair::Normal(const NearestTriangles& near) const {
   return -(pose_.R * b_.Normal(near.b));
 }
 
-// Splits the nearest part first.
+// Splits the nearest part first; one child inherits its answer.
 void SolidPair::PatchesOf(bool of_a, double margin, double patch, const NearestTriangles& first,
                           std::vector<NearestTriangles>& out) const {
   const Solid& solid = of_a ? a_ : b_;
@@ -108,9 +108,11 @@ void SolidPair::PatchesOf(bool of_a, double margin, double patch, const NearestT
       continue;
     }
     for (const int child : {solid.LeftChild(part.node), solid.RightChild(part.node)}) {
-      const NearestTriangles near =
-          of_a ? Nearest(child, 0, margin, nullptr) : Nearest(0, child, margin, nullptr);
-      ++queries;
+      NearestTriangles near = part.near;
+      if (!solid.Holds(child, of_a ? near.a : near.b)) {
+        near = of_a ? Nearest(child, 0, margin, nullptr) : Nearest(0, child, margin, nullptr);
+        ++queries;
+      }
       if (near.a >= 0) parts.push({near, child});
     }
   }

@@ -10,17 +10,18 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Σ (a_i x_i / (a_i² + t))² = 1 has one root above -min a_i²; the nearest point follows from it.
+// Σ (a_i x_i / (a_i² - min a² + s))² = 1 has one root s > 0; the nearest point follows from it.
 double EllipsoidDistance(const Vector3d& size, Vector3d x) {
   x = x.cwiseAbs() + 1e-13 * size;  // off the planes of symmetry
-  auto nearest = [&](double t) {
-    return Vector3d(
-        (size.array().square() * x.array() / (size.array().square() + t)).matrix());
+  const double least = size.minCoeff();
+  const Eigen::Array3d above = (size.array() - least) * (size.array() + least);
+  auto nearest = [&](double s) {
+    return Vector3d((size.array().square() * x.array() / (above + s)).matrix());
   };
-  double low = -std::pow(size.minCoeff(), 2), high = size.maxCoeff() * x.norm();
+  double low = 0.0, high = least * least + size.maxCoeff() * x.norm();
   for (int i = 0; i < 120; ++i) {
-    const double t = 0.5 * (low + high);
-    (nearest(t).cwiseQuotient(size).squaredNorm() > 1.0 ? low : high) = t;
+    const double s = 0.5 * (low + high);
+    (nearest(s).cwiseQuotient(size).squaredNorm() > 1.0 ? low : high) = s;
   }
   const double distance = (x - nearest(high)).norm();
   return x.cwiseQuotient(size).squaredNorm() < 1.0 ? -distance : distance;

@@ -82,11 +82,12 @@ TEST(ConvexFieldTest, MinimaOnTrianglesAreThoseOfAnotherMethod) {
       Vector3d x;
       const double expected = RoundDistanceOnTriangle(type, field.size, corners, x);
       const FieldMinimum least = MinimumOnTriangle(field, corners, 1e9, 1e-9);
-      EXPECT_NEAR(least.f, expected, 2e-8) << test::TypeName(type) << " " << i;
+      EXPECT_LE(least.f, expected + 1e-8) << test::TypeName(type) << " " << i;
+      EXPECT_GE(least.f, expected - 1e-7) << test::TypeName(type) << " " << i;
       EXPECT_NEAR(field.At(least.x).f, least.f, 1e-12);
       // A cutoff below the minimum is certain, one above changes nothing.
       EXPECT_EQ(MinimumOnTriangle(field, corners, expected - 1e-6, 1e-9).f, expected - 1e-6);
-      EXPECT_NEAR(MinimumOnTriangle(field, corners, expected + 1e-3, 1e-9).f, expected, 2e-8);
+      EXPECT_NEAR(MinimumOnTriangle(field, corners, expected + 1e-3, 1e-9).f, least.f, 1e-8);
       below += expected < 0.0;
     }
     EXPECT_GT(below, 20) << test::TypeName(type);
