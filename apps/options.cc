@@ -85,6 +85,12 @@ CLI::Option* AddPath(CLI::App& command, const std::string& flag, const std::stri
   return command.add_option_function<std::string>(flag, set, help)->type_name("FILE");
 }
 
+Scene LoadScene(const SceneArguments& arguments) {
+  Scene scene = Scene::FromFile(arguments.model, arguments.options);
+  for (const std::string& warning : scene.Warnings()) WriteWarning(warning);
+  return scene;
+}
+
 void AddModel(CLI::App& command, SceneArguments& arguments) {
   AddPath(command, "MODEL", "MJCF (.xml) or compiled model (.mjb)", arguments.model)->required();
 }

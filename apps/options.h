@@ -38,6 +38,9 @@ CLI::Option* AddInteger(CLI::App& command, const NumberFlag& flag, unsigned long
 CLI::Option* AddPath(CLI::App& command, const std::string& flag, const std::string& help,
                      std::string& target);
 
+// The scene that was asked for; its warnings go to stderr.
+Scene LoadScene(const SceneArguments& arguments);
+
 void AddModel(CLI::App& command, SceneArguments& arguments);    // MODEL
 void AddMovable(CLI::App& command, SceneArguments& arguments);  // --movable
 void AddRoot(CLI::App& command, SceneArguments& arguments);     // --root

@@ -195,6 +195,11 @@ int Scene::nq() const { return static_cast<int>(tables_->model->nq); }
 int Scene::dof() const { return tables_->n; }
 int Scene::num_kept_pairs() const { return static_cast<int>(tables_->pairs.size()); }
 
+bool Scene::HasExactMeshes() const {
+  return std::any_of(tables_->pairs.begin(), tables_->pairs.end(),
+                     [](const KeptPair& pair) { return pair.exact; });
+}
+
 std::string Scene::GeomName(int geom) const { return NameOrId(model(), mjOBJ_GEOM, geom); }
 std::string Scene::JointName(int joint) const { return NameOrId(model(), mjOBJ_JOINT, joint); }
 std::string Scene::BodyName(int body) const { return NameOrId(model(), mjOBJ_BODY, body); }

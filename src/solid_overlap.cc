@@ -75,6 +75,7 @@ class DepthSearch {
       x[k] = pose_ * from_.Corner(triangle, k);
       AskPoint(x[k], triangle);
     }
+    AskPoint((x[0] + x[1] + x[2]) / 3.0, triangle);
     for (int k = 0; k < 3; ++k) AskEdge(x[k], x[(k + 1) % 3], triangle);
   }
 

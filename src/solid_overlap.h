@@ -1,8 +1,9 @@
 // How deep two triangle meshes overlap, as rows for a contact matrix.
 //
 // Definition. A point of one surface inside the other mesh has as depth its distance from that
-// other surface. Asked are the vertices and, of every edge, the middles of its parts inside: where
-// two closed polyhedra overlap one of these is inside, so the depth is never 0 there. `depth` is
+// other surface. Asked are the vertices, the triangles' middles and, of every edge, the middles of
+// its parts inside: where two closed polyhedra overlap one of these is inside, unless they coincide,
+// so the depth is never 0 there. `depth` is
 // the largest one found by branch and bound (a point's depth changes no faster than the point
 // moves), within a budget of nodes and 10 %. The direction is that of the shortest way out. This is
 // the two-sided Hausdorff depth on vertices and edges (Tang, Lee, Kim: Interactive Hausdorff

@@ -258,7 +258,9 @@ double ExactVerifier::Deepest(const Asked& asked, int vertices) const {
     const Shape& target = of_first ? *asked.second : *asked.first;
     std::vector<Vector3d> points = source.pieces;
     for (int k = 0; k < vertices; ++k) {
-      points.push_back(source.triangles[k * source.triangles.size() / vertices][0]);
+      const auto& t = source.triangles[k * source.triangles.size() / vertices];
+      points.push_back(t[0]);
+      points.push_back((t[0] + t[1] + t[2]) / 3.0);
     }
     for (const Vector3d& p : points) {
       const Vector3d p_W = asked.Origin(from) + asked.R(from) * p;
@@ -269,6 +271,38 @@ double ExactVerifier::Deepest(const Asked& asked, int vertices) const {
       deepest = -depth;
       const Vector3d exit_W = p_W + depth * (asked.R(in) * out);
       of_first ? asked.Witness(p_W, exit_W) : asked.Witness(exit_W, p_W);
+    }
+  }
+  return deepest;
+}
+
+// Surfaces that coincide do not cross: some points a little below them may be inside both bodies.
+// Returns the depth of the deepest, negative [m]; a ball of that radius is inside both.
+double ExactVerifier::CommonPoint(const Asked& asked) const {
+  constexpr int kTriangles = 20;
+  double deepest = 0.0;
+  for (const bool of_first : {true, false}) {
+    const int from = of_first ? asked.pair.geom1 : asked.pair.geom2;
+    const int in = of_first ? asked.pair.geom2 : asked.pair.geom1;
+    const Shape& source = of_first ? *asked.first : *asked.second;
+    const Shape& target = of_first ? *asked.second : *asked.first;
+    const std::size_t stride = 1 + source.triangles.size() / kTriangles;
+    for (std::size_t k = 0; k < source.triangles.size(); k += stride) {
+      const auto& t = source.triangles[k];
+      const Vector3d n = (t[1] - t[0]).cross(t[2] - t[0]).normalized();
+      for (const double h : {1e-2, -1e-2, 1e-3, -1e-3, 1e-4, -1e-4}) {
+        const Vector3d x = (t[0] + t[1] + t[2]) / 3.0 - h * n;
+        Vector3d out;
+        const double own = source.DepthOf(asked.posed, from, x, out);
+        if (own <= -deepest) continue;
+        const Vector3d x_W = asked.Origin(from) + asked.R(from) * x;
+        const Vector3d there = asked.R(in).transpose() * (x_W - asked.Origin(in));
+        const double depth = std::min(own, target.DepthOf(asked.posed, in, there, out));
+        if (depth <= -deepest) continue;
+        deepest = -depth;
+        const Vector3d exit_W = x_W + depth * (asked.R(in) * out);
+        of_first ? asked.Witness(x_W, exit_W) : asked.Witness(exit_W, x_W);
+      }
     }
   }
   return deepest;
@@ -305,6 +339,8 @@ double ExactVerifier::SolidDistance(const Asked& asked, double cutoff) const {
     std::copy(asked.fromto, asked.fromto + 6, by_triangles);
     const double deepest = Deepest(asked, kAskedInside);
     if (deepest < -overlap) return deepest;
+    const double common = CommonPoint(asked);
+    if (common < -overlap) return common;
     std::copy(by_triangles, by_triangles + 6, asked.fromto);
     return -overlap;
   }

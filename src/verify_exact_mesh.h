@@ -34,6 +34,7 @@ class ExactVerifier {
   double SolidDistance(const Asked& asked, double cutoff) const;
   double RoundDistance(const Asked& asked, double cutoff) const;
   double Deepest(const Asked& asked, int vertices) const;
+  double CommonPoint(const Asked& asked) const;
 
   std::vector<std::shared_ptr<const Shape>> shapes_;  // ngeom
 };

@@ -49,5 +49,129 @@ TEST_F(ExactMeshSolveTest, ConvexMeshesComeOutAsTheirHullsDo) {
   EXPECT_LE(far, overlapping / 10);
 }
 
+std::string SceneXml(const std::string& assets, const std::string& world, const std::string& body) {
+  return "<mujoco><asset>" + assets + "</asset><worldbody>" + world +
+         "<body name='b1'><freejoint/><inertial pos='0 0 0' mass='1' diaginertia='.01 .01 .01'/>" +
+         body + "</body></worldbody></mujoco>";
+}
+
+std::vector<double> At(const Vector3d& p, const Eigen::Quaterniond& turn = {1, 0, 0, 0}) {
+  return {p.x(), p.y(), p.z(), turn.w(), turn.x(), turn.y(), turn.z()};
+}
+
+const Method kMethods[] = {Method::kAuto, Method::kPaper};
+
+// The ring hangs on the post, 5 mm into it: it has to move by no more, and stays on the post.
+TEST_F(ExactMeshSolveTest, ARingStaysOnItsPost) {
+  const Scene scene = Scene::FromString(
+      SceneXml(test::MeshXml("ring", test::Torus(0.1, 0.02, 48, 16)),
+               "<geom name='post' type='capsule' size='0.05 0.3'/>",
+               "<geom name='ring' type='mesh' mesh='ring'/>"),
+      Exact());
+  for (const Method method : kMethods) {
+    Options options;
+    options.method = method;
+    const Result result = Solver(scene, options).Solve(At({0.035, 0.0, 0.0}));
+    ASSERT_EQ(result.status, Status::kSolved) << result.reason;
+    EXPECT_TRUE(Verify(scene, result.q).free);
+    EXPECT_LT(std::sqrt(result.sigma), method == Method::kAuto ? 0.0052 : 1.0);
+    EXPECT_GT(std::sqrt(result.sigma), 0.001);
+    EXPECT_LE(result.sigma_lower_bound, result.sigma);
+    EXPECT_TRUE(result.certified);
+  }
+  EXPECT_EQ(Solver(scene).Solve(At({0.01, 0.0, 0.0})).status, Status::kAlreadyFree);
+  const Scene hull = Scene::FromString(
+      SceneXml(test::MeshXml("ring", test::Torus(0.1, 0.02, 48, 16)),
+               "<geom name='post' type='capsule' size='0.05 0.3'/>",
+               "<geom name='ring' type='mesh' mesh='ring'/>"));
+  EXPECT_GT(std::sqrt(Solver(hull).Solve(At({0.01, 0.0, 0.0})).sigma), 0.05);
+}
+
+TEST_F(ExactMeshSolveTest, APegIsCentredInItsHole) {
+  const MeshShape block =
+      test::Revolution({{0.05, -0.1}, {0.15, -0.1}, {0.15, 0.1}, {0.05, 0.1}}, 48);
+  for (const char* peg : {"type='cylinder' size='0.048 0.05'", "type='box' size='0.03 0.03 0.05'",
+                          "type='mesh' mesh='peg'"}) {
+    const Scene scene = Scene::FromString(
+        SceneXml(test::MeshXml("block", block) +
+                     test::MeshXml("peg", test::Revolution({{0.02, -0.05}, {0.047, -0.05},
+                                                            {0.047, 0.05}, {0.02, 0.05}}, 32)),
+                 "<geom name='block' type='mesh' mesh='block'/>",
+                 std::string("<geom name='peg' ") + peg + "/>"),
+        Exact());
+    for (const Method method : kMethods) {
+      Options options;
+      options.method = method;
+      const Result result = Solver(scene, options)
+                                .Solve(At({0.011, 0.004, 0.0},
+                                          Eigen::Quaterniond(Eigen::AngleAxisd(
+                                              0.02, Vector3d::UnitX()))));
+      ASSERT_EQ(result.status, Status::kSolved) << peg << result.reason;
+      EXPECT_TRUE(Verify(scene, result.q).free);
+      if (method == Method::kAuto) {
+        EXPECT_LT(std::sqrt(result.sigma), 0.013) << peg;
+      }
+    }
+  }
+}
+
+TEST_F(ExactMeshSolveTest, ABallInsideASolidComesOutAndOneInACupStays) {
+  const Scene scene = Scene::FromString(
+      SceneXml(test::MeshXml("cup", test::Cup(0.1, 0.2, 0.04, 32)),
+               "<geom name='cup' type='mesh' mesh='cup'/>", "<geom name='ball' size='0.01'/>"),
+      Exact());
+  EXPECT_EQ(Solver(scene).Solve(At({0.0, 0.0, 0.1})).status, Status::kAlreadyFree);
+  const Result result = Solver(scene).Solve(At({0.02, 0.0, 0.03}));
+  ASSERT_EQ(result.status, Status::kSolved) << result.reason;
+  EXPECT_NEAR(std::sqrt(result.sigma), 0.02, 1e-5);  // up into the hollow, not out
+  EXPECT_NEAR(result.q[2], 0.05, 1e-5);
+}
+
+// Deep tangles of curved meshes: whatever comes out is free or says that it is not.
+TEST_F(ExactMeshSolveTest, TangledKnotsAreNeverFalselyFree) {
+  Random rng(23);
+  const MeshShape knot = test::TorusKnot(0.1, 0.03, 60, 8);
+  const Scene scene = Scene::FromString(
+      SceneXml(test::MeshXml("knot", knot), "<geom name='g2' type='mesh' mesh='knot'/>",
+               "<geom name='g1' type='mesh' mesh='knot'/>"),
+      Exact());
+  for (const Method method : kMethods) {
+    int solved = 0;
+    for (int i = 0; i < 6; ++i) {
+      Options options;
+      options.method = method;
+      options.effort = Effort::kFast;
+      const Result result = Solver(scene, options).Solve(At(rng.InBox(0.1), rng.UnitQuat()));
+      EXPECT_EQ(Verify(scene, result.q).free, result.status != Status::kUnsolved);
+      solved += result.status != Status::kUnsolved;
+    }
+    EXPECT_GE(solved, 5);
+  }
+}
+
+// ---- Marks ----
+
+TEST_F(ExactMeshSolveTest, TheModelNamesWhatIsExact) {
+  const std::string assets = test::MeshXml("ring", test::Torus(0.1, 0.02, 16, 8));
+  const std::string world = "<geom name='a' type='mesh' mesh='ring'/>";
+  const std::string body = "<geom name='b' type='mesh' mesh='ring'/><geom name='c' size='.1'/>";
+  auto with = [&](const std::string& names, bool flag) {
+    std::string xml = SceneXml(assets, world, body);
+    xml.insert(xml.find("<asset>"),
+               "<custom><text name='mjcf_pdg.exact_mesh' data='" + names + "'/></custom>");
+    SceneOptions options;
+    options.exact_mesh = flag;
+    return Scene::FromString(xml, options);
+  };
+  EXPECT_FALSE(with("a", false).HasExactMeshes());
+  EXPECT_TRUE(with("a", true).HasExactMeshes());
+  auto free = [](const Scene& scene) { return Verify(scene, At({0.1, 0, 0.0})).free; };
+  EXPECT_FALSE(free(with("a b", true))) << "the ball is in ring a's way";
+  EXPECT_EQ(test::ErrorOf([&] { with("a nobody", true); }),
+            "text 'mjcf_pdg.exact_mesh': no geom named 'nobody'");
+  EXPECT_EQ(test::ErrorOf([&] { with("c", true); }),
+            "text 'mjcf_pdg.exact_mesh': geom 'c' is not a mesh");
+}
+
 }  // namespace
 }  // namespace mjcf_pdg
