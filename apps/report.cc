@@ -179,7 +179,8 @@ std::string CheckTable(const Scene& scene, const std::vector<Configuration>& row
   if (all_overlaps > 0) text += "\n" + pairs.ToString();
   if (!reasons.empty()) text += "\n" + reasons;
   return text + "\n" + Plural(rows.size(), "configuration") + ": " + std::to_string(free_rows) +
-         " free, " + std::to_string(rows.size() - free_rows) + " not free" + GeometryNote(scene) + "\n";
+         " free, " + std::to_string(rows.size() - free_rows) + " not free" + GeometryNote(scene) +
+         "\n";
 }
 
 }  // namespace mjcf_pdg::app

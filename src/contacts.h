@@ -32,6 +32,8 @@ class ContactFinder {
   void SetMocap(const MocapPoses& poses) { posed_.SetMocap(poses); }
   void Pose(const VectorXd& q) { posed_.Pose(q); }
   const PosedModel& posed() const { return posed_; }
+  // What follows does not depend on the queries before.
+  void Forget() { exact_.Forget(); }
 
   // All kept pairs nearer than `margin` at the posed configuration, in the scene's order; exact
   // pairs with all their features within it. One query.

@@ -19,7 +19,7 @@ struct FieldValue {
 
 // Plane (half space z < 0), sphere, capsule, ellipsoid, cylinder.
 struct ConvexField {
-  int type = 0;  // mjtGeom
+  int type = 0;                                    // mjtGeom
   Eigen::Vector3d size = Eigen::Vector3d::Zero();  // MuJoCo's meaning
 
   FieldValue At(const Eigen::Vector3d& x) const;

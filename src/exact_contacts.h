@@ -19,6 +19,9 @@ class ExactContacts {
  public:
   explicit ExactContacts(const SceneTables& tables) : tables_(tables), warm_(tables.pairs.size()) {}
 
+  // Forgets the nearest triangles: among equally near ones, what is found may depend on them.
+  void Forget() { warm_.assign(warm_.size(), NearestTriangles()); }
+
   // Signed distance of an exact pair at the pose, witness points in world axes [m]. False, and
   // `gap` left alone, when it is not below `cutoff`. Negative where the solids overlap, a body
   // wholly inside another included.
@@ -29,8 +32,7 @@ class ExactContacts {
   void Features(const PosedModel& posed, int pair, double margin, std::vector<SignedGap>& out);
 
  private:
-  void Ask(const PosedModel& posed, int pair, double margin, bool all,
-           std::vector<SignedGap>& out);
+  void Ask(const PosedModel& posed, int pair, double margin, bool all, std::vector<SignedGap>& out);
 
   const SceneTables& tables_;
   std::vector<NearestTriangles> warm_;  // per pair; of a primitive only b counts

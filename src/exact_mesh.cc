@@ -36,8 +36,8 @@ Matrix3Xd MeshVertices(const mjModel& m, int mesh) {
 }
 
 Solid TrianglesOf(const mjModel& m, int mesh) {
-  const Matrix3Xi faces = Eigen::Map<const Matrix3Xi>(m.mesh_face + 3 * m.mesh_faceadr[mesh], 3,
-                                                      m.mesh_facenum[mesh]);
+  const Matrix3Xi faces =
+      Eigen::Map<const Matrix3Xi>(m.mesh_face + 3 * m.mesh_faceadr[mesh], 3, m.mesh_facenum[mesh]);
   return Solid(MeshVertices(m, mesh), faces);
 }
 

@@ -155,8 +155,8 @@ void FieldMesh::AppendWayFromWithin(const Vector3d& p, Vector3d outward,
   const double straight = outward.dot(p - start);
   std::vector<double> crossings;
   mesh_.Crossings(start, start + (straight + kBeyond) * outward, crossings);
-  const bool clear = !crossings.empty() &&
-                     crossings.front() * (straight + kBeyond) >= straight - kBeyond;
+  const bool clear =
+      !crossings.empty() && crossings.front() * (straight + kBeyond) >= straight - kBeyond;
   if (straight > kAccuracy && clear && mesh_.Contains(start)) {
     ways.push_back({{-straight, start, start + straight * outward, -outward}, true});
   }

@@ -19,7 +19,7 @@ constexpr double kFirstDamping = 0.1, kLeastDamping = 1e-5, kRenewedDamping = 1e
 constexpr double kLeastRadius = 1e-7;  // [m]
 // Margins within which pairs get rows, in units of the scene's size; later 1.5 times the step.
 constexpr double kFirstMargin = 0.25, kLeastMargin = 0.02, kLargestMargin = 0.5;
-constexpr int kKeysPerPair = 32;  // for rows of one pair
+constexpr int kKeysPerPair = 32;     // for rows of one pair
 constexpr double kLimitReach = 0.5;  // joint limits farther than this get no row [rad or m]
 
 }  // namespace

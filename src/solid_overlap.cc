@@ -7,11 +7,12 @@
 namespace mjcf_pdg {
 namespace {
 
-constexpr double kNoDepth = 1e-7;      // depths below this have no direction (2e-11 m)
-constexpr double kDeepEnough = 1.1;    // stop when nothing is deeper than this factor
-constexpr int kMaxNodes = 400;         // looked at in each direction
-constexpr double kShallow = 1e-3;      // of the smaller mesh's radius
-constexpr int kMaxWays = 8;            // rows of one overlap
+constexpr double kNoDepth = 1e-7;    // depths below this have no direction (2e-11 m)
+constexpr double kDeepEnough = 1.1;  // stop when nothing is deeper than this factor
+constexpr double kWorthARow = 0.3;   // of the deepest found so far
+constexpr int kMaxNodes = 200;       // looked at in each direction
+constexpr double kShallow = 1e-3;    // of the smaller mesh's radius
+constexpr int kMaxWays = 8;          // rows of one overlap
 constexpr double kSameDirection = 0.9;
 
 // Points of `from` inside `in`, deepest first.
@@ -34,7 +35,7 @@ class DepthSearch {
       parts_.pop();
       if (part.bound <= kDeepEnough * deepest_ || part.bound <= kNoDepth) break;
       if (from_.IsLeaf(part.node)) {
-        AskTriangle(from_.TriangleOf(part.node));
+        AskTriangle(part);
       } else {
         Push(from_.LeftChild(part.node), &part);
         Push(from_.RightChild(part.node), &part);
@@ -69,13 +70,17 @@ class DepthSearch {
     if (part.bound > kNoDepth) parts_.push(part);
   }
 
-  void AskTriangle(int triangle) {
+  void AskTriangle(const Part& leaf) {
+    const int triangle = from_.TriangleOf(leaf.node);
+    // No surface within: its points are on one side, and its edges cross nothing.
+    const bool one_side = leaf.distance > from_.HalfDiagonal(leaf.node);
     Vector3d x[3];
     for (int k = 0; k < 3; ++k) {
       x[k] = pose_ * from_.Corner(triangle, k);
-      AskPoint(x[k], triangle);
+      AskPoint(x[k], triangle, one_side);
     }
-    AskPoint((x[0] + x[1] + x[2]) / 3.0, triangle);
+    AskPoint((x[0] + x[1] + x[2]) / 3.0, triangle, one_side);
+    if (one_side) return;
     for (int k = 0; k < 3; ++k) AskEdge(x[k], x[(k + 1) % 3], triangle);
   }
 
@@ -85,13 +90,14 @@ class DepthSearch {
     crossings_.insert(crossings_.begin(), 0.0);
     crossings_.push_back(1.0);
     for (std::size_t i = 0; i + 1 < crossings_.size(); ++i) {
-      AskPoint(p + 0.5 * (crossings_[i] + crossings_[i + 1]) * (q - p), triangle);
+      AskPoint(p + 0.5 * (crossings_[i] + crossings_[i + 1]) * (q - p), triangle, false);
     }
   }
 
-  void AskPoint(const Vector3d& x, int triangle) {
+  void AskPoint(const Vector3d& x, int triangle, bool known_inside) {
     const SurfacePoint nearest = in_.Nearest(x);
-    if (nearest.distance <= kNoDepth || !in_.Contains(x)) return;
+    if (nearest.distance <= std::max(kNoDepth, kWorthARow * deepest_)) return;
+    if (!known_inside && !in_.Contains(x)) return;
     points_.push_back({nearest.distance, x, nearest.p, triangle});
     deepest_ = std::max(deepest_, nearest.distance);
   }
@@ -114,8 +120,7 @@ void AppendWays(const SolidPair& pair, bool of_a, std::vector<WayOut>& ways) {
   for (const DepthSearch::Point& point : DepthSearch(from, in, pose).Run()) {
     const Vector3d out = (point.p - point.x) / point.depth;  // the point's way, `in`'s frame
     WayOut way;
-    way.faces_apart =
-        !from.closed() || out.dot(pose.R * from.Normal(point.triangle)) < 0.0;
+    way.faces_apart = !from.closed() || out.dot(pose.R * from.Normal(point.triangle)) < 0.0;
     way.gap.distance = -point.depth;
     if (of_a) {
       way.gap.p1 = pair.pose() * point.x;
@@ -161,7 +166,8 @@ SignedGap TriangleSized(const SolidPair& pair) {
     second[k] = pair.pose() * pair.b().Corner(near.b, k);
   }
   const double depth = std::max(TriangleOverlap(first, second, gap.n), 0.0);
-  const Vector3d middle = (first[0] + first[1] + first[2] + second[0] + second[1] + second[2]) / 6.0;
+  const Vector3d middle =
+      (first[0] + first[1] + first[2] + second[0] + second[1] + second[2]) / 6.0;
   gap.distance = -depth;
   gap.p1 = middle + 0.5 * depth * gap.n;
   gap.p2 = middle - 0.5 * depth * gap.n;

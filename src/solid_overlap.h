@@ -2,13 +2,12 @@
 //
 // Definition. A point of one surface inside the other mesh has as depth its distance from that
 // other surface. Asked are the vertices, the triangles' middles and, of every edge, the middles of
-// its parts inside: where two closed polyhedra overlap one of these is inside, unless they coincide,
-// so the depth is never 0 there. `depth` is
-// the largest one found by branch and bound (a point's depth changes no faster than the point
-// moves), within a budget of nodes and 10 %. The direction is that of the shortest way out. This is
-// the two-sided Hausdorff depth on vertices and edges (Tang, Lee, Kim: Interactive Hausdorff
-// distance computation for general polygonal models, 2009), not the penetration depth by
-// translation: that one is at least as large.
+// its parts inside: where two closed polyhedra overlap one of these is inside, unless they
+// coincide, so the depth is never 0 there. `depth` is the largest one found by branch and bound (a
+// point's depth changes no faster than the point moves), within a budget of nodes and 10 %. The
+// direction is that of the shortest way out. This is the two-sided Hausdorff depth on vertices and
+// edges (Tang, Lee, Kim: Interactive Hausdorff distance computation for general polygonal models,
+// 2009), not the penetration depth by translation: that one is at least as large.
 //
 // A deepest point may lie past the middle of the other mesh, with its shortest way out on the far
 // side: ways out along which the two surfaces face the same way are used only if there is no other.

@@ -13,8 +13,8 @@ namespace {
 constexpr double kBoxSlack = 1e-6;
 constexpr double kFaceLike = 0.9;         // cosine between a row's normal and a face's
 constexpr double kSameDirection = 0.999;  // cosine; nearer ones are merged
-constexpr int kMaxPatches = 24;           // of each surface
-constexpr int kMaxQueries = 96;           // for the patches of each surface
+constexpr int kMaxPatches = 16;           // of each surface
+constexpr int kMaxQueries = 48;           // for the patches of each surface
 constexpr double kPatchPerMargin = 0.5, kPatchPerSize = 0.125;
 
 struct Patch {
@@ -126,13 +126,14 @@ bool SolidPair::BoundsMotion(const NearestTriangles& near) const {
   if (std::abs(n.dot(pose_.R * b_.Normal(near.b))) > kFaceLike) return true;
   const double nearly = near.distance * (1.0 - 1e-6);
   const RelativePose a_in_b = pose_.Inverse();
-  return a_.Nearest(near.pb, nearly).triangle < 0 && b_.Nearest(a_in_b * near.pa, nearly).triangle < 0;
+  return a_.Nearest(near.pb, nearly).triangle < 0 &&
+         b_.Nearest(a_in_b * near.pa, nearly).triangle < 0;
 }
 
 void SolidPair::Features(double margin, const NearestTriangles& first,
                          std::vector<SignedGap>& out) const {
-  const double patch = std::max(kPatchPerMargin * margin,
-                                2.0 * kPatchPerSize * std::min(a_.radius(), b_.radius()));
+  const double patch =
+      std::max(kPatchPerMargin * margin, 2.0 * kPatchPerSize * std::min(a_.radius(), b_.radius()));
   std::vector<NearestTriangles> found;
   PatchesOf(true, margin, patch, first, found);
   PatchesOf(false, margin, patch, first, found);

@@ -107,6 +107,7 @@ struct Solver::Impl {
 // Everything that refers to q_in: the norm, the required distances, the deadline.
 void Solver::Impl::SetUp(const std::vector<double>& q_in) {
   const SceneTables& tables = scene.tables();
+  problem.finder.Forget();
   problem.q_in = Normalized(tables, ToEigen(q_in));
   problem.tolerances = Tolerances(options.tolerance);
   problem.norm.SetReference(problem.q_in, problem.mocap);

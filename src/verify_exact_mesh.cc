@@ -9,10 +9,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "solid.h"
 #include "verify_round.h"
+#include "verify_triangles.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -21,101 +21,24 @@ using Bvh = fcl::BVHModel<fcl::OBBRSS<double>>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMillimetres = 1e3;  // FCL's thresholds are absolute: it works in millimetres
-constexpr std::size_t kMaxTrianglePairs = 20000;
-constexpr int kAskedInside = 200;  // vertices asked for their depth, of each mesh
+constexpr std::size_t kMaxTrianglePairs = 100000;
+constexpr double kUnmeasured = 1e-3;  // depth of more crossings than that, at least [m]
+constexpr int kAskedInside = 200;     // vertices asked for their depth, of each mesh
 
-using Triangles = std::vector<std::array<Vector3d, 3>>;
-
-void AppendFan(const std::array<Vector3d, 4>& corners, Triangles& triangles) {
-  triangles.push_back({corners[0], corners[1], corners[2]});
-  triangles.push_back({corners[0], corners[2], corners[3]});
-}
-
-Triangles BoxTriangles(const Vector3d& half) {
-  Triangles triangles;
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const double side : {-1.0, 1.0}) {
-      const Vector3d c = side * half[axis] * Vector3d::Unit(axis);
-      const Vector3d u = half[(axis + 1) % 3] * Vector3d::Unit((axis + 1) % 3);
-      const Vector3d v = side * half[(axis + 2) % 3] * Vector3d::Unit((axis + 2) % 3);
-      AppendFan({c - u - v, c + u - v, c + u + v, c - u + v}, triangles);
-    }
+// No point of the triangle has a smaller distance, for the distance is convex. Inside a primitive
+// it has kinks, where differences say nothing.
+double LinearBound(int type, const Vector3d& size, const Vector3d corners[3]) {
+  constexpr double kDifferences = 1e-5;  // error of the gradient
+  const Vector3d middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+  const double at_middle = RoundDistanceAt(type, size, middle);
+  if (at_middle < 1e-6) return -kInfinity;
+  const Vector3d n = RoundNormalAt(type, size, middle);
+  double fall = 0.0, reach = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    fall = std::min(fall, n.dot(corners[k] - middle));
+    reach = std::max(reach, (corners[k] - middle).norm());
   }
-  return triangles;
-}
-
-Triangles MeshTriangles(const mjModel& m, int mesh, bool exact) {
-  const int* face = m.mesh_face + 3 * m.mesh_faceadr[mesh];
-  int count = m.mesh_facenum[mesh];
-  if (!exact) {
-    const int* graph = m.mesh_graph + m.mesh_graphadr[mesh];
-    count = graph[1];
-    face = graph + 2 + 3 * graph[0] + 3 * count;
-  }
-  Triangles triangles(count);
-  for (int t = 0; t < count; ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const float* p = m.mesh_vert + 3 * (m.mesh_vertadr[mesh] + face[3 * t + k]);
-      triangles[t][k] = Vector3d(p[0], p[1], p[2]);
-    }
-  }
-  return triangles;
-}
-
-// How far two triangles must be moved apart at most: the least overlap of their shadows over the
-// axes that can part them.
-double LeastMove(const std::array<Vector3d, 3>& s, const std::array<Vector3d, 3>& t,
-                 Vector3d& direction) {
-  Matrix3d S, T;
-  S << s[0], s[1], s[2];
-  T << t[0], t[1], t[2];
-  Matrix3d s_edges, t_edges;
-  s_edges << s[1] - s[0], s[2] - s[1], s[0] - s[2];
-  t_edges << t[1] - t[0], t[2] - t[1], t[0] - t[2];
-  const Vector3d s_normal = s_edges.col(0).cross(s_edges.col(1));
-  const Vector3d t_normal = t_edges.col(0).cross(t_edges.col(1));
-  std::vector<Vector3d> axes = {s_normal, t_normal};
-  for (int i = 0; i < 3; ++i) {
-    axes.push_back(s_edges.col(i).cross(s_normal));
-    axes.push_back(t_edges.col(i).cross(t_normal));
-    for (int j = 0; j < 3; ++j) axes.push_back(s_edges.col(i).cross(t_edges.col(j)));
-  }
-  double least = kInfinity;
-  for (const Vector3d& axis : axes) {
-    if (!(axis.norm() > 1e-12 * s_edges.norm() * t_edges.norm())) continue;
-    const Vector3d n = axis.normalized();
-    const double up = (n.transpose() * S).maxCoeff() - (n.transpose() * T).minCoeff();
-    const double down = (n.transpose() * T).maxCoeff() - (n.transpose() * S).minCoeff();
-    if (std::min(up, down) >= least) continue;
-    least = std::min(up, down);
-    direction = up < down ? n : Vector3d(-n);
-  }
-  return std::isfinite(least) ? std::max(least, 0.0) : 0.0;
-}
-
-// A vertex of every connected piece.
-std::vector<Vector3d> Pieces(const Triangles& triangles) {
-  std::vector<std::pair<std::array<double, 3>, int>> corners;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    for (const Vector3d& p : triangles[t]) corners.push_back({{p[0], p[1], p[2]}, int(t)});
-  }
-  std::sort(corners.begin(), corners.end());
-  std::vector<int> piece(triangles.size());
-  std::iota(piece.begin(), piece.end(), 0);
-  auto find = [&](int t) {
-    while (piece[t] != t) t = piece[t] = piece[piece[t]];
-    return t;
-  };
-  for (std::size_t i = 1; i < corners.size(); ++i) {
-    if (corners[i].first == corners[i - 1].first) {
-      piece[find(corners[i].second)] = find(corners[i - 1].second);
-    }
-  }
-  std::vector<Vector3d> points;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    if (find(static_cast<int>(t)) == static_cast<int>(t)) points.push_back(triangles[t][0]);
-  }
-  return points;
+  return at_middle + fall - kDifferences * reach;
 }
 
 // Directions of rays: the corners and faces of a cube, turned a little.
@@ -173,9 +96,8 @@ ExactVerifier::ExactVerifier(const SceneTables& tables) : shapes_(tables.model->
       if (shapes_[g] || (type != mjGEOM_BOX && type != mjGEOM_MESH)) continue;
       auto shape = std::make_shared<Shape>();
       shape->convex = type == mjGEOM_BOX || !tables.exact[g];
-      shape->triangles = type == mjGEOM_BOX
-                             ? BoxTriangles(AsVector(m.geom_size + 3 * g))
-                             : MeshTriangles(m, m.geom_dataid[g], tables.exact[g]);
+      shape->triangles = type == mjGEOM_BOX ? BoxTriangles(AsVector(m.geom_size + 3 * g))
+                                            : MeshTriangles(m, m.geom_dataid[g], tables.exact[g]);
       shape->closed = tables.solids[g]->closed();
       shape->pieces = Pieces(shape->triangles);
       shape->tree = std::make_shared<Bvh>();
@@ -223,8 +145,8 @@ double ExactVerifier::Shape::DepthOf(const PosedModel& posed, int geom, const Ve
     double travelled = 0.0, first = kInfinity;
     int crossings = 0;
     for (; crossings < 1000; ++crossings) {
-      const double hit = mj_rayMesh(posed.model(), posed.data(), geom, from.data(), along.data(),
-                                    nullptr);
+      const double hit =
+          mj_rayMesh(posed.model(), posed.data(), geom, from.data(), along.data(), nullptr);
       if (hit < 0.0) break;
       travelled += hit;
       first = std::min(first, travelled);
@@ -334,6 +256,7 @@ double ExactVerifier::SolidDistance(const Asked& asked, double cutoff) const {
     const Vector3d middle = (s[0] + s[1] + s[2] + t[0] + t[1] + t[2]) / 6.0;
     asked.Witness(middle + 0.5 * move * n, middle - 0.5 * move * n);
   }
+  if (hits.numContacts() >= kMaxTrianglePairs) overlap = std::max(overlap, kUnmeasured);
   if (hits.isCollision()) {
     double by_triangles[6];
     std::copy(asked.fromto, asked.fromto + 6, by_triangles);
@@ -351,8 +274,7 @@ double ExactVerifier::SolidDistance(const Asked& asked, double cutoff) const {
   nearest.min_distance = kMillimetres * cutoff;
   fcl::distance(tree1, pose1, tree2, pose2, wish, nearest);
   if (nearest.b1 < 0) return kInfinity;
-  asked.Witness(nearest.nearest_points[0] / kMillimetres,
-                nearest.nearest_points[1] / kMillimetres);
+  asked.Witness(nearest.nearest_points[0] / kMillimetres, nearest.nearest_points[1] / kMillimetres);
   return nearest.min_distance / kMillimetres;
 }
 
@@ -378,6 +300,7 @@ double ExactVerifier::RoundDistance(const Asked& asked, double cutoff) const {
     if (bound >= least) break;
     Vector3d corners[3], x;
     for (int k = 0; k < 3; ++k) corners[k] = origin + R * triangles[t][k];
+    if (LinearBound(type, size, corners) > least) continue;
     const double distance = RoundDistanceOnTriangle(type, size, corners, x);
     if (distance >= least) continue;
     least = distance;
@@ -388,7 +311,7 @@ double ExactVerifier::RoundDistance(const Asked& asked, double cutoff) const {
   const double inside =
       type == mjGEOM_PLANE ? 0.0 : asked.second->DepthOf(asked.posed, mesh, center, out);
   const Matrix3d R_W = asked.R(round);
-  if (inside > 0.0 && least >= 0.0) {  // wholly inside
+  if (inside > std::max(0.0, -least)) {  // the surfaces may hardly touch
     const Vector3d center_W = asked.Origin(round);
     asked.Witness(center_W, center_W + inside * (asked.R(mesh) * out));
     return -inside;

@@ -98,8 +98,7 @@ Vector3d RoundNormalAt(int type, const Vector3d& size, const Vector3d& x) {
   Vector3d gradient;
   for (int i = 0; i < 3; ++i) {
     const Vector3d step = h * Vector3d::Unit(i);
-    gradient[i] =
-        RoundDistanceAt(type, size, x + step) - RoundDistanceAt(type, size, x - step);
+    gradient[i] = RoundDistanceAt(type, size, x + step) - RoundDistanceAt(type, size, x - step);
   }
   return gradient.norm() > 0.0 ? Vector3d(gradient.normalized()) : Vector3d(Vector3d::UnitZ());
 }

@@ -55,13 +55,13 @@ TEST_F(ExactMeshCcdgTest, StopsEarlyNeverLate) {
     for (int i = 0; i < 25; ++i) {
       const VectorXd q0 = At(0.4 * rng.UnitVector(), rng.UnitQuat());
       VectorXd dq(6);
-      dq << -1.8 * q0.head<3>() + rng.InBox(0.1), rng.InBox(2.0);
+      dq << -1.8 * q0.head<3>() + rng.InBox(0.35), rng.InBox(2.0);
       if (Distance(scene, finder, q0, dq, 0.0) < 1e-3) continue;
       const CcdResult result = ccd.Move(q0, dq);
       ASSERT_TRUE(result.outcome == CcdOutcome::kFree || result.outcome == CcdOutcome::kContact);
       EXPECT_TRUE(result.certified);
       poses += result.poses;
-      const int samples = 1000;
+      const int samples = 300;
       for (int k = 0; k <= samples; ++k) {
         ASSERT_GT(Distance(scene, finder, q0, dq, result.t * k / samples), 0.0) << geom << i;
       }

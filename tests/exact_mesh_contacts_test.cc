@@ -114,8 +114,8 @@ double BruteDistance(const MeshShape& a, const MeshShape& b) {
         least = std::min(least, (NearestOnTriangle(s[i], t[0], t[1], t[2]) - s[i]).norm());
         least = std::min(least, (NearestOnTriangle(t[i], s[0], s[1], s[2]) - t[i]).norm());
         for (int j = 0; j < 3; ++j) {
-          least = std::min(least, SegmentDistance(s[i], s[(i + 1) % 3] - s[i], t[j],
-                                                  t[(j + 1) % 3] - t[j]));
+          least = std::min(
+              least, SegmentDistance(s[i], s[(i + 1) % 3] - s[i], t[j], t[(j + 1) % 3] - t[j]));
         }
       }
     }
@@ -299,9 +299,12 @@ TEST_F(ExactMeshContactsTest, AFaceOnAFaceHasRowsAtItsCorners) {
   ASSERT_GE(near.size(), 4u);
   for (const double x : {0.0, 0.2}) {
     for (const double y : {-0.05, 0.15}) {
-      EXPECT_TRUE(std::any_of(near.begin(), near.end(), [&](const NearPair& n) {
-        return (n.p1_W - Vector3d(x, y, 0.1)).norm() < 0.05 && std::abs(n.n_W.z()) > 0.999;
-      })) << x << " " << y;
+      EXPECT_TRUE(std::any_of(near.begin(), near.end(),
+                              [&](const NearPair& n) {
+                                return (n.p1_W - Vector3d(x, y, 0.1)).norm() < 0.05 &&
+                                       std::abs(n.n_W.z()) > 0.999;
+                              }))
+          << x << " " << y;
     }
   }
 }
@@ -316,9 +319,11 @@ TEST_F(ExactMeshContactsTest, APegInAHoleHasRowsAllAround) {
     const std::vector<NearPair> near = finder.Find(At({0, 0, 0.1}), 0.005);
     for (int k = 0; k < 4; ++k) {
       const Vector3d way(std::cos(k * M_PI / 2), std::sin(k * M_PI / 2), 0.0);
-      EXPECT_TRUE(std::any_of(near.begin(), near.end(), [&](const NearPair& n) {
-        return std::abs(n.n_W.dot(way)) > 0.8 && n.p1_W.dot(way) > 0.05;
-      })) << geom << k;
+      EXPECT_TRUE(std::any_of(near.begin(), near.end(),
+                              [&](const NearPair& n) {
+                                return std::abs(n.n_W.dot(way)) > 0.8 && n.p1_W.dot(way) > 0.05;
+                              }))
+          << geom << k;
     }
     for (const NearPair& n : near) EXPECT_GT(n.distance, 0.0);
   }

@@ -37,12 +37,12 @@ TEST_F(ExactMeshSolveTest, ConvexMeshesComeOutAsTheirHullsDo) {
       const Result expected = Solver(hull).Solve(test::ToVector(q));
       const Result result = Solver(exact).Solve(test::ToVector(q));
       ASSERT_NE(expected.status, Status::kUnsolved);
-      EXPECT_EQ(result.status, expected.status) << test::TypeName(type) << " " << k << result.reason;
+      EXPECT_EQ(result.status, expected.status)
+          << test::TypeName(type) << " " << k << result.reason;
       if (result.status != Status::kSolved) continue;
       EXPECT_TRUE(Verify(hull, result.q).min_distance > -2e-6);
       ++overlapping;
       far += result.sigma > 1.05 * expected.sigma;
-      if (result.sigma > 1.05 * expected.sigma) std::printf("%s %d: %g %g\n", test::TypeName(type).c_str(), k, result.sigma, expected.sigma);
     }
   }
   EXPECT_GT(overlapping, 25);
@@ -63,11 +63,11 @@ const Method kMethods[] = {Method::kAuto, Method::kPaper};
 
 // The ring hangs on the post, 5 mm into it: it has to move by no more, and stays on the post.
 TEST_F(ExactMeshSolveTest, ARingStaysOnItsPost) {
-  const Scene scene = Scene::FromString(
-      SceneXml(test::MeshXml("ring", test::Torus(0.1, 0.02, 48, 16)),
-               "<geom name='post' type='capsule' size='0.05 0.3'/>",
-               "<geom name='ring' type='mesh' mesh='ring'/>"),
-      Exact());
+  const Scene scene =
+      Scene::FromString(SceneXml(test::MeshXml("ring", test::Torus(0.1, 0.02, 48, 16)),
+                                 "<geom name='post' type='capsule' size='0.05 0.3'/>",
+                                 "<geom name='ring' type='mesh' mesh='ring'/>"),
+                        Exact());
   for (const Method method : kMethods) {
     Options options;
     options.method = method;
@@ -80,10 +80,10 @@ TEST_F(ExactMeshSolveTest, ARingStaysOnItsPost) {
     EXPECT_TRUE(result.certified);
   }
   EXPECT_EQ(Solver(scene).Solve(At({0.01, 0.0, 0.0})).status, Status::kAlreadyFree);
-  const Scene hull = Scene::FromString(
-      SceneXml(test::MeshXml("ring", test::Torus(0.1, 0.02, 48, 16)),
-               "<geom name='post' type='capsule' size='0.05 0.3'/>",
-               "<geom name='ring' type='mesh' mesh='ring'/>"));
+  const Scene hull =
+      Scene::FromString(SceneXml(test::MeshXml("ring", test::Torus(0.1, 0.02, 48, 16)),
+                                 "<geom name='post' type='capsule' size='0.05 0.3'/>",
+                                 "<geom name='ring' type='mesh' mesh='ring'/>"));
   EXPECT_GT(std::sqrt(Solver(hull).Solve(At({0.01, 0.0, 0.0})).sigma), 0.05);
 }
 
@@ -93,19 +93,21 @@ TEST_F(ExactMeshSolveTest, APegIsCentredInItsHole) {
   for (const char* peg : {"type='cylinder' size='0.048 0.05'", "type='box' size='0.03 0.03 0.05'",
                           "type='mesh' mesh='peg'"}) {
     const Scene scene = Scene::FromString(
-        SceneXml(test::MeshXml("block", block) +
-                     test::MeshXml("peg", test::Revolution({{0.02, -0.05}, {0.047, -0.05},
-                                                            {0.047, 0.05}, {0.02, 0.05}}, 32)),
-                 "<geom name='block' type='mesh' mesh='block'/>",
-                 std::string("<geom name='peg' ") + peg + "/>"),
+        SceneXml(
+            test::MeshXml("block", block) +
+                test::MeshXml(
+                    "peg", test::Revolution(
+                               {{0.02, -0.05}, {0.047, -0.05}, {0.047, 0.05}, {0.02, 0.05}}, 32)),
+            "<geom name='block' type='mesh' mesh='block'/>",
+            std::string("<geom name='peg' ") + peg + "/>"),
         Exact());
     for (const Method method : kMethods) {
       Options options;
       options.method = method;
-      const Result result = Solver(scene, options)
-                                .Solve(At({0.011, 0.004, 0.0},
-                                          Eigen::Quaterniond(Eigen::AngleAxisd(
-                                              0.02, Vector3d::UnitX()))));
+      const Result result =
+          Solver(scene, options)
+              .Solve(At({0.011, 0.004, 0.0},
+                        Eigen::Quaterniond(Eigen::AngleAxisd(0.02, Vector3d::UnitX()))));
       ASSERT_EQ(result.status, Status::kSolved) << peg << result.reason;
       EXPECT_TRUE(Verify(scene, result.q).free);
       if (method == Method::kAuto) {
@@ -127,6 +129,24 @@ TEST_F(ExactMeshSolveTest, ABallInsideASolidComesOutAndOneInACupStays) {
   EXPECT_NEAR(result.q[2], 0.05, 1e-5);
 }
 
+// Whatever a solver did before: rows may be shared out among threads in any way.
+TEST_F(ExactMeshSolveTest, TheSameInputGivesTheSameBits) {
+  Random rng(29);
+  const Scene scene =
+      Scene::FromString(SceneXml(test::MeshXml("ring", test::Torus(0.1, 0.02, 16, 8)),
+                                 "<geom name='box' type='box' size='0.05 0.05 0.3'/>",
+                                 "<geom name='ring' type='mesh' mesh='ring'/>"),
+                        Exact());
+  Solver used(scene);
+  for (int i = 0; i < 5; ++i) {
+    const std::vector<double> q = At(rng.InBox(0.05), rng.UnitQuat());
+    const Result fresh = Solver(scene).Solve(q), again = used.Solve(q);
+    EXPECT_EQ(fresh.status, Status::kSolved) << fresh.reason;
+    EXPECT_EQ(fresh.q, again.q);
+    EXPECT_EQ(fresh.sigma, again.sigma);
+  }
+}
+
 // Deep tangles of curved meshes: whatever comes out is free or says that it is not.
 TEST_F(ExactMeshSolveTest, TangledKnotsAreNeverFalselyFree) {
   Random rng(23);
@@ -137,7 +157,8 @@ TEST_F(ExactMeshSolveTest, TangledKnotsAreNeverFalselyFree) {
       Exact());
   for (const Method method : kMethods) {
     int solved = 0;
-    for (int i = 0; i < 6; ++i) {
+    const int count = method == Method::kAuto ? 6 : 2;
+    for (int i = 0; i < count; ++i) {
       Options options;
       options.method = method;
       options.effort = Effort::kFast;
@@ -145,32 +166,8 @@ TEST_F(ExactMeshSolveTest, TangledKnotsAreNeverFalselyFree) {
       EXPECT_EQ(Verify(scene, result.q).free, result.status != Status::kUnsolved);
       solved += result.status != Status::kUnsolved;
     }
-    EXPECT_GE(solved, 5);
+    EXPECT_EQ(solved, count);
   }
-}
-
-// ---- Marks ----
-
-TEST_F(ExactMeshSolveTest, TheModelNamesWhatIsExact) {
-  const std::string assets = test::MeshXml("ring", test::Torus(0.1, 0.02, 16, 8));
-  const std::string world = "<geom name='a' type='mesh' mesh='ring'/>";
-  const std::string body = "<geom name='b' type='mesh' mesh='ring'/><geom name='c' size='.1'/>";
-  auto with = [&](const std::string& names, bool flag) {
-    std::string xml = SceneXml(assets, world, body);
-    xml.insert(xml.find("<asset>"),
-               "<custom><text name='mjcf_pdg.exact_mesh' data='" + names + "'/></custom>");
-    SceneOptions options;
-    options.exact_mesh = flag;
-    return Scene::FromString(xml, options);
-  };
-  EXPECT_FALSE(with("a", false).HasExactMeshes());
-  EXPECT_TRUE(with("a", true).HasExactMeshes());
-  auto free = [](const Scene& scene) { return Verify(scene, At({0.1, 0, 0.0})).free; };
-  EXPECT_FALSE(free(with("a b", true))) << "the ball is in ring a's way";
-  EXPECT_EQ(test::ErrorOf([&] { with("a nobody", true); }),
-            "text 'mjcf_pdg.exact_mesh': no geom named 'nobody'");
-  EXPECT_EQ(test::ErrorOf([&] { with("c", true); }),
-            "text 'mjcf_pdg.exact_mesh': geom 'c' is not a mesh");
 }
 
 }  // namespace

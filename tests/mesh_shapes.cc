@@ -176,8 +176,8 @@ bool InsideBySolidAngle(const MeshShape& shape, const Vector3d& x) {
     const Vector3d a = shape.vertices[face[0]] - x, b = shape.vertices[face[1]] - x,
                    c = shape.vertices[face[2]] - x;
     const double la = a.norm(), lb = b.norm(), lc = c.norm();
-    angle += 2.0 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la +
-                                                     c.dot(a) * lb);
+    angle += 2.0 * std::atan2(a.dot(b.cross(c)),
+                              la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
   }
   return std::abs(angle) > kTurn;
 }

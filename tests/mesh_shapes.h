@@ -21,8 +21,7 @@ struct MeshShape {
 };
 
 // A closed surface over the torus (u, v) in [0, 1)².
-MeshShape TorusSurface(int nu, int nv,
-                       const std::function<Eigen::Vector3d(double, double)>& point);
+MeshShape TorusSurface(int nu, int nv, const std::function<Eigen::Vector3d(double, double)>& point);
 // About the z axis: circles of radius `tube` about a circle of radius `ring`.
 MeshShape Torus(double ring, double tube, int nu, int nv);
 MeshShape TorusKnot(double size, double tube, int nu, int nv);

@@ -17,8 +17,8 @@ Solid Make(const MeshShape& shape) { return Solid(shape.Vertices(), shape.Faces(
 double BruteDistance(const MeshShape& shape, const Vector3d& x) {
   double least = 1e9;
   for (const auto& f : shape.faces) {
-    const Vector3d p = NearestOnTriangle(x, shape.vertices[f[0]], shape.vertices[f[1]],
-                                         shape.vertices[f[2]]);
+    const Vector3d p =
+        NearestOnTriangle(x, shape.vertices[f[0]], shape.vertices[f[1]], shape.vertices[f[2]]);
     least = std::min(least, (p - x).norm());
   }
   return least;
@@ -105,8 +105,7 @@ TEST(SolidTest, RaysThroughEdgesAndVerticesDoNotCount) {
   const Vector3d d = Vector3d(0.3712, 0.8211, 0.4336).normalized();  // the first ray's direction
   for (int t = 0; t < box.num_triangles(); ++t) {
     for (const double share : {0.0, 0.25, 0.5}) {
-      const Vector3d on_edge =
-          (1.0 - share) * box.Corner(t, 0) + share * box.Corner(t, 1);
+      const Vector3d on_edge = (1.0 - share) * box.Corner(t, 0) + share * box.Corner(t, 1);
       for (const double back : {0.01, 0.05}) {
         const Vector3d x = on_edge - kTreeUnits * back * d;
         const bool expected = (x.array().abs() < kTreeUnits * 0.1).all();

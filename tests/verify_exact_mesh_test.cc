@@ -36,9 +36,11 @@ std::vector<double> At(const Vector3d& p, const Eigen::Quaterniond& turn = {1, 0
   return {p.x(), p.y(), p.z(), turn.w(), turn.x(), turn.y(), turn.z()};
 }
 
-const char* const kGeoms[] = {"type='sphere' size='0.04'",     "type='capsule' size='0.02 0.05'",
+const char* const kGeoms[] = {"type='sphere' size='0.04'",
+                              "type='capsule' size='0.02 0.05'",
                               "type='ellipsoid' size='0.02 0.03 0.06'",
-                              "type='cylinder' size='0.03 0.04'", "type='box' size='0.02 0.03 0.05'",
+                              "type='cylinder' size='0.03 0.04'",
+                              "type='box' size='0.02 0.03 0.05'",
                               "type='mesh' mesh='moving'"};
 
 // Two implementations that share nothing agree on what is free and how far apart it is.
@@ -131,7 +133,8 @@ TEST_F(VerifyExactMeshTest, CoplanarAndCrossedTouchesAreFree) {
   }
   EXPECT_FALSE(Verify(scene, At({0, 0, 0})).free) << "the same place";
   // A plug that fills the bore of a tube is free; in a block without bore it shares all four sides.
-  const Scene plug = MeshScene(box, "type='mesh' mesh='moving'", test::BoxMesh({0.125, 0.125, 0.05}));
+  const Scene plug =
+      MeshScene(box, "type='mesh' mesh='moving'", test::BoxMesh({0.125, 0.125, 0.05}));
   EXPECT_FALSE(Verify(plug, At({0, 0, 0.125})).free);
   EXPECT_TRUE(Verify(plug, At({0, 0, 0.175})).free);
 }

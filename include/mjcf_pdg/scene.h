@@ -19,8 +19,8 @@ struct SceneOptions {
   // Root link of the object norm (a palm, a torso); empty: every tree's top body.
   std::string root;
   // Mesh geoms collide as their triangles, closed ones as solids, instead of as convex hulls: those
-  // that the model's <custom><text name="mjcf_pdg.exact_mesh" data="geom geom ..."/></custom> names,
-  // or all if it has no such text. Against SDF geoms and height fields they stay hulls.
+  // that the model's <custom><text name="mjcf_pdg.exact_mesh" data="geom geom ..."/></custom>
+  // names, or all if it has no such text. Against SDF geoms and height fields they stay hulls.
   bool exact_mesh = false;
 };
 
@@ -30,8 +30,8 @@ struct SceneTables;  // internal, src/scene_tables.h
 class Scene {
  public:
   // All throw Error: no such file, broken XML (with MuJoCo's line), unknown body name, a body
-  // without joints below it, flex or another feature that is not supported (named), an exact_mesh text that names
-  // something else than a mesh geom.
+  // without joints below it, flex or another feature that is not supported (named), an exact_mesh
+  // text that names something else than a mesh geom.
   static Scene FromFile(const std::string& path, const SceneOptions& options = {});
   static Scene FromString(const std::string& xml, const SceneOptions& options = {});
   // The model of a running program: never written to, and it must outlive the scene.
