@@ -36,6 +36,13 @@ double SphereAbovePlane(const mjModel& m, const mjData& d, int plane, int geom) 
          m.geom_rbound[geom];
 }
 
+// An exact pair's overlap knows depths of points; that of the hulls is a move that is certain to
+// part the meshes. Where it is hardly longer, as for convex meshes, it is the better row.
+bool HullServes(double overlap, double of_hulls) {
+  constexpr double kShorter = 0.9, kLonger = 2.0;  // ellipsoids' can be too shallow
+  return overlap < 0.0 && of_hulls <= kShorter * overlap && of_hulls >= kLonger * overlap;
+}
+
 NearPair ToNearPair(int pair, const SignedGap& gap) {
   return {pair, gap.distance, gap.p1, gap.p2, gap.n};
 }
@@ -70,6 +77,13 @@ const std::vector<NearPair>& ContactFinder::Find(double margin) {
       } else if (BoundsNear(kept, margin)) {
         features_.clear();
         exact_.Features(posed_, pair, margin, features_);
+        SignedGap hull;
+        if (!features_.empty() && features_.front().distance < 0.0 &&
+            GeomGap(kept.geom1, kept.geom2, 0.0, hull) &&
+            HullServes(features_.front().distance, hull.distance)) {
+          std::erase_if(features_, [](const SignedGap& gap) { return gap.distance < 0.0; });
+          features_.insert(features_.begin(), hull);
+        }
         for (const SignedGap& gap : features_) near_.push_back(ToNearPair(pair, gap));
       }
     }
@@ -119,9 +133,13 @@ bool ContactFinder::BoundsNear(const KeptPair& kept, double margin) const {
 bool ContactFinder::Distance(int pair, double cutoff, NearPair& near) {
   const KeptPair& kept = tables_.pairs[pair];
   if (!kept.has_distance || !BoundsNear(kept, cutoff)) return false;
-  SignedGap gap;
+  SignedGap gap, hull;
   const bool found = kept.exact ? exact_.Distance(posed_, pair, cutoff, gap)
                                 : GeomGap(kept.geom1, kept.geom2, cutoff, gap);
+  if (found && kept.exact && gap.distance < 0.0 && GeomGap(kept.geom1, kept.geom2, 0.0, hull) &&
+      HullServes(gap.distance, hull.distance)) {
+    gap = hull;
+  }
   if (found) near = ToNearPair(pair, gap);
   return found;
 }
