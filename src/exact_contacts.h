@@ -2,7 +2,7 @@
 //
 // Meshes, boxes and convex hulls are triangles against triangles (solid_pair.h, solid_overlap.h);
 // planes, spheres, capsules, ellipsoids and cylinders are signed distance functions on triangles
-// (field_mesh.h).
+// (field_mesh.h). What the depth of an overlap is, those headers say.
 #ifndef MJCF_PDG_SRC_EXACT_CONTACTS_H_
 #define MJCF_PDG_SRC_EXACT_CONTACTS_H_
 
