@@ -24,7 +24,7 @@ struct CheckArguments {
 };
 
 int RunCheck(const CheckArguments& arguments) {
-  const Scene scene = Scene::FromFile(arguments.scene.model, arguments.scene.options);
+  const Scene scene = LoadScene(arguments.scene);
   const std::vector<Configuration> rows = ReadConfigurations(scene, arguments.which);
   OutputFiles outputs;
   outputs.Add("--json", arguments.json, {arguments.scene.model, arguments.which.file});
@@ -50,6 +50,7 @@ Verb AddCheckVerb(CLI::App& program) {
   AddModel(*command, arguments->scene);
   AddWhich(*command, arguments->which);
   AddMovable(*command, arguments->scene);
+  AddExactMesh(*command, arguments->scene);
   AddRest(*command, arguments->options);
   AddTolerance(*command, arguments->options);
   AddJson(*command, arguments->json);

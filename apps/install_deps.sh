@@ -7,6 +7,7 @@ set -euo pipefail
 packages=(
   g++ cmake make
   python3 python3-pip                              # to fetch MuJoCo
+  libfcl-dev                                       # triangle meshes
   libeigen3-dev libassimp-dev zlib1g-dev           # zlib: Debian's assimp needs it to link, but does not depend on it
   libcli11-dev nlohmann-json3-dev
   libgtest-dev libgmock-dev

@@ -58,7 +58,7 @@ int Dispatch(int argc, char** argv) {
     if (!verb.command->parsed()) continue;
     const int exit_code = verb.run();
     for (const std::string& warning : TakeMujocoWarnings()) {
-      std::fprintf(stderr, "mjcf-pdg: warning: %s\n", warning.c_str());
+      WriteWarning(warning);
     }
     return exit_code;
   }

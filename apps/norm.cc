@@ -51,7 +51,7 @@ std::string NormTable(double sigma, const std::vector<NormPart>& parts) {
 }
 
 int RunNorm(const NormArguments& arguments) {
-  const Scene scene = Scene::FromFile(arguments.scene.model, arguments.scene.options);
+  const Scene scene = LoadScene(arguments.scene);
   const std::vector<double> from = ParseConfiguration(scene, "--from", arguments.from);
   const std::vector<double> to = ParseConfiguration(scene, "--to", arguments.to);
   OutputFiles outputs;

@@ -85,6 +85,12 @@ CLI::Option* AddPath(CLI::App& command, const std::string& flag, const std::stri
   return command.add_option_function<std::string>(flag, set, help)->type_name("FILE");
 }
 
+Scene LoadScene(const SceneArguments& arguments) {
+  Scene scene = Scene::FromFile(arguments.model, arguments.options);
+  for (const std::string& warning : scene.Warnings()) WriteWarning(warning);
+  return scene;
+}
+
 void AddModel(CLI::App& command, SceneArguments& arguments) {
   AddPath(command, "MODEL", "MJCF (.xml) or compiled model (.mjb)", arguments.model)->required();
 }
@@ -120,6 +126,11 @@ void AddRoot(CLI::App& command, SceneArguments& arguments) {
       .add_option_function<std::string>("--root", set,
                                         "root link of the norm (default: each tree's top body)")
       ->type_name("BODY");
+}
+
+void AddExactMesh(CLI::App& command, SceneArguments& arguments) {
+  command.add_flag("--exact-mesh", arguments.options.exact_mesh,
+                   "meshes collide as their triangles: those the model marks, or all");
 }
 
 void AddMetric(CLI::App& command, Metric& metric) {

@@ -38,15 +38,19 @@ CLI::Option* AddInteger(CLI::App& command, const NumberFlag& flag, unsigned long
 CLI::Option* AddPath(CLI::App& command, const std::string& flag, const std::string& help,
                      std::string& target);
 
-void AddModel(CLI::App& command, SceneArguments& arguments);    // MODEL
-void AddMovable(CLI::App& command, SceneArguments& arguments);  // --movable
-void AddRoot(CLI::App& command, SceneArguments& arguments);     // --root
-void AddMetric(CLI::App& command, Metric& metric);              // --metric
-void AddMethod(CLI::App& command, Method& method);              // --method
-void AddEffort(CLI::App& command, Effort& effort);              // --effort
-void AddTolerance(CLI::App& command, Options& options);         // --tolerance
-void AddRest(CLI::App& command, Options& options);              // --rest
-void AddJson(CLI::App& command, std::string& path);             // --json
+// The scene that was asked for; its warnings go to stderr.
+Scene LoadScene(const SceneArguments& arguments);
+
+void AddModel(CLI::App& command, SceneArguments& arguments);      // MODEL
+void AddMovable(CLI::App& command, SceneArguments& arguments);    // --movable
+void AddRoot(CLI::App& command, SceneArguments& arguments);       // --root
+void AddExactMesh(CLI::App& command, SceneArguments& arguments);  // --exact-mesh
+void AddMetric(CLI::App& command, Metric& metric);                // --metric
+void AddMethod(CLI::App& command, Method& method);                // --method
+void AddEffort(CLI::App& command, Effort& effort);                // --effort
+void AddTolerance(CLI::App& command, Options& options);           // --tolerance
+void AddRest(CLI::App& command, Options& options);                // --rest
+void AddJson(CLI::App& command, std::string& path);               // --json
 
 }  // namespace mjcf_pdg::app
 

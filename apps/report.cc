@@ -27,6 +27,9 @@ const char* StatusName(Status status) {
   return "unsolved";
 }
 
+// What meshes collide as.
+const char* GeometryName(const Scene& scene) { return scene.HasExactMeshes() ? "exact" : "hull"; }
+
 // A name is a string, the id of a geom without one a number: a geom may be called "3".
 Json GeomJson(const Scene& scene, int geom) {
   const char* name = mj_id2name(scene.model(), mjOBJ_GEOM, geom);
@@ -69,8 +72,13 @@ Json ResultJson(const Scene& scene, std::size_t index, const Configuration& row,
   json["contacts_in"] = ContactsJson(scene, result.contacts_in);
   json["contacts"] = ContactsJson(scene, result.contacts);
   json["certified"] = result.certified;
+  json["geometry"] = GeometryName(scene);
   if (result.status == Status::kUnsolved) json["reason"] = result.reason;
   return json;
+}
+
+std::string GeometryNote(const Scene& scene) {
+  return scene.HasExactMeshes() ? " (exact meshes)" : "";
 }
 
 std::string Millimetres(double metres) { return Short(metres * kMillimetres); }
@@ -101,7 +109,8 @@ std::string SolveJson(const Scene& scene, const std::vector<Configuration>& rows
   return text;
 }
 
-std::string SolveTable(const std::vector<Configuration>& rows, const std::vector<Result>& results) {
+std::string SolveTable(const Scene& scene, const std::vector<Configuration>& rows,
+                       const std::vector<Result>& results) {
   Table table({"row", "name", "status", "depth mm", "rms mm", "sigma m^2", "distance mm", "start",
                "time ms"});
   std::size_t count[3] = {};
@@ -119,7 +128,8 @@ std::string SolveTable(const std::vector<Configuration>& rows, const std::vector
   return table.ToString() + reasons + Plural(rows.size(), "configuration") + ": " +
          std::to_string(count[static_cast<int>(Status::kAlreadyFree)]) + " already free, " +
          std::to_string(count[static_cast<int>(Status::kSolved)]) + " solved, " +
-         std::to_string(count[static_cast<int>(Status::kUnsolved)]) + " unsolved\n";
+         std::to_string(count[static_cast<int>(Status::kUnsolved)]) + " unsolved" +
+         GeometryNote(scene) + "\n";
 }
 
 std::string CheckJson(const Scene& scene, const std::vector<Configuration>& rows,
@@ -134,6 +144,7 @@ std::string CheckJson(const Scene& scene, const std::vector<Configuration>& rows
     json["limit_excess"] = verdict.limit_excess;
     json["contacts"] = ContactsJson(scene, verdict.contacts);
     json["certified"] = verdict.certified;
+    json["geometry"] = GeometryName(scene);
     if (!verdict.free) json["reason"] = verdict.reason;
     text += JsonLine(json);
   }
@@ -168,7 +179,8 @@ std::string CheckTable(const Scene& scene, const std::vector<Configuration>& row
   if (all_overlaps > 0) text += "\n" + pairs.ToString();
   if (!reasons.empty()) text += "\n" + reasons;
   return text + "\n" + Plural(rows.size(), "configuration") + ": " + std::to_string(free_rows) +
-         " free, " + std::to_string(rows.size() - free_rows) + " not free\n";
+         " free, " + std::to_string(rows.size() - free_rows) + " not free" + GeometryNote(scene) +
+         "\n";
 }
 
 }  // namespace mjcf_pdg::app

@@ -17,7 +17,8 @@ std::string JsonLine(const nlohmann::ordered_json& value);
 
 std::string SolveJson(const Scene& scene, const std::vector<Configuration>& rows,
                       const std::vector<Result>& results);
-std::string SolveTable(const std::vector<Configuration>& rows, const std::vector<Result>& results);
+std::string SolveTable(const Scene& scene, const std::vector<Configuration>& rows,
+                       const std::vector<Result>& results);
 
 std::string CheckJson(const Scene& scene, const std::vector<Configuration>& rows,
                       const std::vector<Verdict>& verdicts);

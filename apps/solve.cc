@@ -39,6 +39,7 @@ void AddFlags(CLI::App& command, SolveArguments& arguments) {
                    "rows are frames of one motion: each starts from earlier answers too");
   AddMovable(command, arguments.scene);
   AddRoot(command, arguments.scene);
+  AddExactMesh(command, arguments.scene);
   AddRest(command, arguments.options);
   AddMetric(command, arguments.options.metric);
   AddTolerance(command, arguments.options);
@@ -118,7 +119,7 @@ Rows Configurations(const std::vector<Result>& results) {
 int RunSolve(SolveArguments& arguments) {
   arguments.options.time_limit = arguments.time_limit_ms / 1e3;
   arguments.options.seed = arguments.seed;
-  const Scene scene = Scene::FromFile(arguments.scene.model, arguments.scene.options);
+  const Scene scene = LoadScene(arguments.scene);
   const std::vector<Configuration> rows = ReadConfigurations(scene, arguments.which);
   OutputFiles outputs;
   AddOutputs(arguments, outputs);
@@ -138,7 +139,7 @@ int RunSolve(SolveArguments& arguments) {
   if (!arguments.png.empty()) StagePng(scene, rows, results, arguments.png, outputs);
 #endif
   outputs.Commit();
-  if (!outputs.uses_stdout()) WriteStdout(SolveTable(rows, results));
+  if (!outputs.uses_stdout()) WriteStdout(SolveTable(scene, rows, results));
   const bool all_free = std::none_of(results.begin(), results.end(), [](const Result& result) {
     return result.status == Status::kUnsolved;
   });

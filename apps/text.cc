@@ -116,6 +116,10 @@ std::string Table::ToString() const {
   return text;
 }
 
+void WriteWarning(const std::string& text) {
+  std::fprintf(stderr, "mjcf-pdg: warning: %s\n", OneLine(text).c_str());
+}
+
 void WriteStdout(const std::string& text) {
   const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
   if (!written || std::fflush(stdout) != 0) {

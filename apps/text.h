@@ -32,6 +32,9 @@ class Table {
 // Throws std::runtime_error when stdout does not take it all (a closed pipe, a full disk).
 void WriteStdout(const std::string& text);
 
+// One line on stderr.
+void WriteWarning(const std::string& text);
+
 }  // namespace mjcf_pdg::app
 
 #endif  // MJCF_PDG_APPS_TEXT_H_

@@ -226,7 +226,8 @@ Ccdg::Margin Ccdg::MarginOf(int pair, double enough) {
   }
   const bool ellipsoid =
       m.geom_type[kept.geom1] == mjGEOM_ELLIPSOID || m.geom_type[kept.geom2] == mjGEOM_ELLIPSOID;
-  if (ellipsoid && near.distance < 0.0) {  // MuJoCo's depth of ellipsoids can be too shallow
+  if (ellipsoid && !kept.exact &&
+      near.distance < 0.0) {  // MuJoCo's depth of ellipsoids can be too shallow
     const double proven = separation_.Distance(posed, kept.geom1, kept.geom2, margin.n_W);
     margin.value = std::min(margin.value, proven - Required(pair));
   }

@@ -36,12 +36,24 @@ double SphereAbovePlane(const mjModel& m, const mjData& d, int plane, int geom) 
          m.geom_rbound[geom];
 }
 
+// An exact pair's overlap knows depths of points; that of the hulls is a move that is certain to
+// part the meshes. Where it is hardly longer, as for convex meshes, it is the better row.
+bool HullServes(double overlap, double of_hulls) {
+  constexpr double kShorter = 0.9, kLonger = 2.0;  // ellipsoids' can be too shallow
+  return overlap < 0.0 && of_hulls <= kShorter * overlap && of_hulls >= kLonger * overlap;
+}
+
+NearPair ToNearPair(int pair, const SignedGap& gap) {
+  return {pair, gap.distance, gap.p1, gap.p2, gap.n};
+}
+
 }  // namespace
 
 ContactFinder::ContactFinder(const SceneTables& tables)
     : tables_(tables),
       model_(tables.query_model),
       posed_(&model_),
+      exact_(tables),
       centers_W_(tables.body_spheres.size()) {
   near_.reserve(64);
 }
@@ -59,7 +71,21 @@ const std::vector<NearPair>& ContactFinder::Find(double margin) {
     if (!BodiesNear(bodies, margin)) continue;
     for (int pair = bodies.begin; pair < bodies.end; ++pair) {
       if (DistanceBound(pair) > margin) continue;
-      if (Distance(pair, margin, near)) near_.push_back(near);
+      const KeptPair& kept = tables_.pairs[pair];
+      if (!kept.exact) {
+        if (Distance(pair, margin, near)) near_.push_back(near);
+      } else if (BoundsNear(kept, margin)) {
+        features_.clear();
+        exact_.Features(posed_, pair, margin, features_);
+        SignedGap hull;
+        if (!features_.empty() && features_.front().distance < 0.0 &&
+            GeomGap(kept.geom1, kept.geom2, 0.0, hull) &&
+            HullServes(features_.front().distance, hull.distance)) {
+          std::erase_if(features_, [](const SignedGap& gap) { return gap.distance < 0.0; });
+          features_.insert(features_.begin(), hull);
+        }
+        for (const SignedGap& gap : features_) near_.push_back(ToNearPair(pair, gap));
+      }
     }
   }
   if (tables_.has_contact_only_pairs) FindContactOnly(margin);
@@ -100,20 +126,22 @@ bool ContactFinder::BoxesNear(int geom1, int geom2, double margin) const {
   return gap1.maxCoeff() <= margin && gap2.maxCoeff() <= margin;
 }
 
+bool ContactFinder::BoundsNear(const KeptPair& kept, double margin) const {
+  return model_.geom_type[kept.geom1] == mjGEOM_PLANE || BoxesNear(kept.geom1, kept.geom2, margin);
+}
+
 bool ContactFinder::Distance(int pair, double cutoff, NearPair& near) {
   const KeptPair& kept = tables_.pairs[pair];
-  if (!kept.has_distance) return false;
-  if (model_.geom_type[kept.geom1] != mjGEOM_PLANE && !BoxesNear(kept.geom1, kept.geom2, cutoff)) {
-    return false;
+  if (!kept.has_distance || !BoundsNear(kept, cutoff)) return false;
+  SignedGap gap, hull;
+  const bool found = kept.exact ? exact_.Distance(posed_, pair, cutoff, gap)
+                                : GeomGap(kept.geom1, kept.geom2, cutoff, gap);
+  if (found && kept.exact && gap.distance < 0.0 && GeomGap(kept.geom1, kept.geom2, 0.0, hull) &&
+      HullServes(gap.distance, hull.distance)) {
+    gap = hull;
   }
-  SignedGap gap;
-  if (!GeomGap(kept.geom1, kept.geom2, cutoff, gap)) return false;
-  near.pair = pair;
-  near.distance = gap.distance;
-  near.p1_W = gap.p1;
-  near.p2_W = gap.p2;
-  near.n_W = gap.n;
-  return true;
+  if (found) near = ToNearPair(pair, gap);
+  return found;
 }
 
 bool ContactFinder::GeomGap(int geom1, int geom2, double cutoff, SignedGap& gap) {

@@ -3,18 +3,22 @@
 // Candidates come from bounding volumes over *all* kept pairs, not from MuJoCo's contacts: with a
 // positive margin MuJoCo 4.0 drops or misplaces box-box contacts, and it misses capsules that
 // pierce boxes. Distances, depths and normals are signed pair distances: mj_geomDistance, our own
-// for capsule-box. SDF and height field pairs have contacts only; those come from mj_collision.
+// for capsule-box, triangles for exact meshes (exact_contacts.h). An exact pair that overlaps is
+// told as the penetration depth of its convex hulls where that is at most twice what its triangles
+// say: a move by it is certain to part them. SDF and height field pairs have contacts only; those
+// come from mj_collision.
 #ifndef MJCF_PDG_SRC_CONTACTS_H_
 #define MJCF_PDG_SRC_CONTACTS_H_
 
 #include <vector>
 
-#include "capsule_box.h"
+#include "exact_contacts.h"
 #include "kinematics.h"
 
 namespace mjcf_pdg {
 
-// A kept pair within the margin. Contact-only pairs may appear several times, once per contact.
+// A kept pair within the margin. Contact-only and exact pairs may appear several times, once per
+// contact or feature.
 struct NearPair {
   int pair = 0;           // index into SceneTables::pairs
   double distance = 0.0;  // signed [m]
@@ -30,9 +34,11 @@ class ContactFinder {
   void SetMocap(const MocapPoses& poses) { posed_.SetMocap(poses); }
   void Pose(const VectorXd& q) { posed_.Pose(q); }
   const PosedModel& posed() const { return posed_; }
+  // What follows does not depend on the queries before.
+  void Forget() { exact_.Forget(); }
 
-  // All kept pairs nearer than `margin` at the posed configuration, in the scene's order. One
-  // query.
+  // All kept pairs nearer than `margin` at the posed configuration, in the scene's order; exact
+  // pairs with all their features within it. One query.
   const std::vector<NearPair>& Find(double margin);
 
   // Signed distance of one kept pair at the posed configuration. Exact when below `cutoff` [m];
@@ -45,6 +51,7 @@ class ContactFinder {
   int queries() const { return queries_; }
 
  private:
+  bool BoundsNear(const KeptPair& kept, double margin) const;
   bool GeomGap(int geom1, int geom2, double cutoff, SignedGap& gap);
   void FindContactOnly(double margin);
   bool BodiesNear(const BodyPair& bodies, double margin) const;
@@ -53,6 +60,8 @@ class ContactFinder {
   const SceneTables& tables_;
   mjModel model_;  // the scene's query model with our own margin
   PosedModel posed_;
+  ExactContacts exact_;
+  std::vector<SignedGap> features_;
   std::vector<NearPair> near_;
   std::vector<Vector3d> centers_W_;  // of body_spheres
   int queries_ = 0;

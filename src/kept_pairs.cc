@@ -57,6 +57,8 @@ KeptPair MakePair(const SceneTables& tables, int g1, int g2, double margin_and_g
   pair.allowed = std::max(0.0, -margin_and_gap);
   auto contact_only = [](int type) { return type == mjGEOM_SDF || type == mjGEOM_HFIELD; };
   pair.has_distance = !contact_only(type1) && !contact_only(type2);
+  // Against SDF and height fields MuJoCo sees the mesh's convex hull.
+  pair.exact = pair.has_distance && (tables.exact[g1] || tables.exact[g2]);
   pair.moves = JointBetween(tables, m.geom_bodyid[g1], m.geom_bodyid[g2]);
   return pair;
 }

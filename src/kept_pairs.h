@@ -6,9 +6,9 @@
 
 namespace mjcf_pdg {
 
-// Fills pairs, body_pairs, body_spheres, has_contact_only_pairs from model, column_of_dof and
-// body_moves. Follows engine_collision_driver.c of MuJoCo 4.0: explicit <pair>s always count;
-// dynamic pairs pass the contype/conaffinity, weld, parent-child and <exclude> filters.
+// Fills pairs, body_pairs, body_spheres, has_contact_only_pairs from model, column_of_dof,
+// body_moves and exact. Follows engine_collision_driver.c of MuJoCo 4.0: explicit <pair>s always
+// count; dynamic pairs pass the contype/conaffinity, weld, parent-child and <exclude> filters.
 void FillKeptPairs(SceneTables& tables);
 
 }  // namespace mjcf_pdg

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace mjcf_pdg {
 namespace {
@@ -19,6 +20,7 @@ constexpr double kFirstDamping = 0.1, kLeastDamping = 1e-5, kRenewedDamping = 1e
 constexpr double kLeastRadius = 1e-7;  // [m]
 // Margins within which pairs get rows, in units of the scene's size; later 1.5 times the step.
 constexpr double kFirstMargin = 0.25, kLeastMargin = 0.02, kLargestMargin = 0.5;
+constexpr int kKeysPerPair = 32;     // for rows of one pair
 constexpr double kLimitReach = 0.5;  // joint limits farther than this get no row [rad or m]
 
 }  // namespace
@@ -57,11 +59,16 @@ void LocalOptimization::Linearize(const Iterate& at, double margin) {
     nearest.resize(kMaxContactRows);
   }
   rows_.Clear(tables.n);
+  std::map<int, int> features;  // of exact pairs: how many so far
   for (const NearPair* near : nearest) {
     const double offset = problem_.tolerances.aim - problem_.required[near->pair];
-    const int key = near->pair * (WitnessMemory::kPerPair + 1);
-    const int row = rows_.Append(near->distance + offset, key);
+    const int key = near->pair * kKeysPerPair;
+    // The features of an exact pair need no memory: all of them are here.
+    const bool exact = tables.pairs[near->pair].exact;
+    const int feature = exact ? std::min(features[near->pair]++, kKeysPerPair - 1) : 0;
+    const int row = rows_.Append(near->distance + offset, key + feature);
     ContactRow(tables, posed, near->pair, near->p1_W, near->p2_W, near->n_W, rows_.C.row(row));
+    if (exact) continue;
     auto append_remembered = [&](int slot, const Vector3d& p1_W, const Vector3d& p2_W) {
       const double distance = near->n_W.dot(p2_W - p1_W);
       if (distance > margin + problem_.options.clearance) return;

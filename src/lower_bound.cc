@@ -54,7 +54,7 @@ struct Claim {
 std::optional<PairProblem> MakePair(const LowerBoundInput& in, const Chains& chains,
                                     const NearPair& near) {
   const KeptPair& kept = in.tables.pairs[near.pair];
-  if (!kept.has_distance || !kept.moves) return std::nullopt;
+  if (!kept.has_distance || !kept.moves || kept.exact) return std::nullopt;  // convex geoms only
   PairProblem pair;
   pair.required = in.required[near.pair] - in.tolerance - kRounding;
   pair.needed = pair.required - near.distance;

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "exact_mesh.h"
 #include "kept_pairs.h"
 #include "scene_tables.h"
 
@@ -129,8 +130,10 @@ std::shared_ptr<const SceneTables> MakeTables(std::shared_ptr<const mjModel> own
   tables->model = model;
   FillJoints(*tables, options);
   FillRoot(*tables, options.root);
+  MarkExactGeoms(options, *tables);
   FillKeptPairs(*tables);
   RefuseUnseenPairs(*tables);
+  BuildSolids(*tables);
   tables->verify_model = UnblindedCopy(*tables);
   tables->query_model = tables->verify_model;
   tables->query_model.opt.disableflags |= mjDSBL_MULTICCD;
@@ -187,9 +190,15 @@ Scene Scene::FromModel(const mjModel* model, const SceneOptions& options) {
 }
 
 const mjModel* Scene::model() const { return tables_->model; }
+const std::vector<std::string>& Scene::Warnings() const { return tables_->warnings; }
 int Scene::nq() const { return static_cast<int>(tables_->model->nq); }
 int Scene::dof() const { return tables_->n; }
 int Scene::num_kept_pairs() const { return static_cast<int>(tables_->pairs.size()); }
+
+bool Scene::HasExactMeshes() const {
+  return std::any_of(tables_->pairs.begin(), tables_->pairs.end(),
+                     [](const KeptPair& pair) { return pair.exact; });
+}
 
 std::string Scene::GeomName(int geom) const { return NameOrId(model(), mjOBJ_GEOM, geom); }
 std::string Scene::JointName(int joint) const { return NameOrId(model(), mjOBJ_JOINT, joint); }

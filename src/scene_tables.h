@@ -6,9 +6,12 @@
 
 #include <Eigen/Dense>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace mjcf_pdg {
+
+class Solid;
 
 // A joint that may move. Angles in rad, slides in m.
 struct JointEntry {
@@ -28,6 +31,7 @@ struct KeptPair {
   int geom1 = 0, geom2 = 0;
   double allowed = 0.0;      // overlap the model allows by a negative margin + gap [m], >= 0
   bool has_distance = true;  // false for SDF and height fields: contacts only
+  bool exact = false;        // one geom or both collide as their triangles
   bool moves = true;         // some movable joint lies between the two geoms
 };
 
@@ -62,6 +66,10 @@ struct SceneTables {
   std::vector<BodyPair> body_pairs;
   std::vector<BoundingSphere> body_spheres;  // nbody
   bool has_contact_only_pairs = false;
+
+  std::vector<char> exact;                           // ngeom: collides as its triangles
+  std::vector<std::shared_ptr<const Solid>> solids;  // ngeom; null where no exact pair needs it
+  std::vector<std::string> warnings;
 };
 
 }  // namespace mjcf_pdg

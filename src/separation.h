@@ -4,7 +4,8 @@
 // lower bound of the signed distance of two convex geoms, whatever n; at the witness normal it is
 // the distance. Along a motion x(s) = x + s (v + ω×x) + (at most ½ a s²) the support function is
 // asked in the tilted direction n + s n×ω, so that the bound is exact to first order: geoms that
-// slide along each other, or part, are passed in few steps.
+// slide along each other, or part, are passed in few steps. An exact mesh counts as its convex
+// hull, which only lowers the bound.
 #ifndef MJCF_PDG_SRC_SEPARATION_H_
 #define MJCF_PDG_SRC_SEPARATION_H_
 

@@ -18,6 +18,9 @@ using Clock = std::chrono::steady_clock;
 
 // A pair this near its required distance is reported as touching, in units of the tolerance.
 constexpr double kTouching = 10.0;
+// What the local optimization leaves between triangles [m]: their normals are those of the nearest
+// points as long as they are apart, and guesses when they overlap.
+constexpr double kStandOff = 2e-7;
 
 VectorXd ToEigen(const std::vector<double>& q) {
   return Eigen::Map<const VectorXd>(q.data(), static_cast<Eigen::Index>(q.size()));
@@ -104,6 +107,7 @@ struct Solver::Impl {
 // Everything that refers to q_in: the norm, the required distances, the deadline.
 void Solver::Impl::SetUp(const std::vector<double>& q_in) {
   const SceneTables& tables = scene.tables();
+  problem.finder.Forget();
   problem.q_in = Normalized(tables, ToEigen(q_in));
   problem.tolerances = Tolerances(options.tolerance);
   problem.norm.SetReference(problem.q_in, problem.mocap);
@@ -112,6 +116,10 @@ void Solver::Impl::SetUp(const std::vector<double>& q_in) {
     problem.required[static_cast<Eigen::Index>(k)] =
         tables.pairs[k].moves ? options.clearance - tables.pairs[k].allowed
                               : -tables.pairs[k].allowed;
+  }
+  for (std::size_t k = 0; k < tables.pairs.size(); ++k) {
+    if (!tables.pairs[k].exact) continue;
+    problem.required[static_cast<Eigen::Index>(k)] += problem.tolerances.aim + kStandOff;
   }
   problem.finder.Pose(problem.q_in);
   if (options.rest > 0.0) {

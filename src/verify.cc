@@ -50,7 +50,8 @@ Verifier::Verifier(const SceneTables& tables, const Options& options)
       clearance_(options.clearance),
       rest_(options.rest),
       model_(tables.verify_model),
-      posed_(&model_) {
+      posed_(&model_),
+      exact_(tables) {
   NeutraliseMargins();
   distance_model_ = model_;
   distance_model_.opt.ccd_tolerance = std::min(model_.opt.ccd_tolerance, kDistanceTolerance);
@@ -152,6 +153,7 @@ void Verifier::AskCollision() {
       strangers_.push_back(c);
       continue;
     }
+    if (tables_.pairs[pair].exact) continue;
     int& deepest = readings_[pair].contact;
     if (deepest < 0 || !(d.contact[c].dist >= d.contact[deepest].dist)) deepest = c;
     if (!tables_.pairs[pair].has_distance) {
@@ -223,6 +225,7 @@ double Verifier::BoxBound(const KeptPair& pair) const {
 }
 
 double Verifier::SignedDistance(const KeptPair& pair, double cutoff, double fromto[6]) {
+  if (pair.exact) return exact_.Distance(posed_, pair, cutoff, fromto);
   if (model_.geom_type[pair.geom1] == mjGEOM_CAPSULE &&
       model_.geom_type[pair.geom2] == mjGEOM_BOX) {
     return CapsuleBoxDistance(model_, *posed_.data(), pair.geom1, pair.geom2, fromto);

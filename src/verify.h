@@ -6,6 +6,8 @@
 //   1. mj_collision on the scene's verify_model with every margin and gap set to zero, so that a
 //      negative margin hides nothing and a positive one misplaces nothing;
 //   2. the signed distance of every kept pair: mj_geomDistance, for capsule-box our own.
+// Where a mesh collides as its triangles, mj_collision sees hulls and is not heard; witness 2 asks
+// FCL (verify_exact_mesh.h).
 #ifndef MJCF_PDG_SRC_VERIFY_H_
 #define MJCF_PDG_SRC_VERIFY_H_
 
@@ -17,6 +19,7 @@
 #include "kinematics.h"
 #include "mjcf_pdg/pdg.h"
 #include "scene_tables.h"
+#include "verify_exact_mesh.h"
 #include "verify_findings.h"
 
 namespace mjcf_pdg {
@@ -63,6 +66,7 @@ class Verifier {
   mjModel model_;           // verify_model with these margins, no gaps
   mjModel distance_model_;  // the same with a finer convex solver, for mj_geomDistance
   PosedModel posed_;
+  ExactVerifier exact_;
 
   std::vector<std::pair<std::uint64_t, int>> pair_index_;  // sorted by geoms
   std::vector<double> required_;                           // per kept pair, with rest [m]

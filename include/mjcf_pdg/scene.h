@@ -18,6 +18,10 @@ struct SceneOptions {
   std::vector<std::string> movable;
   // Root link of the object norm (a palm, a torso); empty: every tree's top body.
   std::string root;
+  // Mesh geoms collide as their triangles, closed ones as solids, instead of as convex hulls: those
+  // that the model's <custom><text name="mjcf_pdg.exact_mesh" data="geom geom ..."/></custom>
+  // names, or all if it has no such text. Against SDF geoms and height fields they stay hulls.
+  bool exact_mesh = false;
 };
 
 struct SceneTables;  // internal, src/scene_tables.h
@@ -26,17 +30,21 @@ struct SceneTables;  // internal, src/scene_tables.h
 class Scene {
  public:
   // All throw Error: no such file, broken XML (with MuJoCo's line), unknown body name, a body
-  // without joints below it, flex or another feature that is not supported (named).
+  // without joints below it, flex or another feature that is not supported (named), an exact_mesh
+  // text that names something else than a mesh geom.
   static Scene FromFile(const std::string& path, const SceneOptions& options = {});
   static Scene FromString(const std::string& xml, const SceneOptions& options = {});
   // The model of a running program: never written to, and it must outlive the scene.
   static Scene FromModel(const mjModel* model, const SceneOptions& options = {});
 
   const mjModel* model() const;
+  // What is doubtful about the model but no Error, one line each.
+  const std::vector<std::string>& Warnings() const;
   const SceneTables& tables() const { return *tables_; }
 
   int nq() const;
   int dof() const;                       // n, the number of movable degrees of freedom
+  bool HasExactMeshes() const;           // some kept pair collides by triangles
   int num_kept_pairs() const;            // pairs of geoms that MuJoCo's filters keep
   std::string GeomName(int geom) const;  // its name, else "#id"
   std::string JointName(int joint) const;

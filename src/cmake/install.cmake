@@ -27,6 +27,11 @@ elseif(TARGET mjcf-pdg)
   set_property(TARGET mjcf-pdg PROPERTY INSTALL_RPATH_USE_LINK_PATH ON)
 endif()
 
+get_target_property(type mjcf_pdg TYPE)
+set(MJCF_PDG_IS_STATIC OFF)
+if(type STREQUAL "STATIC_LIBRARY")
+  set(MJCF_PDG_IS_STATIC ON)
+endif()
 configure_package_config_file(src/cmake/mjcf_pdgConfig.cmake.in "${PROJECT_BINARY_DIR}/mjcf_pdgConfig.cmake"
                               INSTALL_DESTINATION "${package_dir}")
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/mjcf_pdgConfigVersion.cmake" COMPATIBILITY SameMinorVersion)

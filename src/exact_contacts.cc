@@ -1,0 +1,80 @@
+#include "exact_contacts.h"
+
+#include "field_mesh.h"
+#include "solid_overlap.h"
+
+namespace mjcf_pdg {
+namespace {
+
+// Overlapping, nearest and, if `all` are asked for, the others; warm is renewed.
+void AskSolids(const SolidPair& pair, double margin, bool all, NearestTriangles& warm,
+               std::vector<SignedGap>& out) {
+  const NearestTriangles near = pair.Nearest(std::max(margin, SolidPair::kTouching), &warm);
+  if (near.a >= 0) warm = near;
+  if ((near.a >= 0 && near.distance < SolidPair::kTouching) || Contained(pair)) {
+    AppendOverlaps(pair, out);
+    if (!all) return;
+  }
+  if (near.a < 0 || near.distance >= margin) return;
+  if (all) return pair.Features(margin, near, out);
+  out.push_back({near.distance, near.pa, near.pb, pair.Normal(near)});
+}
+
+void AskField(const FieldMesh& pair, double margin, bool all, int& warm,
+              std::vector<SignedGap>& out) {
+  const FieldNearest near = pair.Nearest(std::max(margin, 0.0), warm);
+  if (near.triangle >= 0) warm = near.triangle;
+  if ((near.triangle >= 0 && near.f < 0.0) || pair.Contained()) {
+    pair.AppendOverlaps(out);
+    if (!all) return;
+  }
+  if (near.triangle < 0 || near.f >= margin) return;
+  if (all) return pair.Features(margin, near, out);
+  out.push_back(pair.Gap(near));
+}
+
+}  // namespace
+
+void ExactContacts::Ask(const PosedModel& posed, int pair, double margin, bool all,
+                        std::vector<SignedGap>& out) {
+  const mjModel& m = *posed.model();
+  const mjData& d = *posed.data();
+  const int g1 = tables_.pairs[pair].geom1, g2 = tables_.pairs[pair].geom2;
+  const Matrix3d R1 = AsMatrix(d.geom_xmat + 9 * g1), R2 = AsMatrix(d.geom_xmat + 9 * g2);
+  const Vector3d p1 = AsVector(d.geom_xpos + 3 * g1), p2 = AsVector(d.geom_xpos + 3 * g2);
+  const RelativePose second_in_first{R1.transpose() * R2,
+                                     kTreeUnits * (R1.transpose() * (p2 - p1))};
+  const double reach = kTreeUnits * margin;
+  const std::size_t begin = out.size();
+  const bool both_solid = tables_.solids[g1] != nullptr;
+  if (both_solid) {
+    AskSolids({*tables_.solids[g1], *tables_.solids[g2], second_in_first}, reach, all, warm_[pair],
+              out);
+  } else {  // MuJoCo's order: the mesh comes last
+    const ConvexField field{m.geom_type[g1], kTreeUnits * AsVector(m.geom_size + 3 * g1)};
+    AskField({field, *tables_.solids[g2], second_in_first}, reach, all, warm_[pair].b, out);
+  }
+  const Matrix3d& R = both_solid ? R1 : R2;
+  const Vector3d& origin = both_solid ? p1 : p2;
+  for (std::size_t k = begin; k < out.size(); ++k) {
+    out[k].distance /= kTreeUnits;
+    out[k].p1 = origin + R * out[k].p1 / kTreeUnits;
+    out[k].p2 = origin + R * out[k].p2 / kTreeUnits;
+    out[k].n = R * out[k].n;
+  }
+}
+
+bool ExactContacts::Distance(const PosedModel& posed, int pair, double cutoff, SignedGap& gap) {
+  scratch_.clear();
+  Ask(posed, pair, cutoff, false, scratch_);
+  if (scratch_.empty() || scratch_.front().distance >= cutoff) return false;
+  gap = scratch_.front();
+  return true;
+}
+
+void ExactContacts::Features(const PosedModel& posed, int pair, double margin,
+                             std::vector<SignedGap>& out) {
+  Ask(posed, pair, margin, true, out);
+}
+
+}  // namespace mjcf_pdg

@@ -1,0 +1,44 @@
+// Signed distances and contact features of the pairs in which a mesh collides as its triangles.
+//
+// Meshes, boxes and convex hulls are triangles against triangles (solid_pair.h, solid_overlap.h);
+// planes, spheres, capsules, ellipsoids and cylinders are signed distance functions on triangles
+// (field_mesh.h). What the depth of an overlap is, those headers say.
+#ifndef MJCF_PDG_SRC_EXACT_CONTACTS_H_
+#define MJCF_PDG_SRC_EXACT_CONTACTS_H_
+
+#include <vector>
+
+#include "capsule_box.h"
+#include "kinematics.h"
+#include "solid_pair.h"
+
+namespace mjcf_pdg {
+
+// One per thread: it remembers the nearest triangles of every pair, as a start for the next query.
+class ExactContacts {
+ public:
+  explicit ExactContacts(const SceneTables& tables) : tables_(tables), warm_(tables.pairs.size()) {}
+
+  // Forgets the nearest triangles: among equally near ones, what is found may depend on them.
+  void Forget() { warm_.assign(warm_.size(), NearestTriangles()); }
+
+  // Signed distance of an exact pair at the pose, witness points in world axes [m]. False, and
+  // `gap` left alone, when it is not below `cutoff`. Negative where the solids overlap, a body
+  // wholly inside another included.
+  bool Distance(const PosedModel& posed, int pair, double cutoff, SignedGap& gap);
+
+  // All features below `margin`, the nearest or deepest first; empty when there is none. An overlap
+  // comes as its deepest places, followed by the features that are apart.
+  void Features(const PosedModel& posed, int pair, double margin, std::vector<SignedGap>& out);
+
+ private:
+  void Ask(const PosedModel& posed, int pair, double margin, bool all, std::vector<SignedGap>& out);
+
+  const SceneTables& tables_;
+  std::vector<NearestTriangles> warm_;  // per pair; of a primitive only b counts
+  std::vector<SignedGap> scratch_;
+};
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_EXACT_CONTACTS_H_

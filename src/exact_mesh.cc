@@ -1,0 +1,110 @@
+#include "exact_mesh.h"
+
+#include <map>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "solid.h"
+
+namespace mjcf_pdg {
+namespace {
+
+constexpr char kMark[] = "mjcf_pdg.exact_mesh";
+
+std::string GeomLabel(const mjModel& m, int geom) {
+  const char* name = mj_id2name(&m, mjOBJ_GEOM, geom);
+  return name && *name ? "'" + std::string(name) + "'" : "#" + std::to_string(geom);
+}
+
+void MarkNamed(const std::string& names, SceneTables& tables) {
+  const mjModel& m = *tables.model;
+  std::istringstream words(names);
+  for (std::string name; words >> name;) {
+    const std::string where = std::string("text '") + kMark + "': ";
+    const int geom = mj_name2id(&m, mjOBJ_GEOM, name.c_str());
+    if (geom < 0) throw Error(where + "no geom named '" + name + "'");
+    if (m.geom_type[geom] != mjGEOM_MESH) throw Error(where + "geom '" + name + "' is not a mesh");
+    tables.exact[geom] = 1;
+  }
+}
+
+Matrix3Xd MeshVertices(const mjModel& m, int mesh) {
+  return Eigen::Map<const Eigen::Matrix3Xf>(m.mesh_vert + 3 * m.mesh_vertadr[mesh], 3,
+                                            m.mesh_vertnum[mesh])
+      .cast<double>();
+}
+
+Solid TrianglesOf(const mjModel& m, int mesh) {
+  const Matrix3Xi faces =
+      Eigen::Map<const Matrix3Xi>(m.mesh_face + 3 * m.mesh_faceadr[mesh], 3, m.mesh_facenum[mesh]);
+  return Solid(MeshVertices(m, mesh), faces);
+}
+
+// mesh_graph: numvert, numface, vert_edgeadr[numvert], vert_globalid[numvert],
+// edge_localid[numvert + 3 numface], face_globalid[3 numface].
+Solid HullOf(const mjModel& m, int mesh) {
+  if (m.mesh_graphadr[mesh] < 0) throw Error("the mesh has no convex hull");
+  const int* graph = m.mesh_graph + m.mesh_graphadr[mesh];
+  const int num_vertices = graph[0], num_faces = graph[1];
+  const int* faces = graph + 2 + 3 * num_vertices + 3 * num_faces;
+  return Solid(MeshVertices(m, mesh), Eigen::Map<const Matrix3Xi>(faces, 3, num_faces));
+}
+
+Solid BoxOf(const Vector3d& half) {
+  Matrix3Xd corners(3, 8);
+  for (int k = 0; k < 8; ++k) {
+    const Vector3d signs(k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0);
+    corners.col(k) = signs.cwiseProduct(half);
+  }
+  Matrix3Xi faces(3, 12);
+  faces << 0, 2, 4, 5, 0, 1, 2, 3, 0, 4, 1, 3,  //
+      2, 3, 5, 7, 1, 5, 6, 6, 4, 6, 3, 7,       //
+      1, 1, 6, 6, 4, 4, 3, 7, 2, 2, 5, 5;
+  return Solid(corners, faces);
+}
+
+}  // namespace
+
+void MarkExactGeoms(const SceneOptions& options, SceneTables& tables) {
+  const mjModel& m = *tables.model;
+  tables.exact.assign(m.ngeom, 0);
+  if (!options.exact_mesh) return;
+  const int text = mj_name2id(&m, mjOBJ_TEXT, kMark);
+  if (text >= 0) return MarkNamed(m.text_data + m.text_adr[text], tables);
+  for (int g = 0; g < m.ngeom; ++g) tables.exact[g] = m.geom_type[g] == mjGEOM_MESH;
+}
+
+void BuildSolids(SceneTables& tables) {
+  const mjModel& m = *tables.model;
+  tables.solids.assign(m.ngeom, nullptr);
+  std::map<std::pair<int, bool>, std::shared_ptr<const Solid>> built;  // by asset, exact or hull
+  for (const KeptPair& pair : tables.pairs) {
+    if (!pair.exact) continue;
+    for (const int g : {pair.geom1, pair.geom2}) {
+      if (tables.solids[g]) continue;
+      if (m.geom_type[g] == mjGEOM_BOX) {
+        tables.solids[g] =
+            std::make_shared<const Solid>(BoxOf(Eigen::Map<const Vector3d>(m.geom_size + 3 * g)));
+      }
+      if (m.geom_type[g] != mjGEOM_MESH) continue;
+      const int mesh = m.geom_dataid[g];
+      const bool exact = tables.exact[g];
+      std::shared_ptr<const Solid>& solid = built[{mesh, exact}];
+      try {
+        if (!solid) {
+          solid = std::make_shared<const Solid>(exact ? TrianglesOf(m, mesh) : HullOf(m, mesh));
+        }
+      } catch (const Error& e) {
+        throw Error("geom " + GeomLabel(m, g) + ": " + e.what());
+      }
+      tables.solids[g] = solid;
+      if (solid->closed()) continue;
+      tables.warnings.push_back("mesh geom " + GeomLabel(m, g) + " is not closed (" +
+                                std::to_string(solid->open_edges()) +
+                                " open edges): a surface without inside");
+    }
+  }
+}
+
+}  // namespace mjcf_pdg

@@ -1,0 +1,79 @@
+// Two triangle meshes: their nearest triangles, and all features within a margin.
+//
+// Our own traversals over FCL's trees with FCL's distances of volumes and triangles, because FCL's
+// public queries have no early out at a cutoff, no warm start and no margin. Tree units (solid.h);
+// everything in the frame of mesh a.
+#ifndef MJCF_PDG_SRC_SOLID_PAIR_H_
+#define MJCF_PDG_SRC_SOLID_PAIR_H_
+
+#include <vector>
+
+#include "capsule_box.h"
+#include "solid.h"
+
+namespace mjcf_pdg {
+
+// The nearest points of two meshes, or of parts of them.
+struct NearestTriangles {
+  double distance = std::numeric_limits<double>::infinity();  // 0 when triangles intersect
+  Vector3d pa = Vector3d::Zero(), pb = Vector3d::Zero();
+  int a = -1, b = -1;  // triangles; -1: nothing below the cutoff
+};
+
+// Where the second mesh is in the first one's frame: x_a = R x_b + t.
+struct RelativePose {
+  Matrix3d R = Matrix3d::Identity();
+  Vector3d t = Vector3d::Zero();
+
+  Vector3d operator*(const Vector3d& x) const { return R * x + t; }
+  RelativePose Inverse() const { return {R.transpose(), -(R.transpose() * t)}; }
+};
+
+class SolidPair {
+ public:
+  SolidPair(const Solid& a, const Solid& b, const RelativePose& b_in_a)
+      : a_(a), b_(b), pose_(b_in_a) {}
+
+  const Solid& a() const { return a_; }
+  const Solid& b() const { return b_; }
+  const RelativePose& pose() const { return pose_; }
+
+  // Below `cutoff`, or a == b == -1. `warm`: triangles that were nearest before, or null.
+  NearestTriangles Nearest(double cutoff, const NearestTriangles* warm = nullptr) const {
+    return Nearest(0, 0, cutoff, warm);
+  }
+  // Some triangles intersect.
+  bool Intersects() const { return Nearest(kTouching).a >= 0; }
+
+  // Rows for a contact matrix: of each patch of either surface the point nearest to the other mesh,
+  // if nearer than `margin` and apart; patches are about as large as the margin. Only points whose
+  // direction is locally that of a face, or which are nearest to each other, bound the motion:
+  // others are left out. Nearest first, similar ones merged, at most kMaxFeatures. n points from a
+  // to b. `first` is the result of Nearest(margin).
+  void Features(double margin, const NearestTriangles& first, std::vector<SignedGap>& out) const;
+
+  NearestTriangles OfTriangles(int a, int b) const;
+  // Unit, from a to b, for near.distance > 0.
+  Vector3d Normal(const NearestTriangles& near) const;
+
+  // Below this, triangles count as intersecting.
+  static constexpr double kTouching = 1e-9;
+  static constexpr int kMaxFeatures = 16;
+
+ private:
+  NearestTriangles Nearest(int node_a, int node_b, double cutoff,
+                           const NearestTriangles* warm) const;
+  void Descend(int node_a, int node_b, NearestTriangles& best) const;
+  double BoxDistance(int node_a, int node_b) const;
+  void PatchesOf(bool of_a, double margin, double patch, const NearestTriangles& first,
+                 std::vector<NearestTriangles>& out) const;
+  bool BoundsMotion(const NearestTriangles& near) const;
+
+  const Solid& a_;
+  const Solid& b_;
+  RelativePose pose_;
+};
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_SOLID_PAIR_H_

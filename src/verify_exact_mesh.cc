@@ -1,0 +1,325 @@
+#include "verify_exact_mesh.h"
+
+#include <fcl/geometry/bvh/BVH_model.h>
+#include <fcl/math/bv/OBBRSS.h>
+#include <fcl/narrowphase/collision.h>
+#include <fcl/narrowphase/distance.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "solid.h"
+#include "verify_round.h"
+#include "verify_triangles.h"
+
+namespace mjcf_pdg {
+namespace {
+
+using Bvh = fcl::BVHModel<fcl::OBBRSS<double>>;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kMillimetres = 1e3;  // FCL's thresholds are absolute: it works in millimetres
+constexpr std::size_t kMaxTrianglePairs = 100000;
+constexpr double kUnmeasured = 1e-3;  // depth of more crossings than that, at least [m]
+constexpr int kAskedInside = 200;     // vertices asked for their depth, of each mesh
+
+// No point of the triangle has a smaller distance, for the distance is convex. Inside a primitive
+// it has kinks, where differences say nothing.
+double LinearBound(int type, const Vector3d& size, const Vector3d corners[3]) {
+  constexpr double kDifferences = 1e-5;  // error of the gradient
+  const Vector3d middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+  const double at_middle = RoundDistanceAt(type, size, middle);
+  if (at_middle < 1e-6) return -kInfinity;
+  const Vector3d n = RoundNormalAt(type, size, middle);
+  double fall = 0.0, reach = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    fall = std::min(fall, n.dot(corners[k] - middle));
+    reach = std::max(reach, (corners[k] - middle).norm());
+  }
+  return at_middle + fall - kDifferences * reach;
+}
+
+// Directions of rays: the corners and faces of a cube, turned a little.
+std::vector<Vector3d> RayDirections() {
+  const Matrix3d turn = Eigen::AngleAxisd(0.3, Vector3d(0.2, 0.5, 0.84).normalized()).matrix();
+  std::vector<Vector3d> list;
+  for (int i = 0; i < 3; ++i) {
+    for (const double sign : {-1.0, 1.0}) list.push_back(turn * (sign * Vector3d::Unit(i)));
+  }
+  for (int k = 0; k < 8; ++k) {
+    const Vector3d corner(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1);
+    list.push_back(turn * corner.normalized());
+  }
+  return list;
+}
+
+}  // namespace
+
+struct ExactVerifier::Shape {
+  Triangles triangles;  // geom frame [m]; empty for planes and round primitives
+  std::vector<Vector3d> pieces;
+  bool closed = false;
+  bool convex = false;  // box or hull: inside is below every face
+  std::shared_ptr<Bvh> tree;
+
+  // How deep p is inside, and the way out; 0 outside. Geom frame.
+  double DepthOf(const PosedModel& posed, int geom, const Vector3d& p, Vector3d& out) const;
+
+ private:
+  double ConvexDepth(const Vector3d& p, Vector3d& out) const;
+};
+
+struct ExactVerifier::Asked {
+  const PosedModel& posed;
+  const KeptPair& pair;
+  const Shape *first, *second;
+  double* fromto;
+
+  Matrix3d R(int geom) const { return AsMatrix(posed.data()->geom_xmat + 9 * geom); }
+  Vector3d Origin(int geom) const { return AsVector(posed.data()->geom_xpos + 3 * geom); }
+  void Witness(const Vector3d& p1_W, const Vector3d& p2_W) const {
+    Eigen::Map<Vector3d>(fromto, 3) = p1_W;
+    Eigen::Map<Vector3d>(fromto + 3, 3) = p2_W;
+  }
+};
+
+ExactVerifier::~ExactVerifier() = default;
+
+ExactVerifier::ExactVerifier(const SceneTables& tables) : shapes_(tables.model->ngeom) {
+  const mjModel& m = *tables.model;
+  for (const KeptPair& pair : tables.pairs) {
+    if (!pair.exact) continue;
+    for (const int g : {pair.geom1, pair.geom2}) {
+      const int type = m.geom_type[g];
+      if (shapes_[g] || (type != mjGEOM_BOX && type != mjGEOM_MESH)) continue;
+      auto shape = std::make_shared<Shape>();
+      shape->convex = type == mjGEOM_BOX || !tables.exact[g];
+      shape->triangles = type == mjGEOM_BOX ? BoxTriangles(AsVector(m.geom_size + 3 * g))
+                                            : MeshTriangles(m, m.geom_dataid[g], tables.exact[g]);
+      shape->closed = tables.solids[g]->closed();
+      shape->pieces = Pieces(shape->triangles);
+      shape->tree = std::make_shared<Bvh>();
+      shape->tree->beginModel();
+      for (const auto& t : shape->triangles) {
+        shape->tree->addTriangle(kMillimetres * t[0], kMillimetres * t[1], kMillimetres * t[2]);
+      }
+      shape->tree->endModel();
+      shapes_[g] = shape;
+    }
+  }
+}
+
+double ExactVerifier::Shape::ConvexDepth(const Vector3d& p, Vector3d& out) const {
+  Vector3d middle = Vector3d::Zero();
+  for (const auto& t : triangles) middle += t[0] / static_cast<double>(triangles.size());
+  double depth = kInfinity;
+  for (const auto& t : triangles) {
+    Vector3d n = (t[1] - t[0]).cross(t[2] - t[0]);
+    if (!(n.norm() > 0.0)) continue;
+    n.normalize();
+    if (n.dot(t[0] - middle) < 0.0) n = -n;
+    const double below = n.dot(t[0] - p);
+    if (below < depth) {
+      depth = below;
+      out = n;
+    }
+  }
+  return std::max(depth, 0.0);
+}
+
+double ExactVerifier::Shape::DepthOf(const PosedModel& posed, int geom, const Vector3d& p,
+                                     Vector3d& out) const {
+  if (!closed) return 0.0;
+  if (convex) return ConvexDepth(p, out);
+  constexpr double kStep = 1e-9;
+  const Matrix3d R = AsMatrix(posed.data()->geom_xmat + 9 * geom);
+  const Vector3d p_W = AsVector(posed.data()->geom_xpos + 3 * geom) + R * p;
+  int votes = 0, count = 0;
+  double depth = kInfinity;
+  static const std::vector<Vector3d> directions = RayDirections();
+  for (const Vector3d& direction : directions) {
+    const Vector3d along = R * direction;
+    Vector3d from = p_W;
+    double travelled = 0.0, first = kInfinity;
+    int crossings = 0;
+    for (; crossings < 1000; ++crossings) {
+      const double hit =
+          mj_rayMesh(posed.model(), posed.data(), geom, from.data(), along.data(), nullptr);
+      if (hit < 0.0) break;
+      travelled += hit;
+      first = std::min(first, travelled);
+      from += (hit + kStep) * along;
+    }
+    votes += crossings % 2;
+    if (++count == 1 && crossings == 0) return 0.0;  // nothing that way: outside, whatever follows
+    if (first < depth) {
+      depth = first;
+      out = direction;
+    }
+    if (count == 5 && votes < 3) return 0.0;
+  }
+  return std::isfinite(depth) ? depth : 0.0;
+}
+
+double ExactVerifier::Distance(const PosedModel& posed, const KeptPair& pair, double cutoff,
+                               double fromto[6]) const {
+  const Asked asked{posed, pair, shapes_[pair.geom1].get(), shapes_[pair.geom2].get(), fromto};
+  return asked.first ? SolidDistance(asked, cutoff) : RoundDistance(asked, cutoff);
+}
+
+// The depth, negative [m], of the deepest inside the other body: a vertex of each piece and about
+// as many others of each mesh as told.
+double ExactVerifier::Deepest(const Asked& asked, int vertices) const {
+  double deepest = 0.0;
+  for (const bool of_first : {true, false}) {
+    const int from = of_first ? asked.pair.geom1 : asked.pair.geom2;
+    const int in = of_first ? asked.pair.geom2 : asked.pair.geom1;
+    const Shape& source = of_first ? *asked.first : *asked.second;
+    const Shape& target = of_first ? *asked.second : *asked.first;
+    std::vector<Vector3d> points = source.pieces;
+    for (int k = 0; k < vertices; ++k) {
+      const auto& t = source.triangles[k * source.triangles.size() / vertices];
+      points.push_back(t[0]);
+      points.push_back((t[0] + t[1] + t[2]) / 3.0);
+    }
+    for (const Vector3d& p : points) {
+      const Vector3d p_W = asked.Origin(from) + asked.R(from) * p;
+      Vector3d out;
+      const Vector3d local = asked.R(in).transpose() * (p_W - asked.Origin(in));
+      const double depth = target.DepthOf(asked.posed, in, local, out);
+      if (depth <= -deepest) continue;
+      deepest = -depth;
+      const Vector3d exit_W = p_W + depth * (asked.R(in) * out);
+      of_first ? asked.Witness(p_W, exit_W) : asked.Witness(exit_W, p_W);
+    }
+  }
+  return deepest;
+}
+
+// Surfaces that coincide do not cross: some points a little below them may be inside both bodies.
+// Returns the depth of the deepest, negative [m]; a ball of that radius is inside both.
+double ExactVerifier::CommonPoint(const Asked& asked) const {
+  constexpr int kTriangles = 20;
+  double deepest = 0.0;
+  for (const bool of_first : {true, false}) {
+    const int from = of_first ? asked.pair.geom1 : asked.pair.geom2;
+    const int in = of_first ? asked.pair.geom2 : asked.pair.geom1;
+    const Shape& source = of_first ? *asked.first : *asked.second;
+    const Shape& target = of_first ? *asked.second : *asked.first;
+    const std::size_t stride = 1 + source.triangles.size() / kTriangles;
+    for (std::size_t k = 0; k < source.triangles.size(); k += stride) {
+      const auto& t = source.triangles[k];
+      const Vector3d n = (t[1] - t[0]).cross(t[2] - t[0]).normalized();
+      for (const double h : {1e-2, -1e-2, 1e-3, -1e-3, 1e-4, -1e-4}) {
+        const Vector3d x = (t[0] + t[1] + t[2]) / 3.0 - h * n;
+        Vector3d out;
+        const double own = source.DepthOf(asked.posed, from, x, out);
+        if (own <= -deepest) continue;
+        const Vector3d x_W = asked.Origin(from) + asked.R(from) * x;
+        const Vector3d there = asked.R(in).transpose() * (x_W - asked.Origin(in));
+        const double depth = std::min(own, target.DepthOf(asked.posed, in, there, out));
+        if (depth <= -deepest) continue;
+        deepest = -depth;
+        const Vector3d exit_W = x_W + depth * (asked.R(in) * out);
+        of_first ? asked.Witness(x_W, exit_W) : asked.Witness(exit_W, x_W);
+      }
+    }
+  }
+  return deepest;
+}
+
+double ExactVerifier::SolidDistance(const Asked& asked, double cutoff) const {
+  fcl::Transform3<double> pose1, pose2;
+  const int g1 = asked.pair.geom1, g2 = asked.pair.geom2;
+  const Matrix3d R1 = asked.R(g1), R2 = asked.R(g2);
+  pose1.linear() = R1;
+  pose1.translation() = kMillimetres * asked.Origin(g1);
+  pose2.linear() = R2;
+  pose2.translation() = kMillimetres * asked.Origin(g2);
+  const Bvh *tree1 = asked.first->tree.get(), *tree2 = asked.second->tree.get();
+  fcl::CollisionRequest<double> request(kMaxTrianglePairs);
+  fcl::CollisionResult<double> hits;
+  fcl::collide(tree1, pose1, tree2, pose2, request, hits);
+  double overlap = 0.0;
+  for (std::size_t k = 0; k < hits.numContacts(); ++k) {
+    std::array<Vector3d, 3> s, t;
+    for (int c = 0; c < 3; ++c) {
+      s[c] = asked.Origin(g1) + R1 * asked.first->triangles[hits.getContact(k).b1][c];
+      t[c] = asked.Origin(g2) + R2 * asked.second->triangles[hits.getContact(k).b2][c];
+    }
+    Vector3d n = Vector3d::UnitZ();
+    const double move = LeastMove(s, t, n);
+    if (k > 0 && move <= overlap) continue;
+    overlap = move;
+    const Vector3d middle = (s[0] + s[1] + s[2] + t[0] + t[1] + t[2]) / 6.0;
+    asked.Witness(middle + 0.5 * move * n, middle - 0.5 * move * n);
+  }
+  if (hits.numContacts() >= kMaxTrianglePairs) overlap = std::max(overlap, kUnmeasured);
+  if (hits.isCollision()) {
+    double by_triangles[6];
+    std::copy(asked.fromto, asked.fromto + 6, by_triangles);
+    const double deepest = Deepest(asked, kAskedInside);
+    if (deepest < -overlap) return deepest;
+    const double common = CommonPoint(asked);
+    if (common < -overlap) return common;
+    std::copy(by_triangles, by_triangles + 6, asked.fromto);
+    return -overlap;
+  }
+  const double inside = Deepest(asked, 0);
+  if (inside < 0.0) return inside;
+  fcl::DistanceRequest<double> wish(true);
+  fcl::DistanceResult<double> nearest;
+  nearest.min_distance = kMillimetres * cutoff;
+  fcl::distance(tree1, pose1, tree2, pose2, wish, nearest);
+  if (nearest.b1 < 0) return kInfinity;
+  asked.Witness(nearest.nearest_points[0] / kMillimetres, nearest.nearest_points[1] / kMillimetres);
+  return nearest.min_distance / kMillimetres;
+}
+
+double ExactVerifier::RoundDistance(const Asked& asked, double cutoff) const {
+  const mjModel& m = *asked.posed.model();
+  const int round = asked.pair.geom1, mesh = asked.pair.geom2, type = m.geom_type[round];
+  const Vector3d size = AsVector(m.geom_size + 3 * round);
+  const Matrix3d R = asked.R(round).transpose() * asked.R(mesh);
+  const Vector3d origin = asked.R(round).transpose() * (asked.Origin(mesh) - asked.Origin(round));
+  std::vector<std::pair<double, std::size_t>> order;
+  const Triangles& triangles = asked.second->triangles;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const Vector3d middle = (triangles[t][0] + triangles[t][1] + triangles[t][2]) / 3.0;
+    double reach = 0.0;
+    for (const Vector3d& p : triangles[t]) reach = std::max(reach, (p - middle).norm());
+    const double bound = RoundDistanceAt(type, size, origin + R * middle) - reach;
+    if (bound < cutoff) order.emplace_back(bound, t);
+  }
+  std::sort(order.begin(), order.end());
+  double least = cutoff;
+  Vector3d at = Vector3d::Zero();
+  for (const auto& [bound, t] : order) {
+    if (bound >= least) break;
+    Vector3d corners[3], x;
+    for (int k = 0; k < 3; ++k) corners[k] = origin + R * triangles[t][k];
+    if (LinearBound(type, size, corners) > least) continue;
+    const double distance = RoundDistanceOnTriangle(type, size, corners, x);
+    if (distance >= least) continue;
+    least = distance;
+    at = x;
+  }
+  Vector3d out;
+  const Vector3d center = -(R.transpose() * origin);
+  const double inside =
+      type == mjGEOM_PLANE ? 0.0 : asked.second->DepthOf(asked.posed, mesh, center, out);
+  const Matrix3d R_W = asked.R(round);
+  if (inside > std::max(0.0, -least)) {  // the surfaces may hardly touch
+    const Vector3d center_W = asked.Origin(round);
+    asked.Witness(center_W, center_W + inside * (asked.R(mesh) * out));
+    return -inside;
+  }
+  if (least >= cutoff) return kInfinity;
+  const Vector3d at_W = asked.Origin(round) + R_W * at;
+  asked.Witness(at_W - least * (R_W * RoundNormalAt(type, size, at)), at_W);
+  return least;
+}
+
+}  // namespace mjcf_pdg

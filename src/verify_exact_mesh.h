@@ -1,0 +1,44 @@
+// The independent check's word on pairs in which a mesh collides as its triangles.
+//
+// Shares nothing with the solver's queries. Meshes, boxes and convex hulls: FCL's own collide (its
+// triangle intersection) and distance. Planes and round primitives: every triangle in turn, with
+// signed distances of their own. What is inside a mesh: MuJoCo's rays, by parity.
+//
+// Triangles that intersect may only touch: what counts is the least move that parts two of them,
+// the largest over the pairs of triangles, or the depth of a vertex inside. That depth is the
+// shortest way out along some directions: at least the true one.
+#ifndef MJCF_PDG_SRC_VERIFY_EXACT_MESH_H_
+#define MJCF_PDG_SRC_VERIFY_EXACT_MESH_H_
+
+#include <memory>
+#include <vector>
+
+#include "kinematics.h"
+
+namespace mjcf_pdg {
+
+class ExactVerifier {
+ public:
+  // Copies the meshes of the scene's exact pairs into FCL's form.
+  explicit ExactVerifier(const SceneTables& tables);
+  ~ExactVerifier();
+
+  // Signed distance of an exact pair [m] at the pose, below `cutoff`; infinite if it is not.
+  // `fromto`: the points on geom 1 and geom 2.
+  double Distance(const PosedModel& posed, const KeptPair& pair, double cutoff,
+                  double fromto[6]) const;
+
+ private:
+  struct Shape;
+  struct Asked;
+  double SolidDistance(const Asked& asked, double cutoff) const;
+  double RoundDistance(const Asked& asked, double cutoff) const;
+  double Deepest(const Asked& asked, int vertices) const;
+  double CommonPoint(const Asked& asked) const;
+
+  std::vector<std::shared_ptr<const Shape>> shapes_;  // ngeom
+};
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_VERIFY_EXACT_MESH_H_

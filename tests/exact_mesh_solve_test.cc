@@ -1,0 +1,174 @@
+// Repairing scenes of meshes that collide as their triangles.
+#include <cmath>
+
+#include "mesh_shapes.h"
+#include "mjcf_pdg/pdg.h"
+#include "test_support.h"
+
+namespace mjcf_pdg {
+namespace {
+
+using Eigen::Vector3d;
+using test::MeshShape;
+using test::Random;
+
+class ExactMeshSolveTest : public test::MujocoTest {};
+
+SceneOptions Exact() {
+  SceneOptions options;
+  options.exact_mesh = true;
+  return options;
+}
+
+// On convex meshes the answer is the hulls' one.
+TEST_F(ExactMeshSolveTest, ConvexMeshesComeOutAsTheirHullsDo) {
+  Random rng(21);
+  int overlapping = 0, far = 0;
+  for (const int type : test::ConvexTypes()) {
+    for (int k = 0; k < 6; ++k) {
+      test::TwoGeoms two;
+      two.first = test::RandomShape(mjGEOM_MESH, rng);
+      two.second = test::RandomShape(type, rng);
+      const std::string xml = test::TwoGeomXml(two);
+      const Scene hull = Scene::FromString(xml), exact = Scene::FromString(xml, Exact());
+      Eigen::VectorXd q(7);
+      const Eigen::Quaterniond turn = rng.UnitQuat();
+      q << rng.InBox(0.15), turn.w(), turn.x(), turn.y(), turn.z();
+      const Result expected = Solver(hull).Solve(test::ToVector(q));
+      const Result result = Solver(exact).Solve(test::ToVector(q));
+      ASSERT_NE(expected.status, Status::kUnsolved);
+      EXPECT_EQ(result.status, expected.status)
+          << test::TypeName(type) << " " << k << result.reason;
+      if (result.status != Status::kSolved) continue;
+      EXPECT_TRUE(Verify(hull, result.q).min_distance > -2e-6);
+      ++overlapping;
+      far += result.sigma > 1.05 * expected.sigma;
+    }
+  }
+  EXPECT_GT(overlapping, 25);
+  EXPECT_LE(far, overlapping / 10);
+}
+
+std::string SceneXml(const std::string& assets, const std::string& world, const std::string& body) {
+  return "<mujoco><asset>" + assets + "</asset><worldbody>" + world +
+         "<body name='b1'><freejoint/><inertial pos='0 0 0' mass='1' diaginertia='.01 .01 .01'/>" +
+         body + "</body></worldbody></mujoco>";
+}
+
+std::vector<double> At(const Vector3d& p, const Eigen::Quaterniond& turn = {1, 0, 0, 0}) {
+  return {p.x(), p.y(), p.z(), turn.w(), turn.x(), turn.y(), turn.z()};
+}
+
+const Method kMethods[] = {Method::kAuto, Method::kPaper};
+
+// The ring hangs on the post, 5 mm into it: it has to move by no more, and stays on the post.
+TEST_F(ExactMeshSolveTest, ARingStaysOnItsPost) {
+  const Scene scene =
+      Scene::FromString(SceneXml(test::MeshXml("ring", test::Torus(0.1, 0.02, 48, 16)),
+                                 "<geom name='post' type='capsule' size='0.05 0.3'/>",
+                                 "<geom name='ring' type='mesh' mesh='ring'/>"),
+                        Exact());
+  for (const Method method : kMethods) {
+    Options options;
+    options.method = method;
+    const Result result = Solver(scene, options).Solve(At({0.035, 0.0, 0.0}));
+    ASSERT_EQ(result.status, Status::kSolved) << result.reason;
+    EXPECT_TRUE(Verify(scene, result.q).free);
+    EXPECT_LT(std::sqrt(result.sigma), method == Method::kAuto ? 0.0052 : 1.0);
+    EXPECT_GT(std::sqrt(result.sigma), 0.001);
+    EXPECT_LE(result.sigma_lower_bound, result.sigma);
+    EXPECT_TRUE(result.certified);
+  }
+  EXPECT_EQ(Solver(scene).Solve(At({0.01, 0.0, 0.0})).status, Status::kAlreadyFree);
+  const Scene hull =
+      Scene::FromString(SceneXml(test::MeshXml("ring", test::Torus(0.1, 0.02, 48, 16)),
+                                 "<geom name='post' type='capsule' size='0.05 0.3'/>",
+                                 "<geom name='ring' type='mesh' mesh='ring'/>"));
+  EXPECT_GT(std::sqrt(Solver(hull).Solve(At({0.01, 0.0, 0.0})).sigma), 0.05);
+}
+
+TEST_F(ExactMeshSolveTest, APegIsCentredInItsHole) {
+  const MeshShape block =
+      test::Revolution({{0.05, -0.1}, {0.15, -0.1}, {0.15, 0.1}, {0.05, 0.1}}, 48);
+  for (const char* peg : {"type='cylinder' size='0.048 0.05'", "type='box' size='0.03 0.03 0.05'",
+                          "type='mesh' mesh='peg'"}) {
+    const Scene scene = Scene::FromString(
+        SceneXml(
+            test::MeshXml("block", block) +
+                test::MeshXml(
+                    "peg", test::Revolution(
+                               {{0.02, -0.05}, {0.047, -0.05}, {0.047, 0.05}, {0.02, 0.05}}, 32)),
+            "<geom name='block' type='mesh' mesh='block'/>",
+            std::string("<geom name='peg' ") + peg + "/>"),
+        Exact());
+    for (const Method method : kMethods) {
+      Options options;
+      options.method = method;
+      const Result result =
+          Solver(scene, options)
+              .Solve(At({0.011, 0.004, 0.0},
+                        Eigen::Quaterniond(Eigen::AngleAxisd(0.02, Vector3d::UnitX()))));
+      ASSERT_EQ(result.status, Status::kSolved) << peg << result.reason;
+      EXPECT_TRUE(Verify(scene, result.q).free);
+      if (method == Method::kAuto) {
+        EXPECT_LT(std::sqrt(result.sigma), 0.013) << peg;
+      }
+    }
+  }
+}
+
+TEST_F(ExactMeshSolveTest, ABallInsideASolidComesOutAndOneInACupStays) {
+  const Scene scene = Scene::FromString(
+      SceneXml(test::MeshXml("cup", test::Cup(0.1, 0.2, 0.04, 32)),
+               "<geom name='cup' type='mesh' mesh='cup'/>", "<geom name='ball' size='0.01'/>"),
+      Exact());
+  EXPECT_EQ(Solver(scene).Solve(At({0.0, 0.0, 0.1})).status, Status::kAlreadyFree);
+  const Result result = Solver(scene).Solve(At({0.02, 0.0, 0.03}));
+  ASSERT_EQ(result.status, Status::kSolved) << result.reason;
+  EXPECT_NEAR(std::sqrt(result.sigma), 0.02, 1e-5);  // up into the hollow, not out
+  EXPECT_NEAR(result.q[2], 0.05, 1e-5);
+}
+
+// Whatever a solver did before: rows may be shared out among threads in any way.
+TEST_F(ExactMeshSolveTest, TheSameInputGivesTheSameBits) {
+  Random rng(29);
+  const Scene scene =
+      Scene::FromString(SceneXml(test::MeshXml("ring", test::Torus(0.1, 0.02, 16, 8)),
+                                 "<geom name='box' type='box' size='0.05 0.05 0.3'/>",
+                                 "<geom name='ring' type='mesh' mesh='ring'/>"),
+                        Exact());
+  Solver used(scene);
+  for (int i = 0; i < 5; ++i) {
+    const std::vector<double> q = At(rng.InBox(0.05), rng.UnitQuat());
+    const Result fresh = Solver(scene).Solve(q), again = used.Solve(q);
+    EXPECT_EQ(fresh.status, Status::kSolved) << fresh.reason;
+    EXPECT_EQ(fresh.q, again.q);
+    EXPECT_EQ(fresh.sigma, again.sigma);
+  }
+}
+
+// Deep tangles of curved meshes: whatever comes out is free or says that it is not.
+TEST_F(ExactMeshSolveTest, TangledKnotsAreNeverFalselyFree) {
+  Random rng(23);
+  const MeshShape knot = test::TorusKnot(0.1, 0.03, 60, 8);
+  const Scene scene = Scene::FromString(
+      SceneXml(test::MeshXml("knot", knot), "<geom name='g2' type='mesh' mesh='knot'/>",
+               "<geom name='g1' type='mesh' mesh='knot'/>"),
+      Exact());
+  for (const Method method : kMethods) {
+    int solved = 0;
+    const int count = method == Method::kAuto ? 6 : 2;
+    for (int i = 0; i < count; ++i) {
+      Options options;
+      options.method = method;
+      options.effort = Effort::kFast;
+      const Result result = Solver(scene, options).Solve(At(rng.InBox(0.1), rng.UnitQuat()));
+      EXPECT_EQ(Verify(scene, result.q).free, result.status != Status::kUnsolved);
+      solved += result.status != Status::kUnsolved;
+    }
+    EXPECT_EQ(solved, count);
+  }
+}
+
+}  // namespace
+}  // namespace mjcf_pdg

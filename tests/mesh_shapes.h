@@ -1,0 +1,46 @@
+// Triangle meshes with known answers, and their MJCF.
+#ifndef MJCF_PDG_TESTS_MESH_SHAPES_H_
+#define MJCF_PDG_TESTS_MESH_SHAPES_H_
+
+#include <Eigen/Dense>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace mjcf_pdg::test {
+
+struct MeshShape {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<Eigen::Vector3i> faces;  // outward by the right-hand rule
+
+  Eigen::Matrix3Xd Vertices() const;
+  Eigen::Matrix3Xi Faces() const;
+  MeshShape& Append(const MeshShape& other);  // both in one mesh
+  MeshShape& TurnInsideOut();
+  MeshShape& Move(const Eigen::Matrix3d& R, const Eigen::Vector3d& t);
+};
+
+// A closed surface over the torus (u, v) in [0, 1)².
+MeshShape TorusSurface(int nu, int nv, const std::function<Eigen::Vector3d(double, double)>& point);
+// About the z axis: circles of radius `tube` about a circle of radius `ring`.
+MeshShape Torus(double ring, double tube, int nu, int nv);
+MeshShape TorusKnot(double size, double tube, int nu, int nv);
+// A sphere of radius r(direction); latitude rings between two poles.
+MeshShape Globe(int rings, int sectors, const std::function<double(const Eigen::Vector3d&)>& r);
+MeshShape BoxMesh(const Eigen::Vector3d& half);
+// A solid of revolution about z: the closed polygon `profile` of (radius, z), counterclockwise,
+// with no point on the axis.
+MeshShape Revolution(const std::vector<Eigen::Vector2d>& profile, int sectors);
+// A cup standing on z = 0, open above: outer radius and height, wall thickness.
+MeshShape Cup(double radius, double height, double wall, int sectors);
+
+// <mesh name='...' vertex='...' face='...' attributes/>
+std::string MeshXml(const std::string& name, const MeshShape& shape,
+                    const std::string& attributes = {});
+
+// Is x inside the closed mesh: by the sum of the solid angles of its triangles. Slow.
+bool InsideBySolidAngle(const MeshShape& shape, const Eigen::Vector3d& x);
+
+}  // namespace mjcf_pdg::test
+
+#endif  // MJCF_PDG_TESTS_MESH_SHAPES_H_

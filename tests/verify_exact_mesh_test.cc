@@ -1,0 +1,151 @@
+// The independent check where meshes collide as their triangles.
+#include <cmath>
+
+#include "contacts.h"
+#include "mesh_shapes.h"
+#include "mjcf_pdg/pdg.h"
+#include "test_support.h"
+#include "verify.h"
+
+namespace mjcf_pdg {
+namespace {
+
+using test::MeshShape;
+using test::Random;
+
+class VerifyExactMeshTest : public test::MujocoTest {};
+
+SceneOptions Exact() {
+  SceneOptions options;
+  options.exact_mesh = true;
+  return options;
+}
+
+Scene MeshScene(const MeshShape& fixed, const std::string& moving_geom,
+                const MeshShape& moving = test::BoxMesh({0.01, 0.01, 0.01})) {
+  return Scene::FromString(
+      "<mujoco><asset>" + test::MeshXml("fixed", fixed) + test::MeshXml("moving", moving) +
+          "</asset><worldbody><body name='b2'><geom name='g2' type='mesh' mesh='fixed'/></body>"
+          "<body name='b1'><freejoint/><inertial pos='0 0 0' mass='1' diaginertia='.1 .1 .1'/>"
+          "<geom name='g1' " +
+          moving_geom + "/></body></worldbody></mujoco>",
+      Exact());
+}
+
+std::vector<double> At(const Vector3d& p, const Eigen::Quaterniond& turn = {1, 0, 0, 0}) {
+  return {p.x(), p.y(), p.z(), turn.w(), turn.x(), turn.y(), turn.z()};
+}
+
+const char* const kGeoms[] = {"type='sphere' size='0.04'",
+                              "type='capsule' size='0.02 0.05'",
+                              "type='ellipsoid' size='0.02 0.03 0.06'",
+                              "type='cylinder' size='0.03 0.04'",
+                              "type='box' size='0.02 0.03 0.05'",
+                              "type='mesh' mesh='moving'"};
+
+// Two implementations that share nothing agree on what is free and how far apart it is.
+TEST_F(VerifyExactMeshTest, AgreesWithTheSolversQueriesAgainstEveryType) {
+  Random rng(31);
+  const MeshShape fixed[] = {test::TorusKnot(0.1, 0.03, 60, 8), test::Cup(0.12, 0.2, 0.03, 16)};
+  for (const MeshShape& mesh : fixed) {
+    for (const char* geom : kGeoms) {
+      const Scene scene = MeshScene(mesh, geom, test::Torus(0.08, 0.02, 20, 8));
+      ContactFinder finder(scene.tables());
+      Verifier verifier(scene.tables(), Options());
+      int free = 0, overlapping = 0;
+      for (int i = 0; i < 60; ++i) {
+        const std::vector<double> q = At(rng.InBox(0.2), rng.UnitQuat());
+        finder.Pose(test::ToEigen(q));
+        NearPair near;
+        near.distance = 1.0;
+        finder.Distance(0, 1.0, near);
+        if (std::abs(near.distance) < 1e-5) continue;
+        const Verdict& verdict = verifier.Check(q);
+        EXPECT_EQ(verdict.free, near.distance > 0.0)
+            << geom << " " << i << ": " << verdict.min_distance << ", solver " << near.distance;
+        if (verdict.free) {
+          EXPECT_NEAR(verdict.min_distance, near.distance, 1e-6) << geom;
+        }
+        EXPECT_EQ(verdict.contacts.empty(), verdict.free);
+        EXPECT_TRUE(verdict.certified);
+        ++(verdict.free ? free : overlapping);
+      }
+      EXPECT_GT(free, 5) << geom;
+      EXPECT_GT(overlapping, 5) << geom;
+    }
+  }
+}
+
+TEST_F(VerifyExactMeshTest, ToleranceIsKeptOnBothSides) {
+  const MeshShape block = test::BoxMesh({0.1, 0.1, 0.1});
+  for (const char* geom : kGeoms) {
+    const Scene scene = MeshScene(block, geom, test::BoxMesh({0.03, 0.04, 0.05}));
+    ContactFinder finder(scene.tables());
+    finder.Pose(test::ToEigen(At({0.02, 0.03, 0.3})));
+    NearPair near;
+    ASSERT_TRUE(finder.Distance(0, 1.0, near));
+    const double touch = 0.3 - near.distance;
+    for (const double overlap : {-1e-3, -1e-7, 0.0, 0.5e-6, 0.9e-6}) {
+      EXPECT_TRUE(Verify(scene, At({0.02, 0.03, touch - overlap})).free) << geom << overlap;
+    }
+    for (const double overlap : {1.2e-6, 1e-5, 1e-3}) {
+      const Verdict verdict = Verify(scene, At({0.02, 0.03, touch - overlap}));
+      EXPECT_FALSE(verdict.free) << geom << overlap;
+      EXPECT_NEAR(verdict.min_distance, -overlap, 0.1 * overlap + 1e-7) << geom;
+      ASSERT_EQ(verdict.contacts.size(), 1u);
+      EXPECT_GT(std::abs(verdict.contacts[0].normal_W[2]), 0.7) << geom;
+    }
+  }
+}
+
+TEST_F(VerifyExactMeshTest, BodiesWhollyInsideCollideAndHollowsAreFree) {
+  for (const char* geom : kGeoms) {
+    const Scene block = MeshScene(test::BoxMesh({0.4, 0.4, 0.4}), geom);
+    EXPECT_FALSE(Verify(block, At({0.1, 0.05, 0.02})).free) << geom;
+    MeshShape shell = test::BoxMesh({0.4, 0.4, 0.4}), inner = test::BoxMesh({0.3, 0.3, 0.3});
+    shell.Append(inner.TurnInsideOut());
+    const Scene hollow = MeshScene(shell, geom);
+    EXPECT_TRUE(Verify(hollow, At({0.1, 0.05, 0.02})).free) << geom;
+    EXPECT_FALSE(Verify(hollow, At({0.35, 0.05, 0.02})).free) << geom;
+  }
+  const Scene around = MeshScene(test::Torus(0.05, 0.01, 16, 8), "type='box' size='0.3 0.3 0.3'");
+  EXPECT_FALSE(Verify(around, At({0.0, 0.0, 0.1})).free);
+}
+
+TEST_F(VerifyExactMeshTest, LinkedRingsAreFree) {
+  const MeshShape ring = test::Torus(0.1, 0.02, 48, 16);
+  const Scene scene = MeshScene(ring, "type='mesh' mesh='moving'", ring);
+  const Eigen::Quaterniond upright(Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitX()));
+  const Verdict linked = Verify(scene, At({0.1, 0, 0}, upright));
+  EXPECT_TRUE(linked.free);
+  EXPECT_NEAR(linked.min_distance, 0.06, 1e-3);
+  const Verdict crossed = Verify(scene, At({0.17, 0, 0}, upright));
+  EXPECT_FALSE(crossed.free);
+  EXPECT_NE(crossed.reason.find("overlap by"), std::string::npos);
+}
+
+TEST_F(VerifyExactMeshTest, CoplanarAndCrossedTouchesAreFree) {
+  const MeshShape box = test::BoxMesh({0.125, 0.125, 0.125});
+  const Scene scene = MeshScene(box, "type='mesh' mesh='moving'", box);
+  for (const Vector3d& at : {Vector3d(0.25, 0, 0), Vector3d(0.1, 0.05, 0.25),
+                             Vector3d(0.25, 0.25, 0.1), Vector3d(0.25, 0.25, 0.25)}) {
+    EXPECT_TRUE(Verify(scene, At(at)).free) << at.transpose();
+  }
+  EXPECT_FALSE(Verify(scene, At({0, 0, 0})).free) << "the same place";
+  // A plug that fills the bore of a tube is free; in a block without bore it shares all four sides.
+  const Scene plug =
+      MeshScene(box, "type='mesh' mesh='moving'", test::BoxMesh({0.125, 0.125, 0.05}));
+  EXPECT_FALSE(Verify(plug, At({0, 0, 0.125})).free);
+  EXPECT_TRUE(Verify(plug, At({0, 0, 0.175})).free);
+}
+
+TEST_F(VerifyExactMeshTest, AnOpenMeshHasASurfaceOnly) {
+  MeshShape open = test::BoxMesh({0.2, 0.2, 0.2});
+  open.faces.resize(10);
+  const Scene scene = MeshScene(open, "type='box' size='0.05 0.05 0.05'");
+  EXPECT_TRUE(Verify(scene, At({0, 0, 0})).free);
+  EXPECT_FALSE(Verify(scene, At({-0.2, 0, 0})).free);
+}
+
+}  // namespace
+}  // namespace mjcf_pdg
