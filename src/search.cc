@@ -176,7 +176,7 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
   center_ = problem_.q_in;
   ClampToLimits(problem_.tables, center_);
   if (problem_.Uses(kDirect)) Try(center_, kDirect, LocalOptions{});
-  if (hint && problem_.Uses(hint->start.c_str())) TryFreePose(hint->q, hint->start);
+  if (hint) TryFreePose(hint->q, hint->start);
   const double depth = RelativeDepth(overlaps);
   if (HasFree() && depth < plan.direct_only) return std::move(outcome_);
   const double agree = std::floor(1.5 + plan.agree_per_depth * depth);

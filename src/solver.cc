@@ -144,7 +144,9 @@ bool Solver::Impl::FrozenOverlap(const std::vector<NearPair>& overlaps) const {
 SearchOutcome Solver::Impl::Run(const std::vector<NearPair>& overlaps,
                                 std::optional<VectorXd> hint) {
   if (options.method == Method::kAuto) {
-    if (hint) return search.Run(overlaps, FreeConfiguration{*std::move(hint), "user_pose"});
+    if (hint && problem.Uses("user_pose")) {
+      return search.Run(overlaps, FreeConfiguration{*std::move(hint), "user_pose"});
+    }
     const bool coherent = options.trajectory && problem.Uses("motion_coherence");
     return search.Run(overlaps, coherent ? paper.Recall() : std::nullopt);
   }

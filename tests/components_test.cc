@@ -82,6 +82,11 @@ TEST_F(ComponentsTest, MotionCoherenceLeftAloneStartsFromTheLastAnswer) {
   const Result result = solver.Solve(kInside);
   EXPECT_EQ(result.status, Status::kSolved);
   EXPECT_EQ(result.start, "motion_coherence");
+
+  options.without = kStarts;
+  Solver none(scene, options);
+  EXPECT_EQ(none.Solve(kOutside).status, Status::kAlreadyFree);
+  EXPECT_EQ(none.Solve(kInside, kOutside).status, Status::kUnsolved);
 }
 
 TEST_F(ComponentsTest, MirrorAndHopsFollowTheDirectStartAndComeOnlyWhenUsed) {
