@@ -16,7 +16,9 @@
 namespace mjcf_pdg::bench {
 namespace {
 
-constexpr double kWorse = 1.01;  // of σ
+constexpr double kWorse = 1.01;   // of σ
+constexpr double kSlower = 1.05;  // of evaluations
+constexpr double kChance = 0.05;  // of harm by luck alone: what is below counts as needed
 constexpr char kEverything[] = "everything on";
 constexpr char kLuck[] = "(other seeds)";  // everything on: what a change of luck alone does
 constexpr std::uint64_t kOtherSeeds = 500;
@@ -145,29 +147,42 @@ void PrintGroup(const std::string& title, const Ablation& ablation, const std::v
   std::fflush(stdout);
 }
 
-const char* Verdict(const Comparison& c, const Comparison& luck) {
+// Sign test: the chance that of harm + help solves that change, `harm` or more change for the worse
+// if either is as likely.
+double ChanceOf(int harm, int help) {
+  const int n = harm + help;
+  double chance = 0.0;
+  for (int k = harm; k <= n; ++k) {
+    chance += std::exp(std::lgamma(n + 1) - std::lgamma(k + 1) - std::lgamma(n - k + 1) -
+                       n * std::log(2.0));
+  }
+  return chance;
+}
+
+std::string Verdict(const Comparison& c) {
   const int harm = c.lost + c.worse, help = c.gained + c.better;
-  const double cost = c.evaluations / c.evaluations_on;
   if (c.same == c.solves) return "never came into play";
-  if (harm == 0) return cost > 1.05 ? "saves time only" : "USELESS: nothing lost or worse";
-  if (harm <= help) return "more or as much gained as lost without it";
-  if (harm <= luck.lost + luck.worse) return "lost without it no more than by luck";
-  return "needed";
+  std::string verdict = harm == 0                        ? "USELESS: nothing lost or worse"
+                        : ChanceOf(harm, help) < kChance ? "needed"
+                        : harm > help                    ? "helps no more than luck would"
+                                                         : "does not help";
+  const double cost = c.evaluations / c.evaluations_on;
+  if (cost > kSlower) verdict += ", saves time";
+  if (cost * kSlower < 1.0) verdict += ", costs time";
+  return verdict;
 }
 
 // Over all groups.
 void PrintVerdicts(const Ablation& ablation) {
   std::printf("\n%-26s %7s %7s %5s %5s %6s %6s %9s %8s  %s\n", "without", "solves", "changed",
               "lost", "worse", "gained", "better", "queries x", "evals x", "verdict");
-  Comparison luck;
   for (std::size_t k = 1; k < ablation.labels.size(); ++k) {
     Comparison c;
     for (const std::vector<Row>& rows : ablation.rows) c.Add(rows[k], rows[0]);
-    if (ablation.labels[k] == kLuck) luck = c;
     std::printf("%-26s %7d %7d %5d %5d %6d %6d %9.2f %8.2f  %s\n", ablation.labels[k].c_str(),
                 c.solves, c.solves - c.same, c.lost, c.worse, c.gained, c.better,
                 c.queries / c.queries_on, c.evaluations / c.evaluations_on,
-                ablation.labels[k] == kLuck ? "the measure of luck" : Verdict(c, luck));
+                ablation.labels[k] == kLuck ? "" : Verdict(c).c_str());
   }
 }
 
