@@ -12,13 +12,13 @@
 #include <string>
 #include <vector>
 
+#include "measure.h"
 #include "mjcf_pdg/pdg.h"
 #include "paper_support.h"
+#include "trajectories.h"
 
 namespace mjcf_pdg::bench {
 namespace {
-
-constexpr int kFrames = 200;
 
 const char* Name(Method method) { return method == Method::kPaper ? "paper" : "auto"; }
 
@@ -43,50 +43,6 @@ void PrintFigure13() {
   }
   std::printf("mean squared error: auto %.2g, paper %.2g; in the paper 0.0027\n\n", squares[0],
               squares[1]);
-}
-
-struct Trajectory {
-  const char* name;
-  const char* model;
-  const char* first_key;     // where the frames that `from` and `to` do not name come from
-  std::vector<int> entries;  // of qpos, that change
-  std::vector<double> from, to;
-  double paper_ms;
-  double paper_iterations;
-};
-
-const std::vector<Trajectory>& Trajectories() {
-  static const std::vector<Trajectory> all = {
-      // Past the car's side, the forearm stretched out into it.
-      {"Puma1", "puma/puma_car.xml", "arm_through_door", {1}, {-2.2}, {2.2}, 27.9, 3.1},
-      // The upper arm comes down onto the robot's own cart, which stands in the running board.
-      {"Puma2", "puma/puma_car.xml", "own_cart_and_running_board", {4}, {0.6}, {-0.75}, 14.9, 2.3},
-      // From above the cap down to the shoulder of the bottle.
-      {"Hand", "hand/hand_bottle.xml", "hand_down_to_shoulder", {2}, {0.27}, {0.13}, 71.6, 1.9},
-  };
-  return all;
-}
-
-std::vector<std::vector<double>> Frames(const Scene& scene, const Trajectory& trajectory) {
-  const std::vector<std::string> keys = scene.KeyNames();
-  const auto key = std::find(keys.begin(), keys.end(), trajectory.first_key);
-  if (key == keys.end()) throw Error(std::string("no keyframe ") + trajectory.first_key);
-  std::vector<double> q = scene.KeyQpos(static_cast<int>(key - keys.begin()));
-  std::vector<std::vector<double>> frames;
-  for (int k = 0; k < kFrames; ++k) {
-    const double t = k / (kFrames - 1.0);
-    for (std::size_t i = 0; i < trajectory.entries.size(); ++i) {
-      q[trajectory.entries[i]] = (1.0 - t) * trajectory.from[i] + t * trajectory.to[i];
-    }
-    frames.push_back(q);
-  }
-  return frames;
-}
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
 }
 
 double Mean(const std::vector<double>& values) {
@@ -123,8 +79,9 @@ void PrintSeries(const char* label, const std::vector<Result>& results,
     ratios.push_back(result.sigma / best[k]);
   }
   const double success = ms.empty() ? 0.0 : 100.0 * solved / ms.size();
-  std::printf("  %-26s %6zu %8.2f %8.2f %11.1f %10.1f %12.3f %9.3f\n", label, ms.size(), Median(ms),
-              Mean(ms), Mean(iterations), success, Median(ratios), Mean(ratios));
+  std::printf("  %-26s %6zu %8.2f %8.2f %11.1f %10.1f %12.3f %9.3f\n", label, ms.size(),
+              Quantile(ms, 0.5), Mean(ms), Mean(iterations), success, Quantile(ratios, 0.5),
+              Mean(ratios));
 }
 
 void PrintTable3(const std::string& models) {

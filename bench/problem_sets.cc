@@ -154,6 +154,12 @@ BenchProblem ParseProblem(const nlohmann::json& line) {
 
 }  // namespace
 
+std::vector<std::string> OwnModels() {
+  const std::string folder = MJCF_PDG_MODEL_DIR;
+  return {folder + "/puma/puma_car.xml", folder + "/hand/hand_bottle.xml",
+          folder + "/figure/figure_bench.xml"};
+}
+
 ProblemSet Keyframes(const Scene& scene, const std::string& model_path) {
   ProblemSet set{ShortName(model_path) + " keyframes", model_path, {}};
   const std::vector<std::string> names = scene.KeyNames();

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,13 +17,18 @@ struct BenchProblem {
   std::string id;
   std::vector<double> q_in;                                     // nq
   double best_known = std::numeric_limits<double>::infinity();  // lowest σ known [m²]
+  std::optional<std::vector<double>> hint = std::nullopt;       // given to the solver
 };
 
 struct ProblemSet {
   std::string name;
   std::string model_path;
   std::vector<BenchProblem> problems;
+  bool consecutive = false;  // frames of one motion
 };
+
+// The project's own three scenes.
+std::vector<std::string> OwnModels();
 
 // Overlaps shallower than this are no random problem [m].
 inline constexpr double kLeastDepth = 1e-4;

@@ -1,6 +1,7 @@
 #include "contact_space_iteration.h"
 
 #include <algorithm>
+#include <cassert>
 
 namespace mjcf_pdg {
 namespace {
@@ -90,6 +91,32 @@ const ProjectionResult& ContactSpaceIteration::Reproject(const VectorXd& q_c, co
                  : projection_.Project(q_c, q, projection_options_, &problem_.required);
 }
 
+IterationStatus ContactSpaceIteration::Step(const IterationOptions& options,
+                                            IterationResult& result) {
+  ++result.iterations;
+  VectorXd q = Optimize(result.q, options, result.sweeps);
+  ProjectionResult next = Reproject(result.q, q);
+  double sigma = problem_.norm.Sigma(next.q);
+  if (!Free(q) && Correct(result.q, options, q, result.sweeps)) {
+    const ProjectionResult& corrected = Reproject(result.q, q);
+    const double corrected_sigma = problem_.norm.Sigma(corrected.q);
+    if (corrected.start_free && corrected_sigma < sigma) {
+      next = corrected;
+      sigma = corrected_sigma;
+    }
+  }
+  if (!next.start_free) return IterationStatus::kRefusedByCcd;
+  if (!(sigma <= (1.0 + options.convergence) * result.sigma)) return IterationStatus::kWouldRise;
+  const bool settled = sigma >= (1.0 - options.convergence) * result.sigma;
+  if (sigma < result.sigma) {
+    result.q = next.q;
+    result.sigma = sigma;
+    result.certified = result.certified && next.certified;
+    result.sigmas.push_back(sigma);
+  }
+  return settled ? IterationStatus::kConverged : IterationStatus::kIterationLimit;
+}
+
 IterationResult ContactSpaceIteration::Run(const VectorXd& q_f, const IterationOptions& options) {
   IterationResult result;
   projection_options_.reverse_samples = options.reverse_samples;
@@ -101,27 +128,12 @@ IterationResult ContactSpaceIteration::Run(const VectorXd& q_f, const IterationO
   if (!result.start_free) return result;
   result.sigma = problem_.norm.Sigma(result.q);
   result.sigmas.push_back(result.sigma);
-  for (int k = 0; k < options.max_iterations && !problem_.Expired(); ++k) {
-    ++result.iterations;
-    VectorXd q = Optimize(result.q, options, result.sweeps);
-    ProjectionResult next = Reproject(result.q, q);
-    double sigma = problem_.norm.Sigma(next.q);
-    if (!Free(q) && Correct(result.q, options, q, result.sweeps)) {
-      const ProjectionResult& corrected = Reproject(result.q, q);
-      const double corrected_sigma = problem_.norm.Sigma(corrected.q);
-      if (corrected.start_free && corrected_sigma < sigma) {
-        next = corrected;
-        sigma = corrected_sigma;
-      }
-    }
-    if (!next.start_free || sigma >= result.sigma) break;
-    const bool settled = sigma > (1.0 - options.convergence) * result.sigma;
-    result.q = next.q;
-    result.sigma = sigma;
-    result.certified = result.certified && next.certified;
-    result.sigmas.push_back(sigma);
-    if (settled) break;
+  result.status = IterationStatus::kIterationLimit;
+  while (result.status == IterationStatus::kIterationLimit &&
+         result.iterations < options.max_iterations) {
+    result.status = problem_.Expired() ? IterationStatus::kTimeLimit : Step(options, result);
   }
+  assert(std::is_sorted(result.sigmas.rbegin(), result.sigmas.rend()));
   return result;
 }
 

@@ -32,6 +32,16 @@ struct IterationOptions {
   int reverse_samples = 0;    // of the reverse projection (contact_space_projection.h); 0: none
 };
 
+// How an iteration ended.
+enum class IterationStatus {
+  kStartNotFree,    // q_f overlaps
+  kConverged,       // σ falls no further, by IterationOptions::convergence
+  kWouldRise,       // the next re-projection would raise σ and was refused (deviation 2)
+  kRefusedByCcd,    // CCD finds the accepted configuration itself, or the minimizer, in collision
+  kIterationLimit,  // IterationOptions::max_iterations
+  kTimeLimit,
+};
+
 struct IterationResult {
   VectorXd q;               // free if q_f was
   bool start_free = false;  // false: q_f overlaps; q is q_f
@@ -40,6 +50,7 @@ struct IterationResult {
   std::vector<double> sigmas;  // of the accepted free configurations, never rising [m²]
   int iterations = 0;          // constrained optimizations
   int sweeps = 0;
+  IterationStatus status = IterationStatus::kStartNotFree;
 };
 
 class ContactSpaceIteration {
@@ -56,6 +67,9 @@ class ContactSpaceIteration {
   bool Correct(const VectorXd& q_c, const IterationOptions& options, VectorXd& q, int& sweeps);
   // From a free q towards q_in, from a colliding q from q_c towards q (Sec. 5.4).
   const ProjectionResult& Reproject(const VectorXd& q_c, const VectorXd& q);
+  // Optimizes from result.q and re-projects; if that lowers σ it becomes the new result.q.
+  // kIterationLimit: it did, and may again.
+  IterationStatus Step(const IterationOptions& options, IterationResult& result);
   bool Free(const VectorXd& q);
 
   Problem& problem_;

@@ -88,6 +88,7 @@ std::optional<VectorXd> FreeConfigurationSelection::Select(const std::string& na
 std::optional<FreeConfiguration> FreeConfigurationSelection::SelectInPaperOrder() {
   for (const Entry& entry : Table()) {
     if (problem_.Expired()) break;
+    if (!problem_.Uses(entry.name)) continue;
     ++tried_;
     Selected q = (this->*entry.select)();
     if (q) return FreeConfiguration{*std::move(q), entry.name};

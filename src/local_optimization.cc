@@ -75,6 +75,7 @@ void LocalOptimization::Linearize(const Iterate& at, double margin) {
       const int extra = rows_.Append(distance + offset, key + 1 + slot);
       ContactRow(tables, posed, near->pair, p1_W, p2_W, near->n_W, rows_.C.row(extra));
     };
+    if (!remembers_) continue;
     memory_.ForEach(tables, posed, *near, merge, append_remembered);
     memory_.Add(tables, posed, *near, merge);
   }
@@ -86,7 +87,7 @@ double LocalOptimization::SolveStep(double trust_radius) {
   const int n = problem_.tables.n, m = rows_.m;
   // H = JᵀJ = L Lᵀ; z = Lᵀ dq; y = L⁻¹ Jᵀ r; G = L⁻¹ Cᵀ.
   problem_.norm.InnerProduct(J_, H_);
-  AddDamping();
+  if (damps_) AddDamping();
   whitening_.Factor(H_, problem_.norm.blocks());
   y_.noalias() = J_.transpose() * r_;
   whitening_.SolveLower(y_);
@@ -119,6 +120,7 @@ double LocalOptimization::SolveStep(double trust_radius) {
 // The rows that the last step pressed on, wherever they stand now.
 void LocalOptimization::GuessActiveRows() {
   guess_.clear();
+  if (!guesses_) return;
   for (int i = 0; i < rows_.m; ++i) {
     if (std::find(active_.begin(), active_.end(), rows_.key[i]) != active_.end()) {
       guess_.push_back(i);
@@ -172,6 +174,9 @@ bool LocalOptimization::NearKnown(const VectorXd& q, const LocalOptions& options
 LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& options) {
   memory_.Clear(problem_.tables.pairs.size());
   active_.clear();
+  remembers_ = problem_.Uses("witness_memory");
+  damps_ = problem_.Uses("damping");
+  guesses_ = problem_.Uses("warm_start");
   scale_ = std::max(1.0, problem_.size / kDeskSize);
   mu_ = kFirstPrice * scale_;
   LocalResult result;

@@ -83,7 +83,8 @@ class LocalOptimization {
   double mu_ = 0.0;
   double predicted_sigma_ = 0.0;
   double damping_ = 0.0;
-  const Iterate* posed_ = nullptr;  // whose pose the contact finder holds
+  bool remembers_ = true, damps_ = true, guesses_ = true;  // false: left out (Options::without)
+  const Iterate* posed_ = nullptr;                         // whose pose the contact finder holds
 
   VectorXd apart_, moved_, next_, r_, z_, dq_, y_, lambda_, b_, bounds_;
   MatrixXd J_, H_, G_;

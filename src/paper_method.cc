@@ -3,6 +3,11 @@
 #include <utility>
 
 namespace mjcf_pdg {
+namespace {
+
+constexpr char kCoherence[] = "motion_coherence";
+
+}  // namespace
 
 PaperMethod::PaperMethod(Problem& problem)
     : selection_(problem), iteration_(problem), problem_(problem) {}
@@ -20,15 +25,24 @@ PaperResult PaperMethod::Run(const std::optional<VectorXd>& hint, const PaperOpt
   result.selections = selection_.tried();
   if (!q_f) return result;
   result.start = q_f->start;
-  IterationResult iterated = iteration_.Run(q_f->q, options.iteration);
+  IterationOptions how = options.iteration;
+  if (!problem_.Uses("corrections")) how.corrections = 0;
+  if (!problem_.Uses("reverse_projection")) how.reverse_samples = 0;
+  IterationResult iterated = iteration_.Run(q_f->q, how);
   sweeps_ += iterated.sweeps;
   result.free = iterated.start_free;
   result.q = std::move(iterated.q);
   result.sigma = iterated.sigma;
   result.sigmas = std::move(iterated.sigmas);
   result.iterations = iterated.iterations;
+  result.status = iterated.status;
   result.certified = iterated.certified;
   return result;
+}
+
+std::optional<FreeConfiguration> PaperMethod::Recall() {
+  std::optional<VectorXd> q = selection_.Select(kCoherence);
+  return q ? std::optional(FreeConfiguration{*std::move(q), kCoherence}) : std::nullopt;
 }
 
 }  // namespace mjcf_pdg

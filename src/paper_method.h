@@ -31,7 +31,8 @@ struct PaperResult {
   std::string start;           // selection
   int selections = 0;          // tried
   int iterations = 0;          // constrained optimizations
-  bool certified = false;      // every CCD on the way was proven
+  IterationStatus status = IterationStatus::kStartNotFree;  // so too without a selection
+  bool certified = false;                                   // every CCD on the way was proven
 };
 
 // One per thread. Refers to problem.q_in and what goes with it.
@@ -45,7 +46,7 @@ class PaperMethod {
   // Motion coherence: an answer, or a frame, for later runs to start from.
   void Remember(const VectorXd& q) { selection_.Remember(q); }
   // The remembered configuration nearest to q_in that is free.
-  std::optional<VectorXd> Recall() { return selection_.Select("motion_coherence"); }
+  std::optional<FreeConfiguration> Recall();
 
   int sweeps() const { return sweeps_; }  // of Gauss-Seidel, all runs together
 

@@ -42,6 +42,12 @@ struct Problem {
   double size = 1.0;  // a typical geom radius [m]
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
 
+  // False for what Options::without names.
+  bool Uses(const char* component) const {
+    const auto& without = options.without;
+    return std::find(without.begin(), without.end(), component) == without.end();
+  }
+
   // The outer guard on time; without a limit the clock is never read.
   bool Expired() const {
     return deadline != std::chrono::steady_clock::time_point::max() &&

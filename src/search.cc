@@ -15,7 +15,9 @@ struct Search::Plan {
 
 namespace {
 
-constexpr char kHop[] = "hop";
+// Names of starts, of Components (pdg.h).
+constexpr char kDirect[] = "direct", kMirror[] = "mirror", kNoiseStart[] = "noise", kHop[] = "hop";
+constexpr char kTranslation[] = "constrained_translation", kAnywhereStart[] = "anywhere";
 constexpr double kAgreement = 1.01;
 constexpr double kGiveUp = 1.15;  // a start whose prediction is worse than this is dropped
 constexpr int kBlind = 20;        // noisy starts while nothing is free
@@ -78,7 +80,7 @@ void Search::Try(const VectorXd& q, const std::string& start, const LocalOptions
   if (problem_.Expired() && outcome_.starts > 0) return;
   ++outcome_.starts;
   LocalOptions bounded = options;
-  if (HasFree()) {
+  if (HasFree() && problem_.Uses("early_exit")) {
     bounded.give_up_sigma = kGiveUp * BestSigma();
     bounded.known = &outcome_.free.front().q;
     bounded.known_sigma = BestSigma();
@@ -121,17 +123,19 @@ void Search::TryFreePose(const VectorXd& q_f, const std::string& start) {
 
 void Search::TryTranslations(const std::vector<NearPair>& overlaps) {
   for (const VectorXd& q_f : ConstrainedTranslation(problem_, overlaps)) {
-    TryFreePose(q_f, "constrained_translation");
+    TryFreePose(q_f, kTranslation);
     if (HasFree()) return;
   }
 }
 
 // Two noisy starts, one hop, and so on; noise alone while nothing is free.
 void Search::TryVaried(const Plan& plan) {
+  const bool noise = problem_.Uses(kNoiseStart), hops = problem_.Uses(kHop);
   for (int k = 0; !Done(plan) && !problem_.Expired(); ++k) {
-    if (k % 3 == 2 && HasFree()) {
-      TryHop(kHops[k / 3 % 3]);
+    if (hops && HasFree() && (k % 3 == 2 || !noise)) {
+      TryHop(kHops[(noise ? k / 3 : k) % 3]);
     } else {
+      if (!noise) return;
       // Nothing free yet: the scale is a guess, widened from try to try.
       const double widened = HasFree() ? 1.0 : 1.0 + 0.5 * k;
       TryNoise(widened * kNoise[k % 4]);
@@ -146,7 +150,7 @@ void Search::TryNoise(double spread) {
     sigma = std::max(outcome_.least_overlap.sigma, 1e-6);
     if (!std::isfinite(sigma)) sigma = problem_.size * problem_.size;
   }
-  Try(GaussianStart(problem_, center_, sigma, spread, random_), "noise", Loose());
+  Try(GaussianStart(problem_, center_, sigma, spread, random_), kNoiseStart, Loose());
 }
 
 void Search::TryHop(Hop hop) {
@@ -157,33 +161,33 @@ void Search::TryHop(Hop hop) {
 // Nothing near q_in worked: anywhere inside the limits, and home from there.
 void Search::TryAnywhere() {
   for (int k = 0; k < kAnywhere && !HasFree() && !problem_.Expired(); ++k) {
-    Try(UniformStart(problem_, center_, random_), "anywhere", LocalOptions{});
+    Try(UniformStart(problem_, center_, random_), kAnywhereStart, LocalOptions{});
   }
   if (!HasFree()) return;
-  TryFreePose(outcome_.free.front().q, "anywhere");
+  TryFreePose(outcome_.free.front().q, kAnywhereStart);
 }
 
 SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
-                          const std::optional<VectorXd>& hint) {
+                          const std::optional<FreeConfiguration>& hint) {
   outcome_ = {};
   random_ = Random(problem_.options.seed);
   first_query_ = problem_.finder.queries();
   Plan plan = PlanFor(problem_.options.effort);
   center_ = problem_.q_in;
   ClampToLimits(problem_.tables, center_);
-  Try(center_, "direct", LocalOptions{});
-  if (hint) TryFreePose(*hint, "user_pose");
+  if (problem_.Uses(kDirect)) Try(center_, kDirect, LocalOptions{});
+  if (hint) TryFreePose(hint->q, hint->start);
   const double depth = RelativeDepth(overlaps);
   if (HasFree() && depth < plan.direct_only) return std::move(outcome_);
   const double agree = std::floor(1.5 + plan.agree_per_depth * depth);
   plan.agree = static_cast<int>(std::min<double>(plan.agree, agree));
-  if (HasFree() && !Done(plan)) {
-    Try(MirroredStart(problem_, outcome_.free.front().q), "mirror", Loose());
+  if (HasFree() && !Done(plan) && problem_.Uses(kMirror)) {
+    Try(MirroredStart(problem_, outcome_.free.front().q), kMirror, Loose());
   }
   TryVaried(plan);
   if (HasFree()) return std::move(outcome_);
-  TryTranslations(overlaps);
-  if (!HasFree()) TryAnywhere();
+  if (problem_.Uses(kTranslation)) TryTranslations(overlaps);
+  if (!HasFree() && problem_.Uses(kAnywhereStart)) TryAnywhere();
   if (HasFree()) TryVaried(plan);
   return std::move(outcome_);
 }

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "contact_space_iteration.h"
+#include "free_configuration.h"
 #include "local_optimization.h"
 #include "problem.h"
 #include "random.h"
@@ -41,7 +42,8 @@ class Search {
   explicit Search(Problem& problem);
 
   // `overlaps`: overlapping pairs at q_in. `hint`: a configuration that may be free.
-  SearchOutcome Run(const std::vector<NearPair>& overlaps, const std::optional<VectorXd>& hint);
+  SearchOutcome Run(const std::vector<NearPair>& overlaps,
+                    const std::optional<FreeConfiguration>& hint);
 
   // A last descent from a candidate to full precision.
   LocalResult Polish(const VectorXd& q);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "components.h"
 #include "lower_bound.h"
 #include "mjcf_pdg/pdg.h"
 #include "paper_method.h"
@@ -52,6 +53,7 @@ void CheckOptions(const Options& options, const SceneTables& tables) {
   require(within(options.clearance, 0.0, 1e3), "clearance must lie between 0 and 1000 m");
   require(within(options.rest, 0.0, 1e3), "rest must lie between 0 and 1000 m");
   require(options.time_limit > 0.0, "the time limit must be positive");
+  CheckComponents(options);
   const std::size_t mocap = tables.model->nmocap;
   require(options.mocap_pos.empty() || options.mocap_pos.size() == 3 * mocap,
           "mocap_pos needs 3 values per mocap body");
@@ -150,8 +152,11 @@ bool Solver::Impl::FrozenOverlap(const std::vector<NearPair>& overlaps) const {
 SearchOutcome Solver::Impl::Run(const std::vector<NearPair>& overlaps,
                                 std::optional<VectorXd> hint) {
   if (options.method == Method::kAuto) {
-    if (options.trajectory && !hint) hint = paper.Recall();
-    return search.Run(overlaps, hint);
+    if (hint && problem.Uses("user_pose")) {
+      return search.Run(overlaps, FreeConfiguration{*std::move(hint), "user_pose"});
+    }
+    const bool coherent = options.trajectory && problem.Uses("motion_coherence");
+    return search.Run(overlaps, coherent ? paper.Recall() : std::nullopt);
   }
   PaperResult result = paper.Run(hint);
   SearchOutcome outcome;
@@ -181,7 +186,7 @@ bool Solver::Impl::Accept(const Candidate& candidate, const std::vector<double>&
 bool Solver::Impl::AcceptBest(SearchOutcome& outcome, const std::vector<double>& q_in,
                               Result& result) {
   for (Candidate& candidate : outcome.free) {
-    if (options.method == Method::kAuto) {
+    if (options.method == Method::kAuto && problem.Uses("polish")) {
       const LocalResult polished = search.Polish(candidate.q);
       outcome.iterations += polished.iterations;
       if (polished.free && polished.sigma < candidate.sigma) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 
 #include "test_support.h"
 
@@ -134,6 +135,7 @@ TEST_F(ContactSpaceIterationTest, AFreeGoalIsReachedAtOnce) {
   ASSERT_TRUE(result.start_free);
   EXPECT_NEAR(result.q[0], 0.3, 1e-12);
   EXPECT_LT(result.sigma, 1e-20);
+  EXPECT_EQ(result.status, IterationStatus::kConverged);
 }
 
 TEST_F(ContactSpaceIterationTest, LimitsAreKept) {
@@ -154,6 +156,7 @@ TEST_F(ContactSpaceIterationTest, AStartThatIsNotFreeIsSaidAndReturned) {
   const IterationResult result = p.Run(q_f, VectorXd::Constant(1, -0.1));
   EXPECT_FALSE(result.start_free);
   EXPECT_EQ(result.q, q_f);
+  EXPECT_EQ(result.status, IterationStatus::kStartNotFree);
   EXPECT_TRUE(result.sigmas.empty());
   EXPECT_TRUE(std::isinf(result.sigma));
 }
@@ -164,17 +167,49 @@ TEST_F(ContactSpaceIterationTest, NoIterationsLeaveTheProjection) {
   none.max_iterations = 0;
   const IterationResult projected = p.Run(Vector2d(1.2, -0.1), Vector2d(0, 0), none);
   EXPECT_EQ(projected.sigmas.size(), 1u);
+  EXPECT_EQ(projected.status, IterationStatus::kIterationLimit);
   EXPECT_EQ(projected.sweeps, 0);
   const IterationResult iterated = p.Run(Vector2d(1.2, -0.1), Vector2d(0, 0));
   EXPECT_EQ(iterated.sigmas.front(), projected.sigma);
   EXPECT_LT(iterated.sigma, 0.9 * projected.sigma);
 }
 
+TEST_F(ContactSpaceIterationTest, AnExpiredDeadlineIsSaid) {
+  Iterator p(TwoLinks(1.5));
+  p.problem.deadline = {};
+  const IterationResult result = p.Run(Vector2d(1.2, -0.1), Vector2d(0, 0));
+  EXPECT_EQ(result.status, IterationStatus::kTimeLimit);
+  EXPECT_EQ(result.sigmas.size(), 1u);
+}
+
 // ---- What never happens ----
+
+// What the status says about the accepted σ.
+void CheckStatus(const IterationResult& result, const IterationOptions& options) {
+  const std::size_t accepted = result.sigmas.size() - 1;  // after the projection
+  const std::size_t iterations = result.iterations;
+  switch (result.status) {
+    case IterationStatus::kConverged:
+      if (accepted < iterations) break;  // the last one changed nothing
+      EXPECT_GE(result.sigma, (1 - options.convergence) * result.sigmas[accepted - 1]);
+      break;
+    case IterationStatus::kWouldRise:
+    case IterationStatus::kRefusedByCcd:
+      EXPECT_EQ(accepted + 1, iterations) << "the last one was refused";
+      break;
+    case IterationStatus::kIterationLimit:
+      EXPECT_EQ(result.iterations, options.max_iterations);
+      EXPECT_EQ(accepted, iterations);
+      break;
+    default:
+      ADD_FAILURE() << "free, and no time limit";
+  }
+}
 
 TEST_F(ContactSpaceIterationTest, OfRandomRobotsSigmaNeverRisesAndEveryResultIsFree) {
   Random rng(1);
   int runs = 0, improved = 0, touching = 0;
+  std::map<IterationStatus, int> statuses;
   for (int model = 0; model < 12; ++model) {
     RobotOptions robot;
     robot.free_base = model % 2 == 1;
@@ -191,6 +226,8 @@ TEST_F(ContactSpaceIterationTest, OfRandomRobotsSigmaNeverRisesAndEveryResultIsF
         EXPECT_LT(result.sigmas[i], result.sigmas[i - 1]) << Join(q_f) << "\n" << Join(q_in);
       }
       EXPECT_LE(result.sigmas.size(), 31u);
+      CheckStatus(result, {});
+      ++statuses[result.status];
       EXPECT_EQ(result.sigma, result.sigmas.back());
       EXPECT_EQ(result.sigma, p.problem.norm.Sigma(result.q));
       EXPECT_LE(LimitExcess(p.scene.tables(), result.q), 1.1e-9);
@@ -199,8 +236,14 @@ TEST_F(ContactSpaceIterationTest, OfRandomRobotsSigmaNeverRisesAndEveryResultIsF
       improved += result.sigma < 0.99 * result.sigmas.front();
     }
   }
-  std::printf("  %d runs, %d better than the projection, %d in contact\n", runs, improved,
-              touching);
+  std::printf(
+      "  %d runs, %d better than the projection, %d in contact; converged %d, would rise %d, "
+      "refused %d, limit %d\n",
+      runs, improved, touching, statuses[IterationStatus::kConverged],
+      statuses[IterationStatus::kWouldRise], statuses[IterationStatus::kRefusedByCcd],
+      statuses[IterationStatus::kIterationLimit]);
+  EXPECT_GT(statuses[IterationStatus::kConverged], 10);
+  EXPECT_GT(statuses[IterationStatus::kWouldRise], 10);
   EXPECT_GT(runs, 60);
   EXPECT_GT(improved, runs / 3);
   EXPECT_GT(touching, runs * 9 / 10);  // Theorem 1; capsule-box contacts are not seen here

@@ -58,6 +58,8 @@ void CheckRobot(Paper& p, Paper& fresh, Random& rng, Tally& tally) {
       EXPECT_LT(result.sigmas[k], result.sigmas[k - 1]);
     }
     EXPECT_EQ(result.sigma, result.sigmas.back());
+    EXPECT_NE(result.status, IterationStatus::kStartNotFree);
+    EXPECT_NE(result.status, IterationStatus::kTimeLimit);
     tally.touching += p.Margin(result.q) < 1e-4;
   }
 }

@@ -8,6 +8,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "mjcf_pdg/object_norm.h"
@@ -16,11 +17,15 @@
 
 namespace mjcf_pdg {
 
+// What Options::without can name: the method's starts, then its other steps.
+std::vector<std::string> Components(Method method);
+
 // One per thread; owns all scratch, including private MuJoCo data. Never writes to the user's
 // model.
 class Solver {
  public:
-  // Throws Error if an option is out of range or the scene has an active equality constraint.
+  // Throws Error if an option is out of range, Options::without has an unknown name, or the scene
+  // an active equality constraint.
   explicit Solver(const Scene& scene, const Options& options = {});
   ~Solver();
   Solver(Solver&&) noexcept;

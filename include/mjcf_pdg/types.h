@@ -60,6 +60,8 @@ struct Options {
   // later ones (motion coherence).
   bool trajectory = false;
   std::uint64_t seed = 0;
+  // Starts and steps of the method to leave out, for experiments: names from Components (pdg.h).
+  std::vector<std::string> without = {};
   // Poses of mocap bodies, which are obstacles: 3 and 4 per body; empty: as in the model.
   std::vector<double> mocap_pos, mocap_quat;
   // Outer guard on one solve [s]; iterations, not this, normally end it.

@@ -1,0 +1,115 @@
+// σ per iteration of the paper's method: how fast it falls, and how it ends.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "measure.h"
+#include "mjcf_pdg/pdg.h"
+#include "paper_method.h"
+#include "workloads.h"
+
+namespace mjcf_pdg::bench {
+namespace {
+
+constexpr int kRows[] = {0, 1, 2, 3, 4, 5, 6, 8, 10, 15, 20, 30, 50, 99};
+
+struct Runs {
+  std::vector<std::vector<double>> sigmas;  // of runs that found a free configuration
+  std::map<IterationStatus, int> statuses;
+  int failures = 0;
+};
+
+const char* Name(IterationStatus status) {
+  switch (status) {
+    case IterationStatus::kStartNotFree:
+      return "start not free";
+    case IterationStatus::kConverged:
+      return "converged";
+    case IterationStatus::kWouldRise:
+      return "would rise";
+    case IterationStatus::kRefusedByCcd:
+      return "refused by CCD";
+    case IterationStatus::kIterationLimit:
+      return "iteration limit";
+    case IterationStatus::kTimeLimit:
+      return "time limit";
+  }
+  return "";
+}
+
+// As the solver does, for its default tolerances, obstacles and contacts.
+void Append(const Workload& workload, const Options& options, Runs& runs) {
+  const SceneTables& tables = workload.scene->tables();
+  Problem problem(tables, options);
+  PaperMethod method(problem);
+  problem.required.resize(static_cast<Eigen::Index>(tables.pairs.size()));
+  for (std::size_t k = 0; k < tables.pairs.size(); ++k) {
+    problem.required[static_cast<Eigen::Index>(k)] = -tables.pairs[k].allowed;
+  }
+  for (const BenchProblem& one : workload.set.problems) {
+    if (Verify(*workload.scene, one.q_in).free) continue;
+    const auto size = static_cast<Eigen::Index>(one.q_in.size());
+    problem.q_in = Normalized(tables, Eigen::Map<const VectorXd>(one.q_in.data(), size));
+    problem.norm.SetReference(problem.q_in);
+    PaperResult result = method.Run();
+    ++runs.statuses[result.status];
+    if (result.free) {
+      runs.sigmas.push_back(std::move(result.sigmas));
+    } else {
+      ++runs.failures;
+    }
+  }
+}
+
+void Print(const Runs& runs) {
+  std::printf("%9s %8s %10s %10s %10s\n", "iteration", "lower %", "median", "p95", "max");
+  std::size_t longest = 0;
+  for (const std::vector<double>& sigmas : runs.sigmas) longest = std::max(longest, sigmas.size());
+  for (const int k : kRows) {
+    if (static_cast<std::size_t>(k) >= longest) break;
+    std::vector<double> ratio;
+    int lower = 0;  // runs that still accept an iterate here
+    for (const std::vector<double>& sigmas : runs.sigmas) {
+      const std::size_t at = std::min<std::size_t>(k, sigmas.size() - 1);
+      lower += sigmas.size() > static_cast<std::size_t>(k);
+      ratio.push_back(sigmas.back() > 0.0 ? sigmas[at] / sigmas.back() : 1.0);
+    }
+    std::printf("%9d %8.1f %10.5f %10.5f %10.3f\n", k, 100.0 * lower / ratio.size(),
+                Quantile(ratio, 0.5), Quantile(ratio, 0.95), Quantile(ratio, 1.0));
+  }
+  std::printf("%zu runs, %d without a free configuration; ended:", runs.sigmas.size(),
+              runs.failures);
+  for (const auto& [status, count] : runs.statuses) std::printf(" %s %d;", Name(status), count);
+  std::printf("\n");
+}
+
+void Run(const SetArguments& arguments) {
+  const std::vector<Workload> workloads = LoadSoundWorkloads(arguments);
+  for (const std::string without : {"", "corrections"}) {
+    Options options;
+    if (!without.empty()) options.without = {without};
+    Runs runs;
+    for (const Workload& workload : workloads) Append(workload, options, runs);
+    std::printf("sigma / sigma at the end, method paper%s%s\n", without.empty() ? "" : " without ",
+                without.c_str());
+    Print(runs);
+  }
+}
+
+}  // namespace
+
+int Main(int argc, char** argv) {
+  SetArguments arguments;
+  arguments.count = 20;
+  CLI::App app("σ per iteration of the paper's method.", "sigma_bench");
+  AddSetArguments(app, arguments);
+  return RunProgram(app, argc, argv, [&] { Run(arguments); });
+}
+
+}  // namespace mjcf_pdg::bench
+
+int main(int argc, char** argv) { return mjcf_pdg::bench::Main(argc, argv); }

@@ -1,0 +1,81 @@
+#include "workloads.h"
+
+#include <cstdio>
+#include <exception>
+#include <utility>
+
+#include "measure.h"
+#include "mjcf_pdg/pdg.h"
+
+namespace mjcf_pdg::bench {
+namespace {
+
+// A scene that cannot be loaded or solved gives one workload with the reason.
+template <typename Sets>
+void Append(const std::string& path, Sets sets, std::vector<Workload>& workloads) {
+  try {
+    const Scene scene = Scene::FromFile(path);
+    const Solver accepts(scene);  // or says why not
+    for (ProblemSet& set : sets(scene)) workloads.push_back({scene, std::move(set), {}});
+  } catch (const std::exception& error) {
+    workloads.push_back({std::nullopt, {path, path, {}}, error.what()});
+  }
+}
+
+}  // namespace
+
+void AddSetArguments(CLI::App& app, SetArguments& arguments) {
+  app.add_option("models", arguments.models,
+                 "MJCF files (default: the project's own three scenes)");
+  app.add_option("--problems", arguments.problems, "JSON Lines with model, qpos, best")
+      ->allow_extra_args(false);
+  app.add_option("--root", arguments.root, "folder that the models in --problems are relative to");
+  app.add_option("--count", arguments.count, "random configurations per model")
+      ->check(CLI::Range(0, 1000000));
+  app.add_option("--seed", arguments.seed, "seed of the random configurations");
+}
+
+std::vector<Workload> LoadWorkloads(const SetArguments& arguments) {
+  std::vector<Workload> workloads;
+  for (const std::string& file : arguments.problems) {
+    for (const ProblemSet& set : ReadProblems(file, arguments.root)) {
+      Append(
+          set.model_path, [&](const Scene&) { return std::vector<ProblemSet>{set}; }, workloads);
+    }
+  }
+  std::vector<std::string> models = arguments.models;
+  if (models.empty() && arguments.problems.empty()) models = OwnModels();
+  for (const std::string& path : models) {
+    Append(
+        path,
+        [&](const Scene& scene) {
+          return std::vector<ProblemSet>{
+              Keyframes(scene, path), RandomProblems(scene, path, arguments.count, arguments.seed)};
+        },
+        workloads);
+  }
+  return workloads;
+}
+
+std::vector<Workload> LoadSoundWorkloads(const SetArguments& arguments) {
+  std::vector<Workload> workloads;
+  for (Workload& workload : LoadWorkloads(arguments)) {
+    if (!workload.scene) throw Error(workload.set.name + ": " + workload.error);
+    if (!workload.set.problems.empty()) workloads.push_back(std::move(workload));
+  }
+  return workloads;
+}
+
+int RunProgram(CLI::App& app, int argc, char** argv, const std::function<void()>& run) {
+  CLI11_PARSE(app, argc, argv);
+  HandleMujocoMessages();
+  try {
+    run();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s: error: %s\n", app.get_name().c_str(), error.what());
+    return 2;
+  }
+  return 0;
+}
+
+}  // namespace mjcf_pdg::bench
