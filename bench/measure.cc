@@ -15,14 +15,6 @@ namespace {
 constexpr int kBatch = 5;                // solves between two timings of an evaluation
 constexpr double kTimingSeconds = 2e-3;  // least duration of one timing
 
-// Of this thread alone: solves and evaluations wait for nothing, so this is wall time on an idle
-// machine, and on a busy one the others do not count.
-double CpuSeconds() {
-  timespec now;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 // Times plain MuJoCo on the configurations of a set.
 class EvaluationTimer {
  public:
@@ -61,6 +53,12 @@ void HandleMessage(const mjLogMessage* message) {
 }
 
 }  // namespace
+
+double CpuSeconds() {
+  timespec now;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
 
 void HandleMujocoMessages() {
   mjLogConfig log = mju_getLogConfig();

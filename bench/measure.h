@@ -19,6 +19,10 @@ namespace mjcf_pdg::bench {
 // MuJoCo's errors become Error, its warnings one line on stderr; no log file.
 void HandleMujocoMessages();
 
+// Processor time of this thread alone: solves wait for nothing, so on an idle machine it is wall
+// time, and on a busy one the others do not count.
+double CpuSeconds();
+
 // Linear interpolation between order statistics; an infinite neighbour makes it infinite, no values
 // NaN.
 double Quantile(std::vector<double> values, double p);

@@ -16,15 +16,6 @@ ContactSpaceIteration::ContactSpaceIteration(Problem& problem)
   projection_options_.ccd.tolerance = problem.tolerances.accept;
 }
 
-bool ContactSpaceIteration::Free(const VectorXd& q) {
-  problem_.finder.Pose(q);
-  const auto& near = problem_.finder.Find(problem_.options.clearance);
-  return std::none_of(near.begin(), near.end(), [this](const NearPair& pair) {
-    return problem_.tables.pairs[pair.pair].moves &&
-           pair.distance < problem_.required[pair.pair] - problem_.tolerances.accept;
-  });
-}
-
 VectorXd ContactSpaceIteration::Optimize(const VectorXd& q_c, const IterationOptions& options,
                                          int& sweeps) {
   const SceneTables& tables = problem_.tables;
@@ -81,14 +72,15 @@ bool ContactSpaceIteration::Correct(const VectorXd& q_c, const IterationOptions&
     AppendContactRows(q);
     q = Minimize(q_c, options, sweeps);
     if (!q.allFinite()) return false;
-    if (Free(q)) return true;
+    if (problem_.Free(q)) return true;
   }
   return false;
 }
 
 const ProjectionResult& ContactSpaceIteration::Reproject(const VectorXd& q_c, const VectorXd& q) {
-  return Free(q) ? projection_.Project(q, problem_.q_in, projection_options_, &problem_.required)
-                 : projection_.Project(q_c, q, projection_options_, &problem_.required);
+  return problem_.Free(q)
+             ? projection_.Project(q, problem_.q_in, projection_options_, &problem_.required)
+             : projection_.Project(q_c, q, projection_options_, &problem_.required);
 }
 
 IterationStatus ContactSpaceIteration::Step(const IterationOptions& options,
@@ -97,7 +89,7 @@ IterationStatus ContactSpaceIteration::Step(const IterationOptions& options,
   VectorXd q = Optimize(result.q, options, result.sweeps);
   ProjectionResult next = Reproject(result.q, q);
   double sigma = problem_.norm.Sigma(next.q);
-  if (!Free(q) && Correct(result.q, options, q, result.sweeps)) {
+  if (!problem_.Free(q) && Correct(result.q, options, q, result.sweeps)) {
     const ProjectionResult& corrected = Reproject(result.q, q);
     const double corrected_sigma = problem_.norm.Sigma(corrected.q);
     if (corrected.start_free && corrected_sigma < sigma) {

@@ -70,7 +70,6 @@ class ContactSpaceIteration {
   // Optimizes from result.q and re-projects; if that lowers σ it becomes the new result.q.
   // kIterationLimit: it did, and may again.
   IterationStatus Step(const IterationOptions& options, IterationResult& result);
-  bool Free(const VectorXd& q);
 
   Problem& problem_;
   Ccdg ccd_;

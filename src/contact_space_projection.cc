@@ -125,7 +125,7 @@ bool ContactSpaceProjection::FreeSample(const VectorXd& q) {
   ++result_.poses;
   ++result_.contact_queries;
   ccd_.finder().Pose(q);
-  const std::vector<NearPair>& near = ccd_.finder().Find(largest_required_);
+  const std::vector<NearPair>& near = ccd_.finder().Find(largest_required_, Depths::kSkipped);
   return std::none_of(near.begin(), near.end(), [this](const NearPair& n) {
     const KeptPair& pair = tables_.pairs[n.pair];
     const double required = required_ ? (*required_)[n.pair] : -pair.allowed;

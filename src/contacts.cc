@@ -58,7 +58,7 @@ ContactFinder::ContactFinder(const SceneTables& tables)
   near_.reserve(64);
 }
 
-const std::vector<NearPair>& ContactFinder::Find(double margin) {
+const std::vector<NearPair>& ContactFinder::Find(double margin, Depths depths) {
   ++queries_;
   near_.clear();
   const mjData& d = *posed_.data();
@@ -75,21 +75,27 @@ const std::vector<NearPair>& ContactFinder::Find(double margin) {
       if (!kept.exact) {
         if (Distance(pair, margin, near)) near_.push_back(near);
       } else if (BoundsNear(kept, margin)) {
-        features_.clear();
-        exact_.Features(posed_, pair, margin, features_);
-        SignedGap hull;
-        if (!features_.empty() && features_.front().distance < 0.0 &&
-            GeomGap(kept.geom1, kept.geom2, 0.0, hull) &&
-            HullServes(features_.front().distance, hull.distance)) {
-          std::erase_if(features_, [](const SignedGap& gap) { return gap.distance < 0.0; });
-          features_.insert(features_.begin(), hull);
-        }
-        for (const SignedGap& gap : features_) near_.push_back(ToNearPair(pair, gap));
+        AppendFeatures(pair, margin, depths, near_);
       }
     }
   }
   if (tables_.has_contact_only_pairs) FindContactOnly(margin);
   return near_;
+}
+
+void ContactFinder::AppendFeatures(int pair, double margin, Depths depths,
+                                   std::vector<NearPair>& out) {
+  const KeptPair& kept = tables_.pairs[pair];
+  features_.clear();
+  exact_.Features(posed_, pair, margin, depths == Depths::kMeasured, features_);
+  SignedGap hull;
+  if (depths == Depths::kMeasured && !features_.empty() && features_.front().distance < 0.0 &&
+      GeomGap(kept.geom1, kept.geom2, 0.0, hull) &&
+      HullServes(features_.front().distance, hull.distance)) {
+    std::erase_if(features_, [](const SignedGap& gap) { return gap.distance < 0.0; });
+    features_.insert(features_.begin(), hull);
+  }
+  for (const SignedGap& gap : features_) out.push_back(ToNearPair(pair, gap));
 }
 
 bool ContactFinder::BodiesNear(const BodyPair& bodies, double margin) const {

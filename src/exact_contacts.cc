@@ -1,41 +1,59 @@
 #include "exact_contacts.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "field_mesh.h"
 #include "solid_overlap.h"
 
 namespace mjcf_pdg {
 namespace {
 
-// Overlapping, nearest and, if `all` are asked for, the others; warm is renewed.
-void AskSolids(const SolidPair& pair, double margin, bool all, NearestTriangles& warm,
+using Question = ExactContacts::Question;
+
+SignedGap Unmeasured(SignedGap gap) {
+  gap.distance = -std::numeric_limits<double>::infinity();
+  return gap;
+}
+
+// Overlapping, nearest and, if they are asked for, the other features; warm is renewed.
+void AskSolids(const SolidPair& pair, double margin, Question question, NearestTriangles& warm,
                std::vector<SignedGap>& out) {
   const NearestTriangles near = pair.Nearest(std::max(margin, SolidPair::kTouching), &warm);
   if (near.a >= 0) warm = near;
-  if ((near.a >= 0 && near.distance < SolidPair::kTouching) || Contained(pair)) {
+  const bool crossing = near.a >= 0 && near.distance < SolidPair::kTouching;
+  if (crossing || Contained(pair)) {
+    if (question == Question::kFeaturesWithoutDepths) {
+      return out.push_back(Unmeasured(crossing ? TriangleGap(pair, near) : SignedGap()));
+    }
     AppendOverlaps(pair, out);
-    if (!all) return;
+    if (question == Question::kDistance) return;
   }
   if (near.a < 0 || near.distance >= margin) return;
-  if (all) return pair.Features(margin, near, out);
+  if (question != Question::kDistance) return pair.Features(margin, near, out);
   out.push_back({near.distance, near.pa, near.pb, pair.Normal(near)});
 }
 
-void AskField(const FieldMesh& pair, double margin, bool all, int& warm,
+void AskField(const FieldMesh& pair, double margin, Question question, int& warm,
               std::vector<SignedGap>& out) {
   const FieldNearest near = pair.Nearest(std::max(margin, 0.0), warm);
   if (near.triangle >= 0) warm = near.triangle;
-  if ((near.triangle >= 0 && near.f < 0.0) || pair.Contained()) {
+  const bool crossing = near.triangle >= 0 && near.f < 0.0;
+  if (crossing || pair.Contained()) {
+    if (question == Question::kFeaturesWithoutDepths) {
+      return out.push_back(Unmeasured(crossing ? pair.Gap(near) : SignedGap()));
+    }
     pair.AppendOverlaps(out);
-    if (!all) return;
+    if (question == Question::kDistance) return;
   }
   if (near.triangle < 0 || near.f >= margin) return;
-  if (all) return pair.Features(margin, near, out);
+  if (question != Question::kDistance) return pair.Features(margin, near, out);
   out.push_back(pair.Gap(near));
 }
 
 }  // namespace
 
-void ExactContacts::Ask(const PosedModel& posed, int pair, double margin, bool all,
+void ExactContacts::Ask(const PosedModel& posed, int pair, double margin, Question question,
                         std::vector<SignedGap>& out) {
   const mjModel& m = *posed.model();
   const mjData& d = *posed.data();
@@ -48,11 +66,11 @@ void ExactContacts::Ask(const PosedModel& posed, int pair, double margin, bool a
   const std::size_t begin = out.size();
   const bool both_solid = tables_.solids[g1] != nullptr;
   if (both_solid) {
-    AskSolids({*tables_.solids[g1], *tables_.solids[g2], second_in_first}, reach, all, warm_[pair],
-              out);
+    AskSolids({*tables_.solids[g1], *tables_.solids[g2], second_in_first}, reach, question,
+              warm_[pair], out);
   } else {  // MuJoCo's order: the mesh comes last
     const ConvexField field{m.geom_type[g1], kTreeUnits * AsVector(m.geom_size + 3 * g1)};
-    AskField({field, *tables_.solids[g2], second_in_first}, reach, all, warm_[pair].b, out);
+    AskField({field, *tables_.solids[g2], second_in_first}, reach, question, warm_[pair].b, out);
   }
   const Matrix3d& R = both_solid ? R1 : R2;
   const Vector3d& origin = both_solid ? p1 : p2;
@@ -66,15 +84,15 @@ void ExactContacts::Ask(const PosedModel& posed, int pair, double margin, bool a
 
 bool ExactContacts::Distance(const PosedModel& posed, int pair, double cutoff, SignedGap& gap) {
   scratch_.clear();
-  Ask(posed, pair, cutoff, false, scratch_);
+  Ask(posed, pair, cutoff, Question::kDistance, scratch_);
   if (scratch_.empty() || scratch_.front().distance >= cutoff) return false;
   gap = scratch_.front();
   return true;
 }
 
-void ExactContacts::Features(const PosedModel& posed, int pair, double margin,
+void ExactContacts::Features(const PosedModel& posed, int pair, double margin, bool depths,
                              std::vector<SignedGap>& out) {
-  Ask(posed, pair, margin, true, out);
+  Ask(posed, pair, margin, depths ? Question::kFeatures : Question::kFeaturesWithoutDepths, out);
 }
 
 }  // namespace mjcf_pdg

@@ -28,11 +28,17 @@ class ExactContacts {
   bool Distance(const PosedModel& posed, int pair, double cutoff, SignedGap& gap);
 
   // All features below `margin`, the nearest or deepest first; empty when there is none. An overlap
-  // comes as its deepest places, followed by the features that are apart.
-  void Features(const PosedModel& posed, int pair, double margin, std::vector<SignedGap>& out);
+  // comes as its deepest places, followed by the features that are apart; if no depths are wanted,
+  // as one gap of distance -infinity with the points and normal of two crossing triangles.
+  void Features(const PosedModel& posed, int pair, double margin, bool depths,
+                std::vector<SignedGap>& out);
+
+  // What is asked of a pair.
+  enum class Question { kDistance, kFeatures, kFeaturesWithoutDepths };
 
  private:
-  void Ask(const PosedModel& posed, int pair, double margin, bool all, std::vector<SignedGap>& out);
+  void Ask(const PosedModel& posed, int pair, double margin, Question question,
+           std::vector<SignedGap>& out);
 
   const SceneTables& tables_;
   std::vector<NearestTriangles> warm_;  // per pair; of a primitive only b counts

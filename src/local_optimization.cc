@@ -14,14 +14,16 @@ constexpr double kDeskSize = 0.1;     // [m]
 constexpr double kNearKnown = 0.1;    // √σ to a known optimum, in units of its own √σ
 constexpr double kBeatsKnown = 0.95;  // a prediction below that may lead elsewhere
 constexpr int kGiveUpFrom = 4;  // a start that still overlaps after so many steps is judged too
-constexpr int kPatience = 2;    // steps without progress before the trust radius shrinks
+constexpr int kPatienceWithPlanes = 1;  // ... where each step teaches where triangles cross
+constexpr int kPatience = 2;            // steps without progress before the trust radius shrinks
 // Levenberg-Marquardt: a tenth after each better step, tenfold after a streak of worse ones.
 constexpr double kFirstDamping = 0.1, kLeastDamping = 1e-5, kRenewedDamping = 1e-4;
 constexpr double kLeastRadius = 1e-7;  // [m]
 // Margins within which pairs get rows, in units of the scene's size; later 1.5 times the step.
 constexpr double kFirstMargin = 0.25, kLeastMargin = 0.02, kLargestMargin = 0.5;
-constexpr int kKeysPerPair = 32;     // for rows of one pair
-constexpr double kLimitReach = 0.5;  // joint limits farther than this get no row [rad or m]
+constexpr double kUnseenOverlap = 1e-3;  // counted for an overlap of unknown depth [size]
+constexpr int kKeysPerPair = 32;         // for rows of one pair
+constexpr double kLimitReach = 0.5;      // joint limits farther than this get no row [rad or m]
 
 }  // namespace
 
@@ -31,14 +33,45 @@ void LocalOptimization::Evaluate(const VectorXd& q, double margin, Iterate& out)
   out.q = q;
   out.sigma = problem_.norm.Sigma(q);
   problem_.finder.Pose(q);
-  out.near = problem_.finder.Find(margin + problem_.options.clearance);
+  out.near = problem_.finder.Find(margin + problem_.options.clearance, Depths::kSkipped);
+  features_.Keep(problem_.tables, problem_.finder.posed(), out.near);
+  features_.AppendLearnt(problem_.tables, problem_.finder.posed(), margin, out.near);
   out.violation = 0.0;
   out.worst = -1.0;
-  for (const NearPair& near : out.near) {
+  double of_pair = 0.0;  // an exact pair has many features: the worst counts
+  for (std::size_t k = 0; k < out.near.size(); ++k) {
+    if (std::isinf(out.near[k].distance)) MeasureOverlap(k, margin, out);
+    const NearPair& near = out.near[k];
     const double needed = problem_.required[near.pair] - near.distance;
-    out.violation += std::max(0.0, needed - problem_.tolerances.aim);
+    const double excess = std::max(0.0, needed - problem_.tolerances.aim);
+    const bool same = k > 0 && near.pair == out.near[k - 1].pair;
+    of_pair = same && problem_.tables.pairs[near.pair].exact ? of_pair : 0.0;
+    out.violation += std::max(0.0, excess - of_pair);
+    of_pair = std::max(of_pair, excess);
     out.worst = std::max(out.worst, needed - problem_.tolerances.accept);
   }
+}
+
+// An exact pair overlaps at out.near[k]: by the planes of where it was apart and by the triangles
+// that cross, or else measured. Not free, however little these see of it.
+void LocalOptimization::MeasureOverlap(std::size_t k, double margin, Iterate& out) {
+  NearPair crossing = out.near[k];
+  std::vector<NearPair> measured;
+  features_.Append(problem_.tables, problem_.finder.posed(), crossing.pair, measured);
+  if (measured.empty()) {
+    problem_.finder.AppendFeatures(crossing.pair, margin, Depths::kMeasured, measured);
+  } else {
+    out.worst = std::max(out.worst, problem_.tolerances.accept);
+    crossing.distance = crossing.n_W.dot(crossing.p2_W - crossing.p1_W);
+    if (crossing.distance < 0.0) {
+      measured.push_back(crossing);
+      features_.Learn(problem_.tables, problem_.finder.posed(), crossing);
+    } else {
+      out.violation += kUnseenOverlap * problem_.size;
+    }
+  }
+  const auto at = out.near.begin() + static_cast<std::ptrdiff_t>(k);
+  out.near.insert(out.near.erase(at), measured.begin(), measured.end());
 }
 
 // Rows at the posed configuration, nearest first; joint limits after them.
@@ -173,6 +206,7 @@ bool LocalOptimization::NearKnown(const VectorXd& q, const LocalOptions& options
 
 LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& options) {
   memory_.Clear(problem_.tables.pairs.size());
+  features_.Clear(problem_.tables.pairs.size());
   active_.clear();
   remembers_ = problem_.Uses("witness_memory");
   damps_ = problem_.Uses("damping");
@@ -189,7 +223,7 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
   posed_ = &current;
   double radius = options.trust_radius * scale_;
   damping_ = kFirstDamping;
-  int impatience = 0, settled = 0, hopeless = 0;
+  int patience = kPatience, impatience = 0, settled = 0, hopeless = 0;
   while (result.iterations < options.max_iterations && !problem_.Expired()) {
     ++result.iterations;
     const double length = Step(current, radius, kFirstMargin * problem_.size, trial);
@@ -203,9 +237,11 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
     const bool small = length < 1e-7 + 1e-4 * std::sqrt(trial.sigma);
     const bool better = Merit(trial) < Merit(best);
     impatience = better ? 0 : impatience + 1;
+    if (features_.learning()) patience = kPatienceWithPlanes;
     if (better) {
       best = trial;
       damping_ = damping_ > kLeastDamping ? 0.1 * damping_ : 0.0;
+      if (length > 0.9 * radius) radius *= 2.0;
     }
     std::swap(current, trial);
     posed_ = &current;
@@ -221,7 +257,7 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
       best = current;
       impatience = 0;
     }
-    if (impatience > kPatience) {
+    if (impatience > patience) {
       radius = 0.5 * std::min(radius, length);
       damping_ = 10.0 * std::max(damping_, kRenewedDamping);
       if (radius < kLeastRadius) break;

@@ -16,6 +16,7 @@
 
 #include "block_cholesky.h"
 #include "contact_matrix.h"
+#include "feature_memory.h"
 #include "lcp.h"
 #include "problem.h"
 #include "witness_memory.h"
@@ -61,6 +62,7 @@ class LocalOptimization {
   };
 
   void Evaluate(const VectorXd& q, double margin, Iterate& out);
+  void MeasureOverlap(std::size_t k, double margin, Iterate& out);
   void Linearize(const Iterate& at, double margin);
   bool NearKnown(const VectorXd& q, const LocalOptions& options);
   void GuessActiveRows();
@@ -74,6 +76,7 @@ class LocalOptimization {
 
   Problem& problem_;
   WitnessMemory memory_;
+  FeatureMemory features_;  // of exact pairs
   ContactRows rows_;
   ActiveSetLcp lcp_;
   std::vector<int> active_;  // keys of the rows that the last step pressed on

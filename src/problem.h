@@ -42,6 +42,15 @@ struct Problem {
   double size = 1.0;  // a typical geom radius [m]
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
 
+  // No pair that can move is nearer than required, by the solver's own distances. One query.
+  bool Free(const VectorXd& q) {
+    finder.Pose(q);
+    const std::vector<NearPair>& near = finder.Find(options.clearance, Depths::kSkipped);
+    return std::none_of(near.begin(), near.end(), [this](const NearPair& n) {
+      return tables.pairs[n.pair].moves && n.distance < required[n.pair] - tolerances.accept;
+    });
+  }
+
   // False for what Options::without names.
   bool Uses(const char* component) const {
     const auto& without = options.without;

@@ -19,9 +19,10 @@ namespace {
 constexpr char kDirect[] = "direct", kMirror[] = "mirror", kNoiseStart[] = "noise", kHop[] = "hop";
 constexpr char kTranslation[] = "constrained_translation", kAnywhereStart[] = "anywhere";
 constexpr double kAgreement = 1.01;
-constexpr double kGiveUp = 1.15;  // a start whose prediction is worse than this is dropped
-constexpr int kBlind = 20;        // noisy starts while nothing is free
-constexpr int kAnywhere = 20;     // uniform starts, if nothing else came free
+constexpr double kGiveUp = 1.15;    // a start whose prediction is worse than this is dropped
+constexpr double kWorthARun = 2.0;  // σ over that of the nearest ray
+constexpr int kBlind = 20;          // noisy starts while nothing is free
+constexpr int kAnywhere = 20;       // uniform starts, if nothing else came free
 constexpr double kNoise[] = {7.5, 3.0, 4.5, 12.0};  // spreads of the noisy starts, in turn
 constexpr Hop kHops[] = {Hop::kFromBest, Hop::kFromInput, Hop::kMirrored};
 
@@ -69,6 +70,7 @@ double Search::RelativeDepth(const std::vector<NearPair>& overlaps) const {
   double deepest = 0.0;
   for (const NearPair& near : overlaps) {
     const KeptPair& pair = problem_.tables.pairs[near.pair];
+    if (pair.exact) return std::numeric_limits<double>::infinity();  // however thin its walls are
     const double half = std::min(HalfThickness(*problem_.tables.model, pair.geom1),
                                  HalfThickness(*problem_.tables.model, pair.geom2));
     deepest = std::max(deepest, -near.distance / std::max(half, 1e-9));
@@ -128,6 +130,32 @@ void Search::TryTranslations(const std::vector<NearPair>& overlaps) {
   }
 }
 
+// Exact meshes: the nearest free poses on the translations of Eq. 20, on the way out.
+void Search::TryRays(const std::vector<NearPair>& overlaps) {
+  std::vector<Candidate> found;
+  double largest = std::numeric_limits<double>::infinity();
+  for (const VectorXd& far : ConstrainedTranslation(problem_, overlaps, center_)) {
+    if (std::optional<VectorXd> q = FirstFree(problem_, center_, far, largest)) {
+      const double sigma = problem_.norm.Sigma(*q);
+      found.push_back({*std::move(q), sigma, kTranslation});
+      largest = std::min(largest, kWorthARun * sigma);
+    }
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.sigma < b.sigma; });
+  for (const Candidate& candidate : found) {
+    if (candidate.sigma <= largest) Try(candidate.q, candidate.start, Loose());
+  }
+}
+
+// How deep two triangle meshes overlap says little: they are moved on until they are apart.
+void Search::TryOnRay(const VectorXd& q, const std::string& start) {
+  if (!exact_) return Try(q, start, Loose());
+  if (const std::optional<VectorXd> apart = CarriedOut(problem_, center_, q)) {
+    Try(*apart, start, Loose());
+  }
+}
+
 // Two noisy starts, one hop, and so on; noise alone while nothing is free.
 void Search::TryVaried(const Plan& plan) {
   const bool noise = problem_.Uses(kNoiseStart), hops = problem_.Uses(kHop);
@@ -150,12 +178,12 @@ void Search::TryNoise(double spread) {
     sigma = std::max(outcome_.least_overlap.sigma, 1e-6);
     if (!std::isfinite(sigma)) sigma = problem_.size * problem_.size;
   }
-  Try(GaussianStart(problem_, center_, sigma, spread, random_), kNoiseStart, Loose());
+  TryOnRay(GaussianStart(problem_, center_, sigma, spread, random_), kNoiseStart);
 }
 
 void Search::TryHop(Hop hop) {
   const VectorXd best = outcome_.free.front().q;
-  Try(ContactHop(problem_, best, BestSigma(), hop, random_), kHop, Loose());
+  TryOnRay(ContactHop(problem_, best, BestSigma(), hop, random_), kHop);
 }
 
 // Nothing near q_in worked: anywhere inside the limits, and home from there.
@@ -175,14 +203,20 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
   Plan plan = PlanFor(problem_.options.effort);
   center_ = problem_.q_in;
   ClampToLimits(problem_.tables, center_);
-  if (problem_.Uses(kDirect)) Try(center_, kDirect, LocalOptions{});
-  if (hint) TryFreePose(hint->q, hint->start);
+  exact_ = std::any_of(overlaps.begin(), overlaps.end(), [this](const NearPair& near) {
+    return problem_.tables.pairs[near.pair].exact;
+  });
+  if (exact_ && hint) Try(hint->q, hint->start, Loose());
+  if (exact_ && problem_.Uses(kTranslation)) TryRays(overlaps);
+  if (!Done(plan) && problem_.Uses(kDirect))
+    Try(center_, kDirect, exact_ ? Loose() : LocalOptions{});
+  if (!exact_ && hint) Try(hint->q, hint->start, LocalOptions{});
   const double depth = RelativeDepth(overlaps);
   if (HasFree() && depth < plan.direct_only) return std::move(outcome_);
   const double agree = std::floor(1.5 + plan.agree_per_depth * depth);
   plan.agree = static_cast<int>(std::min<double>(plan.agree, agree));
   if (HasFree() && !Done(plan) && problem_.Uses(kMirror)) {
-    Try(MirroredStart(problem_, outcome_.free.front().q), kMirror, Loose());
+    TryOnRay(MirroredStart(problem_, outcome_.free.front().q), kMirror);
   }
   TryVaried(plan);
   if (HasFree()) return std::move(outcome_);

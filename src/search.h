@@ -58,7 +58,9 @@ class Search {
   void Count(const LocalResult& result, const std::string& start);
   void TryFreePose(const VectorXd& q_f, const std::string& start);
   void TryTranslations(const std::vector<NearPair>& overlaps);
+  void TryRays(const std::vector<NearPair>& overlaps);
   void TryVaried(const Plan& plan);
+  void TryOnRay(const VectorXd& q, const std::string& start);
   void TryNoise(double spread);
   void TryHop(Hop hop);
   void TryAnywhere();
@@ -75,6 +77,7 @@ class Search {
   SearchOutcome outcome_;
   int first_query_ = 0;  // the finder's count when the search began
   VectorXd center_;      // q_in inside its limits
+  bool exact_ = false;   // some exact mesh overlaps
 };
 
 }  // namespace mjcf_pdg

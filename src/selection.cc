@@ -7,7 +7,9 @@
 namespace mjcf_pdg {
 namespace {
 
-constexpr double kTouching = 20.0;                 // of the tolerance
+constexpr double kTouching = 20.0;  // of the tolerance
+constexpr int kRaySteps = 12, kRayHalvings = 2;
+constexpr double kFarther = 1.3, kFarthest = 4.0;  // times the distance of a start
 constexpr double kHopSpreads[] = {3.0, 7.5, 1.5};  // as in GaussianStart, one at random
 
 struct Sphere {
@@ -135,6 +137,26 @@ std::vector<char> DofsOfSomeContact(Problem& problem, const VectorXd& q, Random&
   return between;
 }
 
+// Configurations in a straight line from one through another, inside the limits.
+class Ray {
+ public:
+  Ray(const Problem& problem, const VectorXd& from, const VectorXd& through)
+      : tables_(problem.tables), from_(from) {
+    Difference(tables_, from, through, dq_);
+  }
+  VectorXd At(double t) const {
+    VectorXd q;
+    Integrate(tables_, from_, t * dq_, q);
+    ClampToLimits(tables_, q);
+    return q;
+  }
+
+ private:
+  const SceneTables& tables_;
+  const VectorXd from_;
+  VectorXd dq_;
+};
+
 }  // namespace
 
 VectorXd MirroredStart(const Problem& problem, const VectorXd& q) {
@@ -177,6 +199,31 @@ VectorXd ContactHop(Problem& problem, const VectorXd& best, double sigma, Hop ho
   Integrate(tables, problem.q_in, dq, out);
   ClampToLimits(tables, out);
   return out;
+}
+
+std::optional<VectorXd> FirstFree(Problem& problem, const VectorXd& center, const VectorXd& far,
+                                  double largest_sigma) {
+  const Ray ray(problem, center, far);
+  for (int k = 1; k <= kRaySteps; ++k) {
+    double free = static_cast<double>(k) / kRaySteps, overlapping = free - 1.0 / kRaySteps;
+    if (problem.norm.Sigma(ray.At(free)) > largest_sigma) return std::nullopt;
+    if (!problem.Free(ray.At(free))) continue;
+    for (int halvings = 0; halvings < kRayHalvings; ++halvings) {
+      const double middle = 0.5 * (free + overlapping);
+      (problem.Free(ray.At(middle)) ? free : overlapping) = middle;
+    }
+    return ray.At(free);
+  }
+  return std::nullopt;
+}
+
+std::optional<VectorXd> CarriedOut(Problem& problem, const VectorXd& center, const VectorXd& q) {
+  const Ray ray(problem, center, q);
+  for (double t = 1.0; t < kFarthest; t *= kFarther) {
+    VectorXd out = ray.At(t);
+    if (problem.Free(out)) return out;
+  }
+  return std::nullopt;
 }
 
 VectorXd UniformStart(const Problem& problem, const VectorXd& center, Random& random) {

@@ -32,6 +32,15 @@ enum class Hop {
 };
 VectorXd ContactHop(Problem& problem, const VectorXd& best, double sigma, Hop hop, Random& random);
 
+// The first free configuration found on the way from `center` to `far`; none if σ would exceed
+// `largest_sigma` before, or if `far` itself is not free.
+std::optional<VectorXd> FirstFree(Problem& problem, const VectorXd& center, const VectorXd& far,
+                                  double largest_sigma);
+
+// `q`, or the first free configuration beyond it, as seen from `center`; none if there is none
+// within a few times its distance.
+std::optional<VectorXd> CarriedOut(Problem& problem, const VectorXd& center, const VectorXd& q);
+
 // Every joint anywhere: uniform within limits, hinges without limits and rotations all around,
 // slides and free bodies within a few sizes of the scene about `center`.
 VectorXd UniformStart(const Problem& problem, const VectorXd& center, Random& random);

@@ -155,25 +155,6 @@ void AppendCommonPoint(const SolidPair& pair, std::vector<WayOut>& ways) {
   }
 }
 
-// What is known of two triangles alone.
-SignedGap TriangleSized(const SolidPair& pair) {
-  const NearestTriangles near = pair.Nearest(SolidPair::kTouching);
-  SignedGap gap;
-  if (near.a < 0) return gap;
-  Vector3d first[3], second[3];
-  for (int k = 0; k < 3; ++k) {
-    first[k] = pair.a().Corner(near.a, k);
-    second[k] = pair.pose() * pair.b().Corner(near.b, k);
-  }
-  const double depth = std::max(TriangleOverlap(first, second, gap.n), 0.0);
-  const Vector3d middle =
-      (first[0] + first[1] + first[2] + second[0] + second[1] + second[2]) / 6.0;
-  gap.distance = -depth;
-  gap.p1 = middle + 0.5 * depth * gap.n;
-  gap.p2 = middle - 0.5 * depth * gap.n;
-  return gap;
-}
-
 }  // namespace
 
 bool Contained(const SolidPair& pair) {
@@ -210,10 +191,27 @@ void AppendOverlaps(const SolidPair& pair, std::vector<SignedGap>& out) {
   auto deep = [size](const WayOut& way) { return -way.gap.distance > kShallow * size; };
   if (std::none_of(ways.begin(), ways.end(), deep)) AppendCommonPoint(pair, ways);
   if (ways.empty()) {
-    out.push_back(TriangleSized(pair));
+    const NearestTriangles crossing = pair.Nearest(SolidPair::kTouching);
+    out.push_back(crossing.a < 0 ? SignedGap() : TriangleGap(pair, crossing));
     return;
   }
   AppendDeepest(ways, 0.25 * size, out);
+}
+
+SignedGap TriangleGap(const SolidPair& pair, const NearestTriangles& crossing) {
+  Vector3d first[3], second[3];
+  for (int k = 0; k < 3; ++k) {
+    first[k] = pair.a().Corner(crossing.a, k);
+    second[k] = pair.pose() * pair.b().Corner(crossing.b, k);
+  }
+  SignedGap gap;
+  const double depth = std::max(TriangleOverlap(first, second, gap.n), 0.0);
+  const Vector3d middle =
+      (first[0] + first[1] + first[2] + second[0] + second[1] + second[2]) / 6.0;
+  gap.distance = -depth;
+  gap.p1 = middle + 0.5 * depth * gap.n;
+  gap.p2 = middle - 0.5 * depth * gap.n;
+  return gap;
 }
 
 double TriangleOverlap(const Vector3d first[3], const Vector3d second[3], Vector3d& n) {

@@ -40,6 +40,9 @@ void AppendOverlaps(const SolidPair& pair, std::vector<SignedGap>& out);
 // The deepest first; those of the same place and direction left out, then those beyond the most.
 void AppendDeepest(std::vector<WayOut>& ways, double patch, std::vector<SignedGap>& out);
 
+// What two crossing triangles tell by themselves: the least move that parts them.
+SignedGap TriangleGap(const SolidPair& pair, const NearestTriangles& crossing);
+
 // The least overlap of two triangles' projections on an axis: how far they must be moved apart, at
 // most, and the direction from the first to the second. Negative when an axis separates them.
 // Both triangles may be degenerate.

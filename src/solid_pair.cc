@@ -3,7 +3,9 @@
 #include <fcl/narrowphase/detail/primitive_shape_algorithm/triangle_distance.h>
 
 #include <algorithm>
+#include <map>
 #include <queue>
+#include <tuple>
 #include <utility>
 
 namespace mjcf_pdg {
@@ -13,18 +15,20 @@ namespace {
 constexpr double kBoxSlack = 1e-6;
 constexpr double kFaceLike = 0.9;         // cosine between a row's normal and a face's
 constexpr double kSameDirection = 0.999;  // cosine; nearer ones are merged
-constexpr int kMaxPatches = 16;           // of each surface
-constexpr int kMaxQueries = 48;           // for the patches of each surface
+constexpr int kMaxPatches = 48;           // pairs of patches asked
+constexpr int kPerPatch = 2;              // ... of which as many of the same patches
+constexpr int kMaxParts = 3000;            // pairs of nodes looked at
+constexpr double kLargestMargin = 0.1;    // of the smaller mesh, beyond the nearest feature
 constexpr double kPatchPerMargin = 0.5, kPatchPerSize = 0.125;
 
-struct Patch {
-  NearestTriangles near;
-  int node = 0;
+struct Part {
+  double bound = 0.0;  // no triangles of it are nearer
+  int a = 0, b = 0;    // nodes
 };
 
 struct NearestFirst {
-  bool operator()(const Patch& x, const Patch& y) const {
-    return std::pair(x.near.distance, x.node) > std::pair(y.near.distance, y.node);
+  bool operator()(const Part& x, const Part& y) const {
+    return std::tuple(x.bound, x.a, x.b) > std::tuple(y.bound, y.a, y.b);
   }
 };
 
@@ -90,30 +94,39 @@ Vector3d SolidPair::Normal(const NearestTriangles& near) const {
   return -(pose_.R * b_.Normal(near.b));
 }
 
-// Splits the nearest part first; one child inherits its answer.
-void SolidPair::PatchesOf(bool of_a, double margin, double patch, const NearestTriangles& first,
-                          std::vector<NearestTriangles>& out) const {
-  const Solid& solid = of_a ? a_ : b_;
-  std::priority_queue<Patch, std::vector<Patch>, NearestFirst> parts;
-  parts.push({first, 0});
-  int queries = 0;
-  for (int found = 0; found < kMaxPatches && !parts.empty() && queries < kMaxQueries;) {
-    const Patch part = parts.top();
+// Best first: the parts with the smallest bound are split until both are patches; those are asked
+// for their nearest triangles.
+void SolidPair::Patches(double margin, double patch, std::vector<NearestTriangles>& out) const {
+  std::priority_queue<Part, std::vector<Part>, NearestFirst> parts;
+  parts.push({BoxDistance(0, 0), 0, 0});
+  auto is_patch = [patch](const Solid& solid, int node) {
+    return solid.IsLeaf(node) || solid.HalfDiagonal(node) <= 0.5 * patch;
+  };
+  std::map<int, int> answers_a, answers_b;  // by patch: none is asked again and again
+  int asked = 0;
+  for (int looked_at = 0; looked_at < kMaxParts && asked < kMaxPatches; ++looked_at) {
+    if (parts.empty() || parts.top().bound >= margin) return;
+    const Part part = parts.top();
     parts.pop();
-    if (solid.IsLeaf(part.node) || solid.HalfDiagonal(part.node) <= 0.5 * patch) {
-      if (part.near.distance > kTouching) {
-        out.push_back(part.near);
-        ++found;
-      }
+    const bool patch_a = is_patch(a_, part.a), patch_b = is_patch(b_, part.b);
+    if (patch_a && patch_b) {
+      const bool known = answers_a[part.a] >= kPerPatch && answers_b[part.b] >= kPerPatch;
+      if (known) continue;
+      ++answers_a[part.a];
+      ++answers_b[part.b];
+      ++asked;
+      const NearestTriangles near = Nearest(part.a, part.b, margin, nullptr);
+      if (near.a >= 0 && near.distance > kTouching) out.push_back(near);
       continue;
     }
-    for (const int child : {solid.LeftChild(part.node), solid.RightChild(part.node)}) {
-      NearestTriangles near = part.near;
-      if (!solid.Holds(child, of_a ? near.a : near.b)) {
-        near = of_a ? Nearest(child, 0, margin, nullptr) : Nearest(0, child, margin, nullptr);
-        ++queries;
-      }
-      if (near.a >= 0) parts.push({near, child});
+    const bool split_a = patch_b || (!patch_a && a_.HalfDiagonal(part.a) > b_.HalfDiagonal(part.b));
+    const Solid& split = split_a ? a_ : b_;
+    const int node = split_a ? part.a : part.b;
+    for (const int child : {split.LeftChild(node), split.RightChild(node)}) {
+      Part half = part;
+      (split_a ? half.a : half.b) = child;
+      half.bound = BoxDistance(half.a, half.b);
+      if (half.bound < margin) parts.push(half);
     }
   }
 }
@@ -132,11 +145,12 @@ bool SolidPair::BoundsMotion(const NearestTriangles& near) const {
 
 void SolidPair::Features(double margin, const NearestTriangles& first,
                          std::vector<SignedGap>& out) const {
-  const double patch =
-      std::max(kPatchPerMargin * margin, 2.0 * kPatchPerSize * std::min(a_.radius(), b_.radius()));
+  const double size = std::min(a_.radius(), b_.radius());
+  margin = std::min(margin, std::max(2.0 * first.distance, kLargestMargin * size));
+  const double patch = std::max(kPatchPerMargin * margin, 2.0 * kPatchPerSize * size);
   std::vector<NearestTriangles> found;
-  PatchesOf(true, margin, patch, first, found);
-  PatchesOf(false, margin, patch, first, found);
+  if (first.distance > kTouching) found.push_back(first);
+  Patches(margin, patch, found);
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& x, const auto& y) { return x.distance < y.distance; });
   const std::size_t begin = out.size();

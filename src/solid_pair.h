@@ -65,8 +65,7 @@ class SolidPair {
                            const NearestTriangles* warm) const;
   void Descend(int node_a, int node_b, NearestTriangles& best) const;
   double BoxDistance(int node_a, int node_b) const;
-  void PatchesOf(bool of_a, double margin, double patch, const NearestTriangles& first,
-                 std::vector<NearestTriangles>& out) const;
+  void Patches(double margin, double patch, std::vector<NearestTriangles>& out) const;
   bool BoundsMotion(const NearestTriangles& near) const;
 
   const Solid& a_;

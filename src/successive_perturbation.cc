@@ -38,7 +38,7 @@ const std::vector<LinkPair>& SuccessivePerturbation::Overlaps(const VectorXd& q)
   const SceneTables& tables = problem_.tables;
   overlaps_.clear();
   problem_.finder.Pose(q);
-  for (const NearPair& near : problem_.finder.Find(problem_.options.clearance)) {
+  for (const NearPair& near : problem_.finder.Find(problem_.options.clearance, Depths::kSkipped)) {
     const KeptPair& pair = tables.pairs[near.pair];
     if (!pair.moves) continue;
     if (near.distance >= problem_.required[near.pair] - problem_.tolerances.accept) continue;

@@ -23,7 +23,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMillimetres = 1e3;  // FCL's thresholds are absolute: it works in millimetres
 constexpr std::size_t kMaxTrianglePairs = 100000;
 constexpr double kUnmeasured = 1e-3;  // depth of more crossings than that, at least [m]
-constexpr int kAskedInside = 200;     // vertices asked for their depth, of each mesh
+constexpr int kAskedInside = 30;     // vertices asked for their depth, of each mesh
 
 // No point of the triangle has a smaller distance, for the distance is convex. Inside a primitive
 // it has kinks, where differences say nothing.

@@ -1,0 +1,118 @@
+#include "planar_optimum.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace mjcf_pdg::bench {
+namespace {
+
+constexpr int kSamples = 300;  // of the angle and of the direction, as in the paper
+constexpr int kAlong = 24;     // steps of a shift in which the first free one is sought
+constexpr int kBisections = 30;
+constexpr int kRefinements = 8;  // each grid a tenth of the one before
+constexpr int kRefined = 20;     // samples of a finer grid, each way
+constexpr double kSettled = 1e-3;
+
+// σ as a function of the angle and the direction of the shift.
+class Shifts {
+ public:
+  explicit Shifts(Problem& problem) : problem_(problem), joint_(problem.tables.joints.front()) {
+    problem_.finder.Pose(problem_.q_in);
+    const mjData& d = *problem_.finder.posed().data();
+    R_in_ = AsMatrix(d.xmat + 9 * joint_.body);
+    com_B_ = AsVector(problem_.tables.model->body_ipos + 3 * joint_.body);
+    com_in_ = AsVector(d.xpos + 3 * joint_.body) + R_in_ * com_B_;
+  }
+
+  // The least σ < `best` of a free pose with this angle and direction; infinite if there is none.
+  double Least(double angle, double direction, double best) {
+    Turn(angle);
+    const double turned = SigmaAt(direction, 0.0);
+    if (turned >= best) return std::numeric_limits<double>::infinity();
+    const double farthest = std::sqrt(best - turned);  // σ of a shift is its square
+    double low = 0.0, high = -1.0;
+    for (int k = 0; k <= kAlong && high < 0.0; ++k) {
+      const double shift = farthest * k / kAlong;
+      (Free(direction, shift) ? high : low) = shift;
+    }
+    if (high < 0.0) return std::numeric_limits<double>::infinity();
+    for (int k = 0; k < kBisections && high - low > 1e-7; ++k) {
+      const double middle = 0.5 * (low + high);
+      (Free(direction, middle) ? high : low) = middle;
+    }
+    return SigmaAt(direction, high);
+  }
+
+  int queries() const { return queries_; }
+
+ private:
+  void Turn(double angle) {
+    R_ = R_in_ * Eigen::AngleAxisd(angle, Vector3d::UnitY()).toRotationMatrix();
+  }
+  VectorXd At(double direction, double shift) const {
+    const Vector3d across(std::cos(direction), 0.0, std::sin(direction));
+    const Vector3d com = com_in_ + shift * (R_in_ * across);
+    VectorXd q = problem_.q_in;
+    const Eigen::Quaterniond turned(R_);
+    q.segment<3>(joint_.qadr) = com - R_ * com_B_;
+    q.segment<4>(joint_.qadr + 3) << turned.w(), turned.x(), turned.y(), turned.z();
+    return q;
+  }
+  double SigmaAt(double direction, double shift) {
+    return problem_.norm.Sigma(At(direction, shift));
+  }
+  bool Free(double direction, double shift) {
+    ++queries_;
+    problem_.finder.Pose(At(direction, shift));
+    NearPair near;
+    for (int pair = 0; pair < static_cast<int>(problem_.tables.pairs.size()); ++pair) {
+      if (problem_.finder.Distance(pair, 0.0, near)) return false;
+    }
+    return true;
+  }
+
+  Problem& problem_;
+  const JointEntry& joint_;
+  Matrix3d R_in_, R_;
+  Vector3d com_B_, com_in_;
+  int queries_ = 0;
+};
+
+}  // namespace
+
+PlanarOptimum BruteForcePlanar(Problem& problem) {
+  Shifts shifts(problem);
+  PlanarOptimum best;
+  best.sigma = std::numeric_limits<double>::infinity();
+  double angle = 0.0, direction = 0.0;
+  auto ask = [&](double a, double d) {
+    const double start = std::isfinite(best.sigma) ? best.sigma : 4.0;
+    const double sigma = shifts.Least(a, d, start);
+    if (sigma >= best.sigma) return;
+    best.sigma = sigma;
+    angle = a;
+    direction = d;
+  };
+  // From small angles to large ones: most of the large ones cost more than the best by themselves.
+  for (int i = 0; i < kSamples; ++i) {
+    const double a = (i % 2 ? 1 : -1) * ((i + 1) / 2) * 2.0 * mjPI / kSamples;
+    for (int k = 0; k < kSamples; ++k) ask(a, 2.0 * mjPI * k / kSamples);
+  }
+  double step = 2.0 * mjPI / kSamples;
+  for (int level = 0; level < kRefinements; ++level) {
+    const double before = best.sigma, a = angle, d = direction;
+    for (int i = -kRefined / 2; i <= kRefined / 2; ++i) {
+      for (int k = -kRefined / 2; k <= kRefined / 2; ++k) {
+        ask(a + i * 0.2 * step, d + k * 0.2 * step);
+      }
+    }
+    best.error = 1.0 - best.sigma / before;
+    if (level > 0 && best.error < kSettled) break;
+    step *= 0.2;
+  }
+  best.queries = shifts.queries();
+  return best;
+}
+
+}  // namespace mjcf_pdg::bench
