@@ -8,6 +8,7 @@
 #include "exact_mesh.h"
 #include "kept_pairs.h"
 #include "scene_tables.h"
+#include "verify_exact_mesh.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -134,6 +135,7 @@ std::shared_ptr<const SceneTables> MakeTables(std::shared_ptr<const mjModel> own
   FillKeptPairs(*tables);
   RefuseUnseenPairs(*tables);
   BuildSolids(*tables);
+  tables->verifier_shapes = MakeVerifierShapes(*tables);
   tables->verify_model = UnblindedCopy(*tables);
   tables->query_model = tables->verify_model;
   tables->query_model.opt.disableflags |= mjDSBL_MULTICCD;

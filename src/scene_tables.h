@@ -47,6 +47,8 @@ struct BoundingSphere {
   double radius = 0.0;
 };
 
+struct VerifierShapes;  // verify_exact_mesh.h
+
 struct SceneTables {
   std::shared_ptr<const mjModel> owner;  // empty when the model is a running program's
   const mjModel* model = nullptr;
@@ -69,6 +71,7 @@ struct SceneTables {
 
   std::vector<char> exact;                           // ngeom: collides as its triangles
   std::vector<std::shared_ptr<const Solid>> solids;  // ngeom; null where no exact pair needs it
+  std::shared_ptr<const VerifierShapes> verifier_shapes;  // the verifier's own of the same
   std::vector<std::string> warnings;
 };
 

@@ -23,7 +23,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMillimetres = 1e3;  // FCL's thresholds are absolute: it works in millimetres
 constexpr std::size_t kMaxTrianglePairs = 100000;
 constexpr double kUnmeasured = 1e-3;  // depth of more crossings than that, at least [m]
-constexpr int kAskedInside = 30;     // vertices asked for their depth, of each mesh
+constexpr int kAskedInside = 30;      // vertices asked for their depth, of each mesh
 
 // No point of the triangle has a smaller distance, for the distance is convex. Inside a primitive
 // it has kinks, where differences say nothing.
@@ -57,7 +57,7 @@ std::vector<Vector3d> RayDirections() {
 
 }  // namespace
 
-struct ExactVerifier::Shape {
+struct VerifierShape {
   Triangles triangles;  // geom frame [m]; empty for planes and round primitives
   std::vector<Vector3d> pieces;
   bool closed = false;
@@ -71,10 +71,14 @@ struct ExactVerifier::Shape {
   double ConvexDepth(const Vector3d& p, Vector3d& out) const;
 };
 
+struct VerifierShapes {
+  std::vector<std::shared_ptr<const VerifierShape>> of_geom;  // ngeom; null for other types
+};
+
 struct ExactVerifier::Asked {
   const PosedModel& posed;
   const KeptPair& pair;
-  const Shape *first, *second;
+  const VerifierShape *first, *second;
   double* fromto;
 
   Matrix3d R(int geom) const { return AsMatrix(posed.data()->geom_xmat + 9 * geom); }
@@ -85,16 +89,16 @@ struct ExactVerifier::Asked {
   }
 };
 
-ExactVerifier::~ExactVerifier() = default;
-
-ExactVerifier::ExactVerifier(const SceneTables& tables) : shapes_(tables.model->ngeom) {
+std::shared_ptr<const VerifierShapes> MakeVerifierShapes(const SceneTables& tables) {
   const mjModel& m = *tables.model;
+  auto shapes = std::make_shared<VerifierShapes>();
+  shapes->of_geom.resize(m.ngeom);
   for (const KeptPair& pair : tables.pairs) {
     if (!pair.exact) continue;
     for (const int g : {pair.geom1, pair.geom2}) {
       const int type = m.geom_type[g];
-      if (shapes_[g] || (type != mjGEOM_BOX && type != mjGEOM_MESH)) continue;
-      auto shape = std::make_shared<Shape>();
+      if (shapes->of_geom[g] || (type != mjGEOM_BOX && type != mjGEOM_MESH)) continue;
+      auto shape = std::make_shared<VerifierShape>();
       shape->convex = type == mjGEOM_BOX || !tables.exact[g];
       shape->triangles = type == mjGEOM_BOX ? BoxTriangles(AsVector(m.geom_size + 3 * g))
                                             : MeshTriangles(m, m.geom_dataid[g], tables.exact[g]);
@@ -106,12 +110,13 @@ ExactVerifier::ExactVerifier(const SceneTables& tables) : shapes_(tables.model->
         shape->tree->addTriangle(kMillimetres * t[0], kMillimetres * t[1], kMillimetres * t[2]);
       }
       shape->tree->endModel();
-      shapes_[g] = shape;
+      shapes->of_geom[g] = shape;
     }
   }
+  return shapes;
 }
 
-double ExactVerifier::Shape::ConvexDepth(const Vector3d& p, Vector3d& out) const {
+double VerifierShape::ConvexDepth(const Vector3d& p, Vector3d& out) const {
   Vector3d middle = Vector3d::Zero();
   for (const auto& t : triangles) middle += t[0] / static_cast<double>(triangles.size());
   double depth = kInfinity;
@@ -129,8 +134,8 @@ double ExactVerifier::Shape::ConvexDepth(const Vector3d& p, Vector3d& out) const
   return std::max(depth, 0.0);
 }
 
-double ExactVerifier::Shape::DepthOf(const PosedModel& posed, int geom, const Vector3d& p,
-                                     Vector3d& out) const {
+double VerifierShape::DepthOf(const PosedModel& posed, int geom, const Vector3d& p,
+                              Vector3d& out) const {
   if (!closed) return 0.0;
   if (convex) return ConvexDepth(p, out);
   constexpr double kStep = 1e-9;
@@ -165,7 +170,8 @@ double ExactVerifier::Shape::DepthOf(const PosedModel& posed, int geom, const Ve
 
 double ExactVerifier::Distance(const PosedModel& posed, const KeptPair& pair, double cutoff,
                                double fromto[6]) const {
-  const Asked asked{posed, pair, shapes_[pair.geom1].get(), shapes_[pair.geom2].get(), fromto};
+  const Asked asked{posed, pair, shapes_->of_geom[pair.geom1].get(),
+                    shapes_->of_geom[pair.geom2].get(), fromto};
   return asked.first ? SolidDistance(asked, cutoff) : RoundDistance(asked, cutoff);
 }
 
@@ -176,8 +182,8 @@ double ExactVerifier::Deepest(const Asked& asked, int vertices) const {
   for (const bool of_first : {true, false}) {
     const int from = of_first ? asked.pair.geom1 : asked.pair.geom2;
     const int in = of_first ? asked.pair.geom2 : asked.pair.geom1;
-    const Shape& source = of_first ? *asked.first : *asked.second;
-    const Shape& target = of_first ? *asked.second : *asked.first;
+    const VerifierShape& source = of_first ? *asked.first : *asked.second;
+    const VerifierShape& target = of_first ? *asked.second : *asked.first;
     std::vector<Vector3d> points = source.pieces;
     for (int k = 0; k < vertices; ++k) {
       const auto& t = source.triangles[k * source.triangles.size() / vertices];
@@ -206,8 +212,8 @@ double ExactVerifier::CommonPoint(const Asked& asked) const {
   for (const bool of_first : {true, false}) {
     const int from = of_first ? asked.pair.geom1 : asked.pair.geom2;
     const int in = of_first ? asked.pair.geom2 : asked.pair.geom1;
-    const Shape& source = of_first ? *asked.first : *asked.second;
-    const Shape& target = of_first ? *asked.second : *asked.first;
+    const VerifierShape& source = of_first ? *asked.first : *asked.second;
+    const VerifierShape& target = of_first ? *asked.second : *asked.first;
     const std::size_t stride = 1 + source.triangles.size() / kTriangles;
     for (std::size_t k = 0; k < source.triangles.size(); k += stride) {
       const auto& t = source.triangles[k];

@@ -17,11 +17,12 @@
 
 namespace mjcf_pdg {
 
+// The meshes of the scene's exact pairs in FCL's form; made once and shared between threads.
+std::shared_ptr<const VerifierShapes> MakeVerifierShapes(const SceneTables& tables);
+
 class ExactVerifier {
  public:
-  // Copies the meshes of the scene's exact pairs into FCL's form.
-  explicit ExactVerifier(const SceneTables& tables);
-  ~ExactVerifier();
+  explicit ExactVerifier(const SceneTables& tables) : shapes_(tables.verifier_shapes) {}
 
   // Signed distance of an exact pair [m] at the pose, below `cutoff`; infinite if it is not.
   // `fromto`: the points on geom 1 and geom 2.
@@ -29,14 +30,13 @@ class ExactVerifier {
                   double fromto[6]) const;
 
  private:
-  struct Shape;
   struct Asked;
   double SolidDistance(const Asked& asked, double cutoff) const;
   double RoundDistance(const Asked& asked, double cutoff) const;
   double Deepest(const Asked& asked, int vertices) const;
   double CommonPoint(const Asked& asked) const;
 
-  std::vector<std::shared_ptr<const Shape>> shapes_;  // ngeom
+  std::shared_ptr<const VerifierShapes> shapes_;
 };
 
 }  // namespace mjcf_pdg
