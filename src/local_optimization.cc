@@ -241,7 +241,7 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
     if (better) {
       best = trial;
       damping_ = damping_ > kLeastDamping ? 0.1 * damping_ : 0.0;
-      if (length > 0.9 * radius) radius *= 2.0;
+      if (features_.learning() && length > 0.9 * radius) radius *= 2.0;
     }
     std::swap(current, trial);
     posed_ = &current;
