@@ -1,0 +1,95 @@
+#include "feature_memory.h"
+
+#include "mesh_shapes.h"
+#include "test_support.h"
+
+namespace mjcf_pdg::test {
+namespace {
+
+class FeatureMemoryTest : public MujocoTest {};
+
+// A ring around the z axis, 40 mm inside and 60 mm outside, that may go anywhere, and a post of 20
+// mm radius.
+Scene RingOnPost() {
+  const MeshShape ring = Revolution({{0.04, -0.01}, {0.06, -0.01}, {0.06, 0.01}, {0.04, 0.01}}, 32);
+  const std::string xml =
+      "<mujoco><asset>" + MeshXml("ring", ring) +
+      "</asset><worldbody><geom type='cylinder' size='.02 .1'/><body><freejoint/>"
+      "<geom type='mesh' mesh='ring'/></body></worldbody></mujoco>";
+  SceneOptions options;
+  options.exact_mesh = true;
+  return Scene::FromString(xml, options);
+}
+
+VectorXd At(double x, double y) {
+  VectorXd q(7);
+  q << x, y, 0, 1, 0, 0, 0;
+  return q;
+}
+
+TEST_F(FeatureMemoryTest, PlanesOfAFreePoseMeasureTheOverlapOfASmallStep) {
+  const Scene scene = RingOnPost();
+  const SceneTables& tables = scene.tables();
+  ContactFinder finder(tables);
+  FeatureMemory memory;
+  memory.Clear(tables.pairs.size());
+  EXPECT_FALSE(memory.learning());
+  finder.Pose(At(0.019, 0));
+  memory.Keep(tables, finder.posed(), finder.Find(0.005));
+  ASSERT_TRUE(memory.learning());
+  finder.Pose(At(0.022, 0));  // 2 mm into the post
+  std::vector<NearPair> planes;
+  memory.Append(tables, finder.posed(), 0, planes);
+  ASSERT_FALSE(planes.empty());
+  double deepest = 0.0;
+  for (const NearPair& near : planes) {
+    deepest = std::min(deepest, near.distance);
+    EXPECT_NEAR(near.n_W.norm(), 1.0, 1e-9);
+    EXPECT_NEAR(near.n_W.dot(near.p2_W - near.p1_W), near.distance, 1e-12);
+  }
+  EXPECT_NEAR(deepest, -0.002, 3e-4);  // the hole is a polygon
+}
+
+TEST_F(FeatureMemoryTest, WhatWasLearntIsHeededWhereTheMeshesAreApartUntilItIsProvenWrong) {
+  const Scene scene = RingOnPost();
+  const SceneTables& tables = scene.tables();
+  ContactFinder finder(tables);
+  FeatureMemory memory;
+  memory.Clear(tables.pairs.size());
+  finder.Pose(At(0.0, 0));
+  memory.Keep(tables, finder.posed(), finder.Find(0.03));
+  NearPair crossing;
+  crossing.n_W = Vector3d::UnitX();
+  crossing.p1_W = Vector3d(0.02, 0, 0);
+  crossing.p2_W = Vector3d(0.021, 0, 0);
+  memory.Learn(tables, finder.posed(), crossing);
+  std::vector<NearPair> out;
+  memory.AppendLearnt(tables, finder.posed(), 0.005, out);
+  ASSERT_EQ(out.size(), 1u);
+  EXPECT_NEAR(out[0].distance, 0.001, 1e-12);
+  out.clear();
+  finder.Pose(At(-0.01, 0));  // apart, and yet the plane sees an overlap: forgotten
+  memory.AppendLearnt(tables, finder.posed(), 0.005, out);
+  EXPECT_TRUE(out.empty());
+  finder.Pose(At(0.0, 0));
+  memory.AppendLearnt(tables, finder.posed(), 0.005, out);
+  EXPECT_TRUE(out.empty());
+}
+
+TEST_F(FeatureMemoryTest, SkippedDepthsStillTellThatThereIsAnOverlap) {
+  const Scene scene = RingOnPost();
+  ContactFinder finder(scene.tables());
+  int overlapping = 0;
+  for (double x = 0.0; x < 0.1; x += 0.004) {
+    finder.Pose(At(x, 0));
+    const std::vector<NearPair> measured = finder.Find(0.001);
+    const std::vector<NearPair> skipped = finder.Find(0.001, Depths::kSkipped);
+    const bool overlaps = !measured.empty() && measured.front().distance < 0.0;
+    overlapping += overlaps;
+    ASSERT_EQ(overlaps, !skipped.empty() && std::isinf(skipped.front().distance)) << x;
+  }
+  EXPECT_GT(overlapping, 8);
+}
+
+}  // namespace
+}  // namespace mjcf_pdg::test
