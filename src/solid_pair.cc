@@ -17,7 +17,7 @@ constexpr double kFaceLike = 0.9;         // cosine between a row's normal and a
 constexpr double kSameDirection = 0.999;  // cosine; nearer ones are merged
 constexpr int kMaxPatches = 48;           // pairs of patches asked
 constexpr int kPerPatch = 2;              // ... of which as many of the same patches
-constexpr int kMaxParts = 3000;            // pairs of nodes looked at
+constexpr int kMaxParts = 3000;           // pairs of nodes looked at
 constexpr double kLargestMargin = 0.1;    // of the smaller mesh, beyond the nearest feature
 constexpr double kPatchPerMargin = 0.5, kPatchPerSize = 0.125;
 
