@@ -36,13 +36,6 @@ double SphereAbovePlane(const mjModel& m, const mjData& d, int plane, int geom) 
          m.geom_rbound[geom];
 }
 
-// An exact pair's overlap knows depths of points; that of the hulls is a move that is certain to
-// part the meshes. Where it is hardly longer, as for convex meshes, it is the better row.
-bool HullServes(double overlap, double of_hulls) {
-  constexpr double kShorter = 0.9, kLonger = 2.0;  // ellipsoids' can be too shallow
-  return overlap < 0.0 && of_hulls <= kShorter * overlap && of_hulls >= kLonger * overlap;
-}
-
 NearPair ToNearPair(int pair, const SignedGap& gap) {
   return {pair, gap.distance, gap.p1, gap.p2, gap.n};
 }
@@ -87,11 +80,9 @@ void ContactFinder::AppendFeatures(int pair, double margin, Depths depths,
                                    std::vector<NearPair>& out) {
   const KeptPair& kept = tables_.pairs[pair];
   features_.clear();
-  exact_.Features(posed_, pair, margin, depths == Depths::kMeasured, features_);
+  exact_.Features(posed_, pair, margin, depths, features_);
   SignedGap hull;
-  if (depths == Depths::kMeasured && !features_.empty() && features_.front().distance < 0.0 &&
-      GeomGap(kept.geom1, kept.geom2, 0.0, hull) &&
-      HullServes(features_.front().distance, hull.distance)) {
+  if (!features_.empty() && HullGap(kept, features_.front().distance, hull)) {
     std::erase_if(features_, [](const SignedGap& gap) { return gap.distance < 0.0; });
     features_.insert(features_.begin(), hull);
   }
@@ -142,12 +133,19 @@ bool ContactFinder::Distance(int pair, double cutoff, NearPair& near) {
   SignedGap gap, hull;
   const bool found = kept.exact ? exact_.Distance(posed_, pair, cutoff, gap)
                                 : GeomGap(kept.geom1, kept.geom2, cutoff, gap);
-  if (found && kept.exact && gap.distance < 0.0 && GeomGap(kept.geom1, kept.geom2, 0.0, hull) &&
-      HullServes(gap.distance, hull.distance)) {
-    gap = hull;
-  }
+  if (found && kept.exact && HullGap(kept, gap.distance, hull)) gap = hull;
   if (found) near = ToNearPair(pair, gap);
   return found;
+}
+
+// A measured overlap of an exact pair knows depths of points; that of the hulls is a move that is
+// certain to part the meshes. Where it is hardly longer, as for convex meshes, it is the better
+// row.
+bool ContactFinder::HullGap(const KeptPair& kept, double overlap, SignedGap& gap) {
+  constexpr double kShorter = 0.9, kLonger = 2.0;  // ellipsoids' can be too shallow
+  if (!(overlap < 0.0) || std::isinf(overlap)) return false;
+  if (!GeomGap(kept.geom1, kept.geom2, 0.0, gap)) return false;
+  return gap.distance <= kShorter * overlap && gap.distance >= kLonger * overlap;
 }
 
 bool ContactFinder::GeomGap(int geom1, int geom2, double cutoff, SignedGap& gap) {

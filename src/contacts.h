@@ -26,11 +26,6 @@ struct NearPair {
   Vector3d n_W;           // unit, from geom 1 to geom 2; distance = n · (p2 - p1)
 };
 
-// What is told of an exact pair that overlaps: how deep and where, which is slow, or only that it
-// does: one entry of distance -infinity, with points and normal of some crossing triangles; a
-// normal of 0 where none cross, one being inside the other.
-enum class Depths { kMeasured, kSkipped };
-
 // One per thread. Counts its queries.
 class ContactFinder {
  public:
@@ -43,10 +38,10 @@ class ContactFinder {
   void Forget() { exact_.Forget(); }
 
   // All kept pairs nearer than `margin` at the posed configuration, in the scene's order; exact
-  // pairs with all their features within it. One query.
+  // pairs with their features (exact_contacts.h). One query.
   const std::vector<NearPair>& Find(double margin, Depths depths = Depths::kMeasured);
 
-  // Appends all features of an exact pair within the margin; nothing if there are none.
+  // Appends the features of an exact pair within the margin; nothing if there are none.
   void AppendFeatures(int pair, double margin, Depths depths, std::vector<NearPair>& out);
 
   // Signed distance of one kept pair at the posed configuration. Exact when below `cutoff` [m];
@@ -60,6 +55,7 @@ class ContactFinder {
 
  private:
   bool BoundsNear(const KeptPair& kept, double margin) const;
+  bool HullGap(const KeptPair& kept, double overlap, SignedGap& gap);
   bool GeomGap(int geom1, int geom2, double cutoff, SignedGap& gap);
   void FindContactOnly(double margin);
   bool BodiesNear(const BodyPair& bodies, double margin) const;

@@ -9,51 +9,49 @@
 namespace mjcf_pdg {
 namespace {
 
-using Question = ExactContacts::Question;
-
 SignedGap Unmeasured(SignedGap gap) {
   gap.distance = -std::numeric_limits<double>::infinity();
   return gap;
 }
 
 // Overlapping, nearest and, if they are asked for, the other features; warm is renewed.
-void AskSolids(const SolidPair& pair, double margin, Question question, NearestTriangles& warm,
+void AskSolids(const SolidPair& pair, double margin, const Depths* features, NearestTriangles& warm,
                std::vector<SignedGap>& out) {
   const NearestTriangles near = pair.Nearest(std::max(margin, SolidPair::kTouching), &warm);
   if (near.a >= 0) warm = near;
   const bool crossing = near.a >= 0 && near.distance < SolidPair::kTouching;
   if (crossing || Contained(pair)) {
-    if (question == Question::kFeaturesWithoutDepths) {
+    if (features && *features == Depths::kSkipped) {
       return out.push_back(Unmeasured(crossing ? TriangleGap(pair, near) : SignedGap()));
     }
     AppendOverlaps(pair, out);
-    if (question == Question::kDistance) return;
+    if (!features) return;
   }
   if (near.a < 0 || near.distance >= margin) return;
-  if (question != Question::kDistance) return pair.Features(margin, near, out);
+  if (features) return pair.Features(margin, near, out);
   out.push_back({near.distance, near.pa, near.pb, pair.Normal(near)});
 }
 
-void AskField(const FieldMesh& pair, double margin, Question question, int& warm,
+void AskField(const FieldMesh& pair, double margin, const Depths* features, int& warm,
               std::vector<SignedGap>& out) {
   const FieldNearest near = pair.Nearest(std::max(margin, 0.0), warm);
   if (near.triangle >= 0) warm = near.triangle;
   const bool crossing = near.triangle >= 0 && near.f < 0.0;
   if (crossing || pair.Contained()) {
-    if (question == Question::kFeaturesWithoutDepths) {
+    if (features && *features == Depths::kSkipped) {
       return out.push_back(Unmeasured(crossing ? pair.Gap(near) : SignedGap()));
     }
     pair.AppendOverlaps(out);
-    if (question == Question::kDistance) return;
+    if (!features) return;
   }
   if (near.triangle < 0 || near.f >= margin) return;
-  if (question != Question::kDistance) return pair.Features(margin, near, out);
+  if (features) return pair.Features(margin, near, out);
   out.push_back(pair.Gap(near));
 }
 
 }  // namespace
 
-void ExactContacts::Ask(const PosedModel& posed, int pair, double margin, Question question,
+void ExactContacts::Ask(const PosedModel& posed, int pair, double margin, const Depths* features,
                         std::vector<SignedGap>& out) {
   const mjModel& m = *posed.model();
   const mjData& d = *posed.data();
@@ -66,11 +64,11 @@ void ExactContacts::Ask(const PosedModel& posed, int pair, double margin, Questi
   const std::size_t begin = out.size();
   const bool both_solid = tables_.solids[g1] != nullptr;
   if (both_solid) {
-    AskSolids({*tables_.solids[g1], *tables_.solids[g2], second_in_first}, reach, question,
+    AskSolids({*tables_.solids[g1], *tables_.solids[g2], second_in_first}, reach, features,
               warm_[pair], out);
   } else {  // MuJoCo's order: the mesh comes last
     const ConvexField field{m.geom_type[g1], kTreeUnits * AsVector(m.geom_size + 3 * g1)};
-    AskField({field, *tables_.solids[g2], second_in_first}, reach, question, warm_[pair].b, out);
+    AskField({field, *tables_.solids[g2], second_in_first}, reach, features, warm_[pair].b, out);
   }
   const Matrix3d& R = both_solid ? R1 : R2;
   const Vector3d& origin = both_solid ? p1 : p2;
@@ -84,15 +82,15 @@ void ExactContacts::Ask(const PosedModel& posed, int pair, double margin, Questi
 
 bool ExactContacts::Distance(const PosedModel& posed, int pair, double cutoff, SignedGap& gap) {
   scratch_.clear();
-  Ask(posed, pair, cutoff, Question::kDistance, scratch_);
+  Ask(posed, pair, cutoff, nullptr, scratch_);
   if (scratch_.empty() || scratch_.front().distance >= cutoff) return false;
   gap = scratch_.front();
   return true;
 }
 
-void ExactContacts::Features(const PosedModel& posed, int pair, double margin, bool depths,
+void ExactContacts::Features(const PosedModel& posed, int pair, double margin, Depths depths,
                              std::vector<SignedGap>& out) {
-  Ask(posed, pair, margin, depths ? Question::kFeatures : Question::kFeaturesWithoutDepths, out);
+  Ask(posed, pair, margin, &depths, out);
 }
 
 }  // namespace mjcf_pdg

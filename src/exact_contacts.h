@@ -14,6 +14,11 @@
 
 namespace mjcf_pdg {
 
+// What is told of an exact pair that overlaps: how deep and where, which is slow, or only that it
+// does: one entry of distance -infinity, with points and normal of some crossing triangles; both
+// points the same where none cross, one being inside the other.
+enum class Depths { kMeasured, kSkipped };
+
 // One per thread: it remembers the nearest triangles of every pair, as a start for the next query.
 class ExactContacts {
  public:
@@ -27,17 +32,15 @@ class ExactContacts {
   // wholly inside another included.
   bool Distance(const PosedModel& posed, int pair, double cutoff, SignedGap& gap);
 
-  // All features below `margin`, the nearest or deepest first; empty when there is none. An overlap
-  // comes as its deepest places, followed by the features that are apart; if no depths are wanted,
-  // as one gap of distance -infinity with the points and normal of two crossing triangles.
-  void Features(const PosedModel& posed, int pair, double margin, bool depths,
+  // The features below `margin`, the nearest or deepest first; empty when there is none. Those of
+  // two triangle meshes that are much farther than the nearest are left out (solid_pair.h). An
+  // overlap comes as its deepest places, followed by the features that are apart.
+  void Features(const PosedModel& posed, int pair, double margin, Depths depths,
                 std::vector<SignedGap>& out);
 
-  // What is asked of a pair.
-  enum class Question { kDistance, kFeatures, kFeaturesWithoutDepths };
-
  private:
-  void Ask(const PosedModel& posed, int pair, double margin, Question question,
+  // `features` null: only the nearest, or where it is deepest.
+  void Ask(const PosedModel& posed, int pair, double margin, const Depths* features,
            std::vector<SignedGap>& out);
 
   const SceneTables& tables_;

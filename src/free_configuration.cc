@@ -98,7 +98,7 @@ std::optional<FreeConfiguration> FreeConfigurationSelection::SelectInPaperOrder(
 
 void FreeConfigurationSelection::Remember(const VectorXd& q) {
   if (LimitExcess(problem_.tables, q) > 0.0) return;
-  if (perturbation_.Free(q)) {
+  if (problem_.Free(q)) {
     free_.Add(q);
     self_collision_free_.Add(q);
   } else if (perturbation_.SelfCollisionFree(q)) {
@@ -152,7 +152,7 @@ std::optional<VectorXd> FreeConfigurationSelection::MaximallyClear() {
     double largest = 0.0;
     for (int k = 0; k < kClearSamples && !problem_.Expired(); ++k) {
       const VectorXd q = GaussianStart(problem_, problem_.q_in, reach * reach, 1.0, random_);
-      if (!perturbation_.Free(q)) continue;
+      if (!problem_.Free(q)) continue;
       const double clearance = Clearance(q, reach);
       if (clearest && clearance <= largest) continue;
       clearest = q;
@@ -172,7 +172,7 @@ bool FreeConfigurationSelection::IsRigid() const {
 std::optional<VectorXd> FreeConfigurationSelection::FirstFree(
     const std::vector<VectorXd>& configurations) {
   for (const VectorXd& q : configurations) {
-    if (LimitExcess(problem_.tables, q) == 0.0 && perturbation_.Free(q)) return q;
+    if (LimitExcess(problem_.tables, q) == 0.0 && problem_.Free(q)) return q;
   }
   return std::nullopt;
 }
@@ -182,7 +182,7 @@ std::optional<VectorXd> FreeConfigurationSelection::FirstFree(
 std::optional<VectorXd> FreeConfigurationSelection::TranslateFrom(VectorXd q) {
   ClampToLimits(problem_.tables, q);
   for (int k = 0; k < kTranslations; ++k) {
-    if (perturbation_.Free(q)) return q;
+    if (problem_.Free(q)) return q;
     const std::vector<VectorXd> candidates = ConstrainedTranslation(problem_, Overlaps(q), q);
     if (candidates.empty()) return std::nullopt;
     if (Selected translated = FirstFree(candidates)) return translated;

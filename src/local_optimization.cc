@@ -14,8 +14,8 @@ constexpr double kDeskSize = 0.1;     // [m]
 constexpr double kNearKnown = 0.1;    // √σ to a known optimum, in units of its own √σ
 constexpr double kBeatsKnown = 0.95;  // a prediction below that may lead elsewhere
 constexpr int kGiveUpFrom = 4;  // a start that still overlaps after so many steps is judged too
+constexpr int kPatience = 2;    // steps without progress before the trust radius shrinks
 constexpr int kPatienceWithPlanes = 1;  // ... where each step teaches where triangles cross
-constexpr int kPatience = 2;            // steps without progress before the trust radius shrinks
 // Levenberg-Marquardt: a tenth after each better step, tenfold after a streak of worse ones.
 constexpr double kFirstDamping = 0.1, kLeastDamping = 1e-5, kRenewedDamping = 1e-4;
 constexpr double kLeastRadius = 1e-7;  // [m]
@@ -58,18 +58,21 @@ void LocalOptimization::MeasureOverlap(std::size_t k, double margin, Iterate& ou
   NearPair crossing = out.near[k];
   std::vector<NearPair> measured;
   features_.Append(problem_.tables, problem_.finder.posed(), crossing.pair, measured);
-  if (measured.empty()) {
+  const bool by_planes = !measured.empty();
+  if (!by_planes) {
     problem_.finder.AppendFeatures(crossing.pair, margin, Depths::kMeasured, measured);
-  } else {
+  }
+  if (by_planes || measured.empty()) {
     out.worst = std::max(out.worst, problem_.tolerances.accept);
     crossing.distance = crossing.n_W.dot(crossing.p2_W - crossing.p1_W);
     if (crossing.distance < 0.0) {
       measured.push_back(crossing);
-      features_.Learn(problem_.tables, problem_.finder.posed(), crossing);
+      if (by_planes) features_.Learn(problem_.tables, problem_.finder.posed(), crossing);
     } else {
       out.violation += kUnseenOverlap * problem_.size;
     }
   }
+  if (measured.empty()) measured.push_back(crossing);
   const auto at = out.near.begin() + static_cast<std::ptrdiff_t>(k);
   out.near.insert(out.near.erase(at), measured.begin(), measured.end());
 }
@@ -223,7 +226,7 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
   posed_ = &current;
   double radius = options.trust_radius * scale_;
   damping_ = kFirstDamping;
-  int patience = kPatience, impatience = 0, settled = 0, hopeless = 0;
+  int impatience = 0, settled = 0, hopeless = 0;
   while (result.iterations < options.max_iterations && !problem_.Expired()) {
     ++result.iterations;
     const double length = Step(current, radius, kFirstMargin * problem_.size, trial);
@@ -237,7 +240,6 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
     const bool small = length < 1e-7 + 1e-4 * std::sqrt(trial.sigma);
     const bool better = Merit(trial) < Merit(best);
     impatience = better ? 0 : impatience + 1;
-    if (features_.learning()) patience = kPatienceWithPlanes;
     if (better) {
       best = trial;
       damping_ = damping_ > kLeastDamping ? 0.1 * damping_ : 0.0;
@@ -257,7 +259,7 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
       best = current;
       impatience = 0;
     }
-    if (impatience > patience) {
+    if (impatience > (features_.learning() ? kPatienceWithPlanes : kPatience)) {
       radius = 0.5 * std::min(radius, length);
       damping_ = 10.0 * std::max(damping_, kRenewedDamping);
       if (radius < kLeastRadius) break;

@@ -48,7 +48,7 @@ Search::Search(Problem& problem)
 Search::Plan Search::PlanFor(Effort effort) {
   switch (effort) {
     case Effort::kFast:
-      return {1, 0.0, 0, std::numeric_limits<double>::infinity()};
+      return {1, 1.0, 0, std::numeric_limits<double>::infinity()};
     case Effort::kDefault:
       return {6, 1.0, 600, 1.0};
     case Effort::kMax:
@@ -135,6 +135,7 @@ void Search::TryRays(const std::vector<NearPair>& overlaps) {
   std::vector<Candidate> found;
   double largest = std::numeric_limits<double>::infinity();
   for (const VectorXd& far : ConstrainedTranslation(problem_, overlaps, center_)) {
+    if (problem_.Expired()) break;
     if (std::optional<VectorXd> q = FirstFree(problem_, center_, far, largest)) {
       const double sigma = problem_.norm.Sigma(*q);
       found.push_back({*std::move(q), sigma, kTranslation});
@@ -208,8 +209,9 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
   });
   if (exact_ && hint) Try(hint->q, hint->start, Loose());
   if (exact_ && problem_.Uses(kTranslation)) TryRays(overlaps);
-  if (!Done(plan) && problem_.Uses(kDirect))
+  if (!Done(plan) && problem_.Uses(kDirect)) {
     Try(center_, kDirect, exact_ ? Loose() : LocalOptions{});
+  }
   if (!exact_ && hint) Try(hint->q, hint->start, LocalOptions{});
   const double depth = RelativeDepth(overlaps);
   if (HasFree() && depth < plan.direct_only) return std::move(outcome_);

@@ -118,7 +118,8 @@ std::vector<char> DofsOfSomeContact(Problem& problem, const VectorXd& q, Random&
   const double reach = kTouching * problem.tolerances.user;
   std::vector<int> touching;
   problem.finder.Pose(q);
-  for (const NearPair& near : problem.finder.Find(problem.options.clearance + reach)) {
+  for (const NearPair& near :
+       problem.finder.Find(problem.options.clearance + reach, Depths::kSkipped)) {
     const bool touches = near.distance < problem.required[near.pair] + reach;
     if (touches && tables.pairs[near.pair].moves) touching.push_back(near.pair);
   }

@@ -45,11 +45,12 @@ class SolidPair {
   // Some triangles intersect.
   bool Intersects() const { return Nearest(kTouching).a >= 0; }
 
-  // Rows for a contact matrix: of each patch of either surface the point nearest to the other mesh,
-  // if nearer than `margin` and apart; patches are about as large as the margin. Only points whose
-  // direction is locally that of a face, or which are nearest to each other, bound the motion:
-  // others are left out. Nearest first, similar ones merged, at most kMaxFeatures. n points from a
-  // to b. `first` is the result of Nearest(margin).
+  // Rows for a contact matrix: of pairs of patches of the two surfaces the nearest points, if
+  // nearer than `margin` and apart; patches are about as large as the margin, which is cut to twice
+  // the distance of `first` or a share of the smaller mesh. Only points whose direction is locally
+  // that of a face, or which are nearest to each other, bound the motion: others are left out.
+  // Nearest first, similar ones merged, at most kMaxFeatures. n points from a to b. `first` is the
+  // result of Nearest(margin).
   void Features(double margin, const NearestTriangles& first, std::vector<SignedGap>& out) const;
 
   NearestTriangles OfTriangles(int a, int b) const;

@@ -109,7 +109,7 @@ bool SuccessivePerturbation::RunAlgorithm1() {
     if (std::find(L.begin(), L.end(), n) == L.end()) L.push_front(n);
   }
   ++result_.queries;
-  return Free(result_.q);
+  return problem_.Free(result_.q);
 }
 
 // Varies the link's inboard joints, nearest change first, until it succeeds; else leaves them.

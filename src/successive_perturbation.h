@@ -67,7 +67,6 @@ class SuccessivePerturbation {
 
   // One query. The pairs are valid until the next.
   const std::vector<LinkPair>& Overlaps(const VectorXd& q);
-  bool Free(const VectorXd& q) { return Overlaps(q).empty(); }
   // No link overlaps another link of its own tree.
   bool SelfCollisionFree(const VectorXd& q);
 

@@ -225,7 +225,10 @@ double Verifier::BoxBound(const KeptPair& pair) const {
 }
 
 double Verifier::SignedDistance(const KeptPair& pair, double cutoff, double fromto[6]) {
-  if (pair.exact) return exact_.Distance(posed_, pair, cutoff, fromto);
+  if (pair.exact) {
+    const double permitted = tolerance_ + rest_ + kRestRounding + pair.allowed;
+    return exact_.Distance(posed_, pair, cutoff, permitted, fromto);
+  }
   if (model_.geom_type[pair.geom1] == mjGEOM_CAPSULE &&
       model_.geom_type[pair.geom2] == mjGEOM_BOX) {
     return CapsuleBoxDistance(model_, *posed_.data(), pair.geom1, pair.geom2, fromto);

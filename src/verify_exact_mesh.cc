@@ -9,6 +9,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <utility>
 
 #include "solid.h"
 #include "verify_round.h"
@@ -23,7 +25,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMillimetres = 1e3;  // FCL's thresholds are absolute: it works in millimetres
 constexpr std::size_t kMaxTrianglePairs = 100000;
 constexpr double kUnmeasured = 1e-3;  // depth of more crossings than that, at least [m]
-constexpr int kAskedInside = 30;      // vertices asked for their depth, of each mesh
+// Triangles of each mesh asked for their depth: a few first, which tell most overlaps.
+constexpr int kFewAsked = 30, kAllAsked = 200;
 
 // No point of the triangle has a smaller distance, for the distance is convex. Inside a primitive
 // it has kinks, where differences say nothing.
@@ -71,6 +74,25 @@ struct VerifierShape {
   double ConvexDepth(const Vector3d& p, Vector3d& out) const;
 };
 
+namespace {
+
+std::shared_ptr<const VerifierShape> MakeShape(Triangles triangles, bool closed, bool convex) {
+  auto shape = std::make_shared<VerifierShape>();
+  shape->triangles = std::move(triangles);
+  shape->closed = closed;
+  shape->convex = convex;
+  shape->pieces = Pieces(shape->triangles);
+  shape->tree = std::make_shared<Bvh>();
+  shape->tree->beginModel();
+  for (const auto& t : shape->triangles) {
+    shape->tree->addTriangle(kMillimetres * t[0], kMillimetres * t[1], kMillimetres * t[2]);
+  }
+  shape->tree->endModel();
+  return shape;
+}
+
+}  // namespace
+
 struct VerifierShapes {
   std::vector<std::shared_ptr<const VerifierShape>> of_geom;  // ngeom; null for other types
 };
@@ -79,6 +101,7 @@ struct ExactVerifier::Asked {
   const PosedModel& posed;
   const KeptPair& pair;
   const VerifierShape *first, *second;
+  double enough;
   double* fromto;
 
   Matrix3d R(int geom) const { return AsMatrix(posed.data()->geom_xmat + 9 * geom); }
@@ -89,28 +112,54 @@ struct ExactVerifier::Asked {
   }
 };
 
+// One of the two bodies, whose points are asked how deep they are inside the other.
+struct ExactVerifier::Side {
+  Side(const Asked& pair, bool is_first)
+      : asked(pair),
+        of_first(is_first),
+        from(is_first ? pair.pair.geom1 : pair.pair.geom2),
+        in(is_first ? pair.pair.geom2 : pair.pair.geom1),
+        source(is_first ? *pair.first : *pair.second),
+        target(is_first ? *pair.second : *pair.first) {}
+
+  // How deep p, in the geom frame of this side, is inside the other; `out_W` is the way out.
+  double DepthOf(const Vector3d& p, Vector3d& out_W) const {
+    Vector3d out = Vector3d::Zero();
+    const Vector3d there = asked.R(in).transpose() * (InWorld(p) - asked.Origin(in));
+    const double depth = target.DepthOf(asked.posed, in, there, out);
+    out_W = asked.R(in) * out;
+    return depth;
+  }
+  Vector3d InWorld(const Vector3d& p) const { return asked.Origin(from) + asked.R(from) * p; }
+  void Witness(const Vector3d& p_W, const Vector3d& exit_W) const {
+    of_first ? asked.Witness(p_W, exit_W) : asked.Witness(exit_W, p_W);
+  }
+
+  const Asked& asked;
+  const bool of_first;
+  const int from, in;  // geoms
+  const VerifierShape &source, &target;
+};
+
 std::shared_ptr<const VerifierShapes> MakeVerifierShapes(const SceneTables& tables) {
   const mjModel& m = *tables.model;
   auto shapes = std::make_shared<VerifierShapes>();
   shapes->of_geom.resize(m.ngeom);
+  std::map<std::pair<int, bool>, std::shared_ptr<const VerifierShape>> built;  // by asset, exact
   for (const KeptPair& pair : tables.pairs) {
     if (!pair.exact) continue;
     for (const int g : {pair.geom1, pair.geom2}) {
-      const int type = m.geom_type[g];
-      if (shapes->of_geom[g] || (type != mjGEOM_BOX && type != mjGEOM_MESH)) continue;
-      auto shape = std::make_shared<VerifierShape>();
-      shape->convex = type == mjGEOM_BOX || !tables.exact[g];
-      shape->triangles = type == mjGEOM_BOX ? BoxTriangles(AsVector(m.geom_size + 3 * g))
-                                            : MeshTriangles(m, m.geom_dataid[g], tables.exact[g]);
-      shape->closed = tables.solids[g]->closed();
-      shape->pieces = Pieces(shape->triangles);
-      shape->tree = std::make_shared<Bvh>();
-      shape->tree->beginModel();
-      for (const auto& t : shape->triangles) {
-        shape->tree->addTriangle(kMillimetres * t[0], kMillimetres * t[1], kMillimetres * t[2]);
+      std::shared_ptr<const VerifierShape>& shape = shapes->of_geom[g];
+      if (shape) continue;
+      const bool closed = tables.solids[g] && tables.solids[g]->closed(), exact = tables.exact[g];
+      if (m.geom_type[g] == mjGEOM_BOX) {
+        shape = MakeShape(BoxTriangles(AsVector(m.geom_size + 3 * g)), closed, true);
+      } else if (m.geom_type[g] == mjGEOM_MESH) {
+        const int mesh = m.geom_dataid[g];
+        std::shared_ptr<const VerifierShape>& known = built[{mesh, exact}];
+        if (!known) known = MakeShape(MeshTriangles(m, mesh, exact), closed, !exact);
+        shape = known;
       }
-      shape->tree->endModel();
-      shapes->of_geom[g] = shape;
     }
   }
   return shapes;
@@ -169,36 +218,31 @@ double VerifierShape::DepthOf(const PosedModel& posed, int geom, const Vector3d&
 }
 
 double ExactVerifier::Distance(const PosedModel& posed, const KeptPair& pair, double cutoff,
-                               double fromto[6]) const {
-  const Asked asked{posed, pair, shapes_->of_geom[pair.geom1].get(),
-                    shapes_->of_geom[pair.geom2].get(), fromto};
+                               double enough, double fromto[6]) const {
+  const Asked asked{
+      posed,  pair,  shapes_->of_geom[pair.geom1].get(), shapes_->of_geom[pair.geom2].get(),
+      enough, fromto};
   return asked.first ? SolidDistance(asked, cutoff) : RoundDistance(asked, cutoff);
 }
 
-// The depth, negative [m], of the deepest inside the other body: a vertex of each piece and about
-// as many others of each mesh as told.
-double ExactVerifier::Deepest(const Asked& asked, int vertices) const {
+// The depth, negative [m], of the deepest inside the other body: a vertex of each piece, and a
+// vertex and the middle of `triangles` triangles of each mesh.
+double ExactVerifier::Deepest(const Asked& asked, int triangles) const {
   double deepest = 0.0;
   for (const bool of_first : {true, false}) {
-    const int from = of_first ? asked.pair.geom1 : asked.pair.geom2;
-    const int in = of_first ? asked.pair.geom2 : asked.pair.geom1;
-    const VerifierShape& source = of_first ? *asked.first : *asked.second;
-    const VerifierShape& target = of_first ? *asked.second : *asked.first;
-    std::vector<Vector3d> points = source.pieces;
-    for (int k = 0; k < vertices; ++k) {
-      const auto& t = source.triangles[k * source.triangles.size() / vertices];
+    const Side side(asked, of_first);
+    std::vector<Vector3d> points = side.source.pieces;
+    for (int k = 0; k < triangles; ++k) {
+      const auto& t = side.source.triangles[k * side.source.triangles.size() / triangles];
       points.push_back(t[0]);
       points.push_back((t[0] + t[1] + t[2]) / 3.0);
     }
     for (const Vector3d& p : points) {
-      const Vector3d p_W = asked.Origin(from) + asked.R(from) * p;
-      Vector3d out;
-      const Vector3d local = asked.R(in).transpose() * (p_W - asked.Origin(in));
-      const double depth = target.DepthOf(asked.posed, in, local, out);
+      Vector3d out_W;
+      const double depth = side.DepthOf(p, out_W);
       if (depth <= -deepest) continue;
       deepest = -depth;
-      const Vector3d exit_W = p_W + depth * (asked.R(in) * out);
-      of_first ? asked.Witness(p_W, exit_W) : asked.Witness(exit_W, p_W);
+      side.Witness(side.InWorld(p), side.InWorld(p) + depth * out_W);
     }
   }
   return deepest;
@@ -210,26 +254,20 @@ double ExactVerifier::CommonPoint(const Asked& asked) const {
   constexpr int kTriangles = 20;
   double deepest = 0.0;
   for (const bool of_first : {true, false}) {
-    const int from = of_first ? asked.pair.geom1 : asked.pair.geom2;
-    const int in = of_first ? asked.pair.geom2 : asked.pair.geom1;
-    const VerifierShape& source = of_first ? *asked.first : *asked.second;
-    const VerifierShape& target = of_first ? *asked.second : *asked.first;
-    const std::size_t stride = 1 + source.triangles.size() / kTriangles;
-    for (std::size_t k = 0; k < source.triangles.size(); k += stride) {
-      const auto& t = source.triangles[k];
+    const Side side(asked, of_first);
+    const auto& triangles = side.source.triangles;
+    for (std::size_t k = 0; k < triangles.size(); k += 1 + triangles.size() / kTriangles) {
+      const auto& t = triangles[k];
       const Vector3d n = (t[1] - t[0]).cross(t[2] - t[0]).normalized();
       for (const double h : {1e-2, -1e-2, 1e-3, -1e-3, 1e-4, -1e-4}) {
         const Vector3d x = (t[0] + t[1] + t[2]) / 3.0 - h * n;
-        Vector3d out;
-        const double own = source.DepthOf(asked.posed, from, x, out);
+        Vector3d out, out_W;
+        const double own = side.source.DepthOf(asked.posed, side.from, x, out);
         if (own <= -deepest) continue;
-        const Vector3d x_W = asked.Origin(from) + asked.R(from) * x;
-        const Vector3d there = asked.R(in).transpose() * (x_W - asked.Origin(in));
-        const double depth = std::min(own, target.DepthOf(asked.posed, in, there, out));
+        const double depth = std::min(own, side.DepthOf(x, out_W));
         if (depth <= -deepest) continue;
         deepest = -depth;
-        const Vector3d exit_W = x_W + depth * (asked.R(in) * out);
-        of_first ? asked.Witness(x_W, exit_W) : asked.Witness(exit_W, x_W);
+        side.Witness(side.InWorld(x), side.InWorld(x) + depth * out_W);
       }
     }
   }
@@ -266,7 +304,9 @@ double ExactVerifier::SolidDistance(const Asked& asked, double cutoff) const {
   if (hits.isCollision()) {
     double by_triangles[6];
     std::copy(asked.fromto, asked.fromto + 6, by_triangles);
-    const double deepest = Deepest(asked, kAskedInside);
+    const double at_a_few = Deepest(asked, kFewAsked);
+    if (at_a_few < -std::max(overlap, asked.enough)) return at_a_few;
+    const double deepest = Deepest(asked, kAllAsked);
     if (deepest < -overlap) return deepest;
     const double common = CommonPoint(asked);
     if (common < -overlap) return common;
