@@ -28,7 +28,6 @@ struct Arguments {
   int seeds = 2;
   int frames = 40;
   std::vector<std::string> methods = {"auto", "paper"};
-  double tolerance = 1e-6;
 };
 
 // Sets that share the rows of a table.
@@ -116,7 +115,7 @@ std::vector<Row> MeasureRows(const Group& group, const Ablation& ablation,
   for (const std::string& label : ablation.labels) {
     Options options;
     options.method = ablation.method;
-    options.tolerance = arguments.tolerance;
+    options.tolerance = arguments.sets.tolerance;
     if (label != kEverything && label != kLuck) options.without = {label};
     const Seeds seeds{label == kLuck ? kOtherSeeds : 0,
                       ablation.method == Method::kPaper ? 1 : arguments.seeds};
@@ -231,7 +230,6 @@ int Main(int argc, char** argv) {
   app.add_option("--method", arguments.methods, "auto, paper; both with a comma")
       ->delimiter(',')
       ->check(CLI::IsMember({"auto", "paper"}));
-  app.add_option("--tolerance", arguments.tolerance, "overlap that counts as free [m]");
   return RunProgram(app, argc, argv, [&] { Run(arguments); });
 }
 

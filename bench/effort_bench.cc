@@ -22,11 +22,6 @@ struct Level {
 constexpr Level kLevels[] = {
     {"fast", Effort::kFast, 4}, {"default", Effort::kDefault, 8}, {"max", Effort::kMax, 4}};
 
-struct Arguments {
-  SetArguments sets;
-  double tolerance = 1e-6;
-};
-
 // All workloads at one effort.
 struct Measurement {
   Level level;
@@ -81,7 +76,7 @@ void PrintRow(const Measurement& measurement, int combined, const std::vector<Wo
               Quantile(ratio, 1.0));
 }
 
-void PrintTable(const std::vector<Workload>& workloads, const Arguments& arguments) {
+void PrintTable(const std::vector<Workload>& workloads, const SetArguments& arguments) {
   std::vector<std::vector<double>> best;
   for (const Workload& workload : workloads) best.push_back(BestGiven(workload.set));
   std::vector<Measurement> all;
@@ -109,13 +104,11 @@ void PrintTable(const std::vector<Workload>& workloads, const Arguments& argumen
 }  // namespace
 
 int Main(int argc, char** argv) {
-  Arguments arguments;
-  arguments.sets.count = 20;
+  SetArguments arguments;
+  arguments.count = 20;
   CLI::App app("σ against effort.", "effort_bench");
-  AddSetArguments(app, arguments.sets);
-  app.add_option("--tolerance", arguments.tolerance, "overlap that counts as free [m]");
-  return RunProgram(app, argc, argv,
-                    [&] { PrintTable(LoadSoundWorkloads(arguments.sets), arguments); });
+  AddSetArguments(app, arguments);
+  return RunProgram(app, argc, argv, [&] { PrintTable(LoadSoundWorkloads(arguments), arguments); });
 }
 
 }  // namespace mjcf_pdg::bench

@@ -64,12 +64,7 @@ class Shifts {
   }
   bool Free(double direction, double shift) {
     ++queries_;
-    problem_.finder.Pose(At(direction, shift));
-    NearPair near;
-    for (int pair = 0; pair < static_cast<int>(problem_.tables.pairs.size()); ++pair) {
-      if (problem_.finder.Distance(pair, 0.0, near)) return false;
-    }
-    return true;
+    return problem_.Free(At(direction, shift));
   }
 
   Problem& problem_;

@@ -41,7 +41,7 @@ const char* Name(IterationStatus status) {
   return "";
 }
 
-// As the solver does, for its default tolerances, obstacles and contacts.
+// As the solver does, for the model's own obstacles and no clearance or rest.
 void Append(const Workload& workload, const Options& options, Runs& runs) {
   const SceneTables& tables = workload.scene->tables();
   Problem problem(tables, options);
@@ -91,6 +91,7 @@ void Run(const SetArguments& arguments) {
   const std::vector<Workload> workloads = LoadSoundWorkloads(arguments);
   for (const std::string without : {"", "corrections"}) {
     Options options;
+    options.tolerance = arguments.tolerance;
     if (!without.empty()) options.without = {without};
     Runs runs;
     for (const Workload& workload : workloads) Append(workload, options, runs);

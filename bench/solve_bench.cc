@@ -26,7 +26,6 @@ struct Arguments {
   std::vector<std::string> efforts = {"default"};
   int seeds = 1;
   int persistence = 3;
-  double tolerance = 1e-6;
 };
 
 Effort ParseEffort(const std::string& name) {
@@ -43,7 +42,7 @@ Series MeasureEffort(const Scene& scene, const ProblemSet& set, const std::strin
                      const Arguments& arguments) {
   Options options;
   options.effort = ParseEffort(effort);
-  options.tolerance = arguments.tolerance;
+  options.tolerance = arguments.sets.tolerance;
   Series series = Measure(scene, set, options, {0, arguments.seeds});
   series.label = effort;
   return series;
@@ -117,7 +116,7 @@ void RunSet(const Scene& scene, const ProblemSet& set, const Arguments& argument
   // Persistence: more seeds at effort max that only look for a lower σ.
   Options options;
   options.effort = Effort::kMax;
-  options.tolerance = arguments.tolerance;
+  options.tolerance = arguments.sets.tolerance;
   const Seeds seeds{kFirstPersistentSeed, arguments.persistence};
   LowerBest(Measure(scene, set, options, seeds), best);
   for (const Series& series : all) {
@@ -158,7 +157,6 @@ int Main(int argc, char** argv) {
   app.add_option("--effort", arguments.efforts, "fast, default, max; several with commas")
       ->delimiter(',')
       ->check(CLI::IsMember({"fast", "default", "max"}));
-  app.add_option("--tolerance", arguments.tolerance, "overlap that counts as free [m]");
   app.add_option("--json", arguments.json, "write every solve to this file, as JSON Lines");
   return RunProgram(app, argc, argv, [&] { Run(arguments); });
 }

@@ -33,6 +33,7 @@ void AddSetArguments(CLI::App& app, SetArguments& arguments) {
   app.add_option("--count", arguments.count, "random configurations per model")
       ->check(CLI::Range(0, 1000000));
   app.add_option("--seed", arguments.seed, "seed of the random configurations");
+  app.add_option("--tolerance", arguments.tolerance, "overlap that counts as free [m]");
 }
 
 std::vector<Workload> LoadWorkloads(const SetArguments& arguments) {

@@ -17,8 +17,9 @@ struct SetArguments {
   std::vector<std::string> models;
   std::vector<std::string> problems;
   std::string root = ".";
-  std::uint64_t seed = 1;  // of the random configurations
-  int count = 40;          // of random configurations per model
+  std::uint64_t seed = 1;   // of the random configurations
+  int count = 40;           // of random configurations per model
+  double tolerance = 1e-6;  // overlap that counts as free [m]
 };
 
 // The defaults of `arguments` are those of the program.

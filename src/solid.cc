@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <numeric>
 #include <utility>
 
 #include "mjcf_pdg/types.h"
+#include "triangle_mesh.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -56,7 +56,9 @@ Vector3d NearestOnTriangle(const Vector3d& x, const Vector3d& a, const Vector3d&
 }
 
 Solid::Solid(const Matrix3Xd& vertices, const Matrix3Xi& triangles) {
-  Weld(vertices, triangles);
+  const TriangleMesh mesh = WeldVertices({kTreeUnits * vertices, triangles});
+  vertices_ = mesh.vertices;
+  triangles_ = mesh.triangles;
   CountOpenEdges();
   Orient();
   DropFlatTriangles();
@@ -67,35 +69,12 @@ Solid::Solid(const Matrix3Xd& vertices, const Matrix3Xi& triangles) {
   radius_ = (vertices_.colwise() - center_).colwise().norm().maxCoeff();
 }
 
-void Solid::Weld(const Matrix3Xd& vertices, const Matrix3Xi& triangles) {
-  std::map<std::array<double, 3>, int> known;
-  std::vector<int> index;
-  std::vector<Vector3d> kept;
-  for (Eigen::Index v = 0; v < vertices.cols(); ++v) {
-    const Vector3d p = kTreeUnits * vertices.col(v) + Vector3d::Zero();  // + 0 makes -0 equal to 0
-    const auto [it, is_new] =
-        known.try_emplace({p.x(), p.y(), p.z()}, static_cast<int>(kept.size()));
-    if (is_new) kept.push_back(p);
-    index.push_back(it->second);
-  }
-  vertices_.resize(3, static_cast<Eigen::Index>(kept.size()));
-  for (std::size_t v = 0; v < kept.size(); ++v) vertices_.col(v) = kept[v];
-  triangles_.resize(3, triangles.cols());
-  Eigen::Index count = 0;
-  for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
-    const Eigen::Vector3i corners(index[triangles(0, t)], index[triangles(1, t)],
-                                  index[triangles(2, t)]);
-    if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
-    triangles_.col(count++) = corners;
-  }
-  triangles_.conservativeResize(3, count);
-}
-
 void Solid::CountOpenEdges() {
   std::vector<std::array<int, 3>> edges;  // low, high, direction
   for (Eigen::Index t = 0; t < triangles_.cols(); ++t) {
     for (int k = 0; k < 3; ++k) {
       const int a = triangles_(k, t), b = triangles_((k + 1) % 3, t);
+      if (a == b) continue;  // two corners at one place
       edges.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : -1});
     }
   }

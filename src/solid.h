@@ -80,7 +80,6 @@ class Solid {
 
  private:
   struct Ray;
-  void Weld(const Matrix3Xd& vertices, const Matrix3Xi& triangles);
   void CountOpenEdges();
   void Orient();
   void DropFlatTriangles();

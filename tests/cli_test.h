@@ -18,6 +18,8 @@
 #include <string>
 #include <vector>
 
+#include "temporary_folder.h"
+
 namespace mjcf_pdg::test {
 
 #ifdef MJCF_PDG_PROGRAM
@@ -58,18 +60,11 @@ class CliTest : public ::testing::Test {
  protected:
   void SetUp() override {
     if (!kProgram) GTEST_SKIP() << "the program was not built";
-    std::string pattern = (std::filesystem::temp_directory_path() / "mjcf_pdg_XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
     std::filesystem::create_directory(cwd());
     Write("scene.xml", kBallAndWall);
   }
 
-  void TearDown() override {
-    if (folder_.empty()) return;
-    EXPECT_FALSE(std::filesystem::exists(cwd() / "MUJOCO_LOG.TXT"));
-    std::filesystem::remove_all(folder_);
-  }
+  void TearDown() override { EXPECT_FALSE(std::filesystem::exists(cwd() / "MUJOCO_LOG.TXT")); }
 
   // Where the program runs and relative paths begin.
   std::filesystem::path cwd() const { return folder_ / "cwd"; }
@@ -143,7 +138,7 @@ class CliTest : public ::testing::Test {
   }
 
  private:
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
 };
 
 }  // namespace mjcf_pdg::test

@@ -13,18 +13,7 @@ using test::Random;
 
 class ExactMeshCcdgTest : public test::MujocoTest {};
 
-Scene MeshScene(const MeshShape& fixed, const std::string& moving_geom,
-                const MeshShape& moving = test::BoxMesh({0.01, 0.01, 0.01})) {
-  SceneOptions options;
-  options.exact_mesh = true;
-  return Scene::FromString(
-      "<mujoco><asset>" + test::MeshXml("fixed", fixed) + test::MeshXml("moving", moving) +
-          "</asset><worldbody><body name='b2'><geom name='g2' type='mesh' mesh='fixed'/></body>"
-          "<body name='b1'><freejoint/><inertial pos='0 0 0' mass='1' diaginertia='.1 .1 .1'/>"
-          "<geom name='g1' " +
-          moving_geom + "/></body></worldbody></mujoco>",
-      options);
-}
+using test::MeshScene;
 
 VectorXd At(const Vector3d& p, const Eigen::Quaterniond& turn = {1, 0, 0, 0}) {
   VectorXd q(7);

@@ -17,24 +17,11 @@ class ExactMeshContactsTest : public test::MujocoTest {};
 
 constexpr double kFar = 10.0;
 
-SceneOptions Exact() {
-  SceneOptions options;
-  options.exact_mesh = true;
-  return options;
-}
+using test::Exact;
 
 // Mesh "mesh" as geom "g2" of a fixed body; what moves freely has the geom "g1".
-std::string MeshScene(const MeshShape& fixed, const std::string& moving_geom,
-                      const std::string& assets = {}) {
-  return "<mujoco><asset>" + test::MeshXml("fixed", fixed) + assets +
-         "</asset><worldbody><body name='b2'><geom name='g2' type='mesh' mesh='fixed'/></body>"
-         "<body name='b1'><freejoint/><inertial pos='0 0 0' mass='1' diaginertia='.1 .1 .1'/>"
-         "<geom name='g1' " +
-         moving_geom + "/></body></worldbody></mujoco>";
-}
-
 std::string TwoMeshes(const MeshShape& fixed, const MeshShape& moving) {
-  return MeshScene(fixed, "type='mesh' mesh='moving'", test::MeshXml("moving", moving));
+  return test::MeshSceneXml(fixed, "type='mesh' mesh='moving'", test::MeshXml("moving", moving));
 }
 
 // MuJoCo turns and moves a mesh's vertices, and the geom the other way round, so that a body at
@@ -200,7 +187,7 @@ TEST_F(ExactMeshContactsTest, LinkedRingsAreFreeAndCrossedOnesAreNot) {
 
 TEST_F(ExactMeshContactsTest, ACupIsHollowAndItsWallIsNot) {
   const MeshShape cup = test::Cup(0.1, 0.2, 0.04, 32);
-  Finder finder(MeshScene(cup, "type='sphere' size='0.01'"));
+  Finder finder(test::MeshSceneXml(cup, "type='sphere' size='0.01'"));
   EXPECT_NEAR(finder.Distance(At({0.0, 0.0, 0.1})), 0.06 - 0.01 - 0.06 * (1 - std::cos(M_PI / 32)),
               1e-3);
   EXPECT_NEAR(finder.Distance(At({0.0, 0.0, 0.045})), -0.005, 1e-6);
@@ -219,10 +206,10 @@ TEST_F(ExactMeshContactsTest, WhateverIsWhollyInsideASolidCollides) {
                                "type='box' size='0.02 0.03 0.04'",
                                "type='mesh' mesh='knot'"};
   for (const std::string& geom : inner) {
-    Finder finder(MeshScene(block, geom, test::MeshXml("knot", knot)));
+    Finder finder(test::MeshSceneXml(block, geom, test::MeshXml("knot", knot)));
     EXPECT_LT(finder.Distance(At({0.1, 0.0, 0.0})), -0.2) << geom;
     EXPECT_GT(finder.Distance(At({0.5, 0.0, 0.0})), 0.0) << geom;
-    Finder around(MeshScene(knot, "type='box' size='0.3 0.3 0.3'"));
+    Finder around(test::MeshSceneXml(knot, "type='box' size='0.3 0.3 0.3'"));
     EXPECT_LT(around.Distance(At({0.1, 0.0, 0.0})), -0.2);
   }
 }
@@ -231,7 +218,9 @@ TEST_F(ExactMeshContactsTest, SolidsThatCoincideOverlap) {
   const MeshShape cup = test::Cup(0.1, 0.2, 0.04, 16), box = test::BoxMesh({0.1, 0.2, 0.3});
   EXPECT_LT(Finder(TwoMeshes(cup, cup)).Distance(At({0, 0, 0})), -0.005);
   EXPECT_LT(Finder(TwoMeshes(box, box)).Distance(At({0, 0, 0})), -0.01);
-  EXPECT_LT(Finder(MeshScene(box, "type='box' size='0.1 0.2 0.3'")).Distance(At({0, 0, 0})), -0.01);
+  EXPECT_LT(
+      Finder(test::MeshSceneXml(box, "type='box' size='0.1 0.2 0.3'")).Distance(At({0, 0, 0})),
+      -0.01);
 }
 
 TEST_F(ExactMeshContactsTest, FacesThatTouchDoNotOverlap) {
@@ -265,14 +254,14 @@ TEST_F(ExactMeshContactsTest, CrossedEdgesAndPiercedFacesOverlap) {
 TEST_F(ExactMeshContactsTest, AnOpenMeshIsASurface) {
   MeshShape open = test::BoxMesh({0.1, 0.1, 0.1});
   open.faces.resize(10);  // the lid is off (x = 0.1)
-  Finder finder(MeshScene(open, "type='sphere' size='0.02'"));
+  Finder finder(test::MeshSceneXml(open, "type='sphere' size='0.02'"));
   ASSERT_EQ(finder.scene().Warnings().size(), 1u);
   EXPECT_NE(finder.scene().Warnings()[0].find("'g2' is not closed (4 open edges)"),
             std::string::npos)
       << finder.scene().Warnings()[0];
   EXPECT_NEAR(finder.Distance(At({0, 0, 0})), 0.08, 1e-7);
   EXPECT_NEAR(finder.Distance(At({-0.09, 0, 0})), -0.01, 1e-7);
-  Finder boxes(MeshScene(open, "type='box' size='0.05 0.02 0.02'"));
+  Finder boxes(test::MeshSceneXml(open, "type='box' size='0.05 0.02 0.02'"));
   EXPECT_GT(boxes.Distance(At({0, 0, 0})), 0.0);
   EXPECT_LT(boxes.Distance(At({-0.1, 0, 0})), -0.001);
 }
@@ -315,7 +304,7 @@ TEST_F(ExactMeshContactsTest, APegInAHoleHasRowsAllAround) {
        {std::string("type='cylinder' size='0.098 0.05'"), std::string("type='mesh' mesh='peg'")}) {
     const MeshShape peg =
         test::Revolution({{0.05, -0.05}, {0.098, -0.05}, {0.098, 0.05}, {0.05, 0.05}}, 48);
-    Finder finder(MeshScene(block, geom, test::MeshXml("peg", peg)));
+    Finder finder(test::MeshSceneXml(block, geom, test::MeshXml("peg", peg)));
     const std::vector<NearPair> near = finder.Find(At({0, 0, 0.1}), 0.005);
     for (int k = 0; k < 4; ++k) {
       const Vector3d way(std::cos(k * M_PI / 2), std::sin(k * M_PI / 2), 0.0);
@@ -336,7 +325,7 @@ TEST_F(ExactMeshContactsTest, FeaturesKeepTheirPromises) {
   for (const std::string& geom :
        {std::string("type='mesh' mesh='m'"), std::string("type='capsule' size='0.03 0.1'"),
         std::string("type='cylinder' size='0.05 0.1'")}) {
-    Finder finder(MeshScene(knot, geom, test::MeshXml("m", knot)));
+    Finder finder(test::MeshSceneXml(knot, geom, test::MeshXml("m", knot)));
     for (int i = 0; i < 40; ++i) {
       const VectorXd q = At(rng.InBox(0.25), rng.UnitQuat());
       const double nearest = finder.Distance(q);

@@ -14,11 +14,7 @@ using test::Random;
 
 class ExactMeshSolveTest : public test::MujocoTest {};
 
-SceneOptions Exact() {
-  SceneOptions options;
-  options.exact_mesh = true;
-  return options;
-}
+using test::Exact;
 
 // On convex meshes the answer is the hulls' one.
 TEST_F(ExactMeshSolveTest, ConvexMeshesComeOutAsTheirHullsDo) {

@@ -29,11 +29,7 @@ std::string RingXml(const std::string& text = {}, bool open = false) {
          "</keyframe></mujoco>";
 }
 
-SceneOptions Exact() {
-  SceneOptions options;
-  options.exact_mesh = true;
-  return options;
-}
+using test::Exact;
 
 int Geom(const Scene& scene, const char* name) {
   return mj_name2id(scene.model(), mjOBJ_GEOM, name);

@@ -6,8 +6,6 @@
 namespace mjcf_pdg::test {
 namespace {
 
-class FeatureMemoryTest : public MujocoTest {};
-
 // A ring around the z axis, 40 mm inside and 60 mm outside, that may go anywhere, and a post of 20
 // mm radius.
 Scene RingOnPost() {
@@ -16,30 +14,34 @@ Scene RingOnPost() {
       "<mujoco><asset>" + MeshXml("ring", ring) +
       "</asset><worldbody><geom type='cylinder' size='.02 .1'/><body><freejoint/>"
       "<geom type='mesh' mesh='ring'/></body></worldbody></mujoco>";
-  SceneOptions options;
-  options.exact_mesh = true;
-  return Scene::FromString(xml, options);
+  return Scene::FromString(xml, Exact());
 }
 
-VectorXd At(double x, double y) {
-  VectorXd q(7);
-  q << x, y, 0, 1, 0, 0, 0;
-  return q;
-}
+class FeatureMemoryTest : public MujocoTest {
+ protected:
+  FeatureMemoryTest() { memory_.Clear(tables_.pairs.size()); }
+
+  void PoseAt(double x) {
+    VectorXd q(7);
+    q << x, 0, 0, 1, 0, 0, 0;
+    finder_.Pose(q);
+  }
+  const PosedModel& posed() const { return finder_.posed(); }
+
+  const Scene scene_ = RingOnPost();
+  const SceneTables& tables_ = scene_.tables();
+  ContactFinder finder_{tables_};
+  FeatureMemory memory_;
+};
 
 TEST_F(FeatureMemoryTest, PlanesOfAFreePoseMeasureTheOverlapOfASmallStep) {
-  const Scene scene = RingOnPost();
-  const SceneTables& tables = scene.tables();
-  ContactFinder finder(tables);
-  FeatureMemory memory;
-  memory.Clear(tables.pairs.size());
-  EXPECT_FALSE(memory.learning());
-  finder.Pose(At(0.019, 0));
-  memory.Keep(tables, finder.posed(), finder.Find(0.005));
-  ASSERT_TRUE(memory.learning());
-  finder.Pose(At(0.022, 0));  // 2 mm into the post
+  EXPECT_FALSE(memory_.learning());
+  PoseAt(0.019);
+  memory_.Keep(tables_, posed(), finder_.Find(0.005));
+  ASSERT_TRUE(memory_.learning());
+  PoseAt(0.022);  // 2 mm into the post
   std::vector<NearPair> planes;
-  memory.Append(tables, finder.posed(), 0, planes);
+  memory_.Append(tables_, posed(), 0, planes);
   ASSERT_FALSE(planes.empty());
   double deepest = 0.0;
   for (const NearPair& near : planes) {
@@ -51,39 +53,32 @@ TEST_F(FeatureMemoryTest, PlanesOfAFreePoseMeasureTheOverlapOfASmallStep) {
 }
 
 TEST_F(FeatureMemoryTest, WhatWasLearntIsHeededWhereTheMeshesAreApartUntilItIsProvenWrong) {
-  const Scene scene = RingOnPost();
-  const SceneTables& tables = scene.tables();
-  ContactFinder finder(tables);
-  FeatureMemory memory;
-  memory.Clear(tables.pairs.size());
-  finder.Pose(At(0.0, 0));
-  memory.Keep(tables, finder.posed(), finder.Find(0.03));
+  PoseAt(0.0);
+  memory_.Keep(tables_, posed(), finder_.Find(0.03));
   NearPair crossing;
   crossing.n_W = Vector3d::UnitX();
   crossing.p1_W = Vector3d(0.02, 0, 0);
   crossing.p2_W = Vector3d(0.021, 0, 0);
-  memory.Learn(tables, finder.posed(), crossing);
+  memory_.Learn(tables_, posed(), crossing);
   std::vector<NearPair> out;
-  memory.AppendLearnt(tables, finder.posed(), 0.005, out);
+  memory_.AppendLearnt(tables_, posed(), 0.005, out);
   ASSERT_EQ(out.size(), 1u);
   EXPECT_NEAR(out[0].distance, 0.001, 1e-12);
   out.clear();
-  finder.Pose(At(-0.01, 0));  // apart, and yet the plane sees an overlap: forgotten
-  memory.AppendLearnt(tables, finder.posed(), 0.005, out);
+  PoseAt(-0.01);  // apart, and yet the plane sees an overlap: forgotten
+  memory_.AppendLearnt(tables_, posed(), 0.005, out);
   EXPECT_TRUE(out.empty());
-  finder.Pose(At(0.0, 0));
-  memory.AppendLearnt(tables, finder.posed(), 0.005, out);
+  PoseAt(0.0);
+  memory_.AppendLearnt(tables_, posed(), 0.005, out);
   EXPECT_TRUE(out.empty());
 }
 
 TEST_F(FeatureMemoryTest, SkippedDepthsStillTellThatThereIsAnOverlap) {
-  const Scene scene = RingOnPost();
-  ContactFinder finder(scene.tables());
   int overlapping = 0;
   for (double x = 0.0; x < 0.1; x += 0.004) {
-    finder.Pose(At(x, 0));
-    const std::vector<NearPair> measured = finder.Find(0.001);
-    const std::vector<NearPair> skipped = finder.Find(0.001, Depths::kSkipped);
+    PoseAt(x);
+    const std::vector<NearPair> measured = finder_.Find(0.001);
+    const std::vector<NearPair> skipped = finder_.Find(0.001, Depths::kSkipped);
     const bool overlaps = !measured.empty() && measured.front().distance < 0.0;
     overlapping += overlaps;
     ASSERT_EQ(overlaps, !skipped.empty() && std::isinf(skipped.front().distance)) << x;

@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "hand_made_meshes.h"
+#include "temporary_folder.h"
 #include "test_support.h"
 
 namespace mjcf_pdg::test {
@@ -20,13 +21,6 @@ using Eigen::Vector3d;
 
 class MeshImportTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (std::filesystem::temp_directory_path() / "mjcf_pdg_XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   std::string Write(const std::string& name, const std::string& content) const {
     std::ofstream(folder_ / name, std::ios::binary) << content;
     return folder_ / name;
@@ -34,7 +28,7 @@ class MeshImportTest : public ::testing::Test {
   std::string Path(const std::string& name) const { return folder_ / name; }
 
  private:
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
 };
 
 TriangleMesh Import(const std::string& path, double scale = 1.0) {

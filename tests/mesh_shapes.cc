@@ -170,6 +170,25 @@ std::string MeshXml(const std::string& name, const MeshShape& shape,
   return xml + "'/>\n";
 }
 
+std::string MeshSceneXml(const MeshShape& fixed, const std::string& moving_geom,
+                         const std::string& assets) {
+  return "<mujoco><asset>" + MeshXml("fixed", fixed) + assets +
+         "</asset><worldbody><body name='b2'><geom name='g2' type='mesh' mesh='fixed'/></body>"
+         "<body name='b1'><freejoint/><inertial pos='0 0 0' mass='1' diaginertia='.1 .1 .1'/>"
+         "<geom name='g1' " +
+         moving_geom + "/></body></worldbody></mujoco>";
+}
+
+SceneOptions Exact() {
+  SceneOptions options;
+  options.exact_mesh = true;
+  return options;
+}
+
+Scene MeshScene(const MeshShape& fixed, const std::string& moving_geom, const MeshShape& moving) {
+  return Scene::FromString(MeshSceneXml(fixed, moving_geom, MeshXml("moving", moving)), Exact());
+}
+
 bool InsideBySolidAngle(const MeshShape& shape, const Vector3d& x) {
   double angle = 0.0;
   for (const Vector3i& face : shape.faces) {

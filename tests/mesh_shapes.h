@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "mjcf_pdg/scene.h"
+
 namespace mjcf_pdg::test {
 
 struct MeshShape {
@@ -37,6 +39,14 @@ MeshShape Cup(double radius, double height, double wall, int sectors);
 // <mesh name='...' vertex='...' face='...' attributes/>
 std::string MeshXml(const std::string& name, const MeshShape& shape,
                     const std::string& attributes = {});
+
+// A free body b1 with the geom g1 of these attributes and the body b2 with the mesh geom g2, fixed.
+std::string MeshSceneXml(const MeshShape& fixed, const std::string& moving_geom,
+                         const std::string& assets = {});
+SceneOptions Exact();
+// The same, meshes exact; `moving` is the asset of that name.
+Scene MeshScene(const MeshShape& fixed, const std::string& moving_geom,
+                const MeshShape& moving = BoxMesh({0.01, 0.01, 0.01}));
 
 // Is x inside the closed mesh: by the sum of the solid angles of its triangles. Slow.
 bool InsideBySolidAngle(const MeshShape& shape, const Eigen::Vector3d& x);

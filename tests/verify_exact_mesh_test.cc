@@ -15,22 +15,9 @@ using test::Random;
 
 class VerifyExactMeshTest : public test::MujocoTest {};
 
-SceneOptions Exact() {
-  SceneOptions options;
-  options.exact_mesh = true;
-  return options;
-}
+using test::Exact;
 
-Scene MeshScene(const MeshShape& fixed, const std::string& moving_geom,
-                const MeshShape& moving = test::BoxMesh({0.01, 0.01, 0.01})) {
-  return Scene::FromString(
-      "<mujoco><asset>" + test::MeshXml("fixed", fixed) + test::MeshXml("moving", moving) +
-          "</asset><worldbody><body name='b2'><geom name='g2' type='mesh' mesh='fixed'/></body>"
-          "<body name='b1'><freejoint/><inertial pos='0 0 0' mass='1' diaginertia='.1 .1 .1'/>"
-          "<geom name='g1' " +
-          moving_geom + "/></body></worldbody></mujoco>",
-      Exact());
-}
+using test::MeshScene;
 
 std::vector<double> At(const Vector3d& p, const Eigen::Quaterniond& turn = {1, 0, 0, 0}) {
   return {p.x(), p.y(), p.z(), turn.w(), turn.x(), turn.y(), turn.z()};

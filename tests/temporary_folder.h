@@ -1,0 +1,37 @@
+// A folder for a test's files.
+#ifndef MJCF_PDG_TESTS_TEMPORARY_FOLDER_H_
+#define MJCF_PDG_TESTS_TEMPORARY_FOLDER_H_
+
+#include <stdlib.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <string>
+#include <system_error>
+
+namespace mjcf_pdg::test {
+
+// Of its own, below the system's folder for temporary files; gone with the object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "mjcf_pdg_XXXXXX").string();
+    if (!mkdtemp(pattern.data())) throw std::system_error(errno, std::generic_category(), pattern);
+    path_ = pattern;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace mjcf_pdg::test
+
+#endif  // MJCF_PDG_TESTS_TEMPORARY_FOLDER_H_
