@@ -14,11 +14,6 @@
 
 namespace mjcf_pdg {
 
-// What is told of an exact pair that overlaps: how deep and where, which is slow, or only that it
-// does: one entry of distance -infinity, with points and normal of some crossing triangles; both
-// points the same where none cross, one being inside the other.
-enum class Depths { kMeasured, kSkipped };
-
 // One per thread: it remembers the nearest triangles of every pair, as a start for the next query.
 class ExactContacts {
  public:
@@ -34,7 +29,9 @@ class ExactContacts {
 
   // The features below `margin`, the nearest or deepest first; empty when there is none. Those of
   // two triangle meshes that are much farther than the nearest are left out (solid_pair.h). An
-  // overlap comes as its deepest places, followed by the features that are apart.
+  // overlap comes as its deepest places, followed by the features that are apart; with skipped
+  // depths, as one entry of distance -infinity with points and normal of some crossing triangles;
+  // both points the same where none cross, one being inside the other.
   void Features(const PosedModel& posed, int pair, double margin, Depths depths,
                 std::vector<SignedGap>& out);
 

@@ -19,22 +19,33 @@ constexpr double kBeyond = 1e-3;  // a surface this near counts as met (2e-7 m)
 
 struct Patch {
   FieldNearest nearest;
-  int node = 0;
+  int box = BoxTree::kRoot;
 };
 
 struct NearestFirst {
   bool operator()(const Patch& x, const Patch& y) const {
-    return std::pair(x.nearest.f, x.node) > std::pair(y.nearest.f, y.node);
+    return std::pair(x.nearest.f, x.box) > std::pair(y.nearest.f, y.box);
   }
 };
 
 }  // namespace
 
-double FieldMesh::LowerBound(int node) const {
-  const fcl::OBB<double>& box = mesh_.BoxOf(node).obb;
-  const FieldValue center = field_.At(pose_ * box.To);
-  const Vector3d gradient = box.axis.transpose() * (pose_.R.transpose() * center.gradient);
-  return center.f - gradient.cwiseAbs().dot(box.extent) - kAccuracy;
+double FieldMesh::LowerBound(int box) const {
+  const OrientedBox shape = mesh_.tree().BoxOf(box);
+  const FieldValue center = field_.At(pose_ * shape.center.cast<double>());
+  const Vector3d gradient =
+      shape.axes.cast<double>().transpose() * (pose_.R.transpose() * center.gradient);
+  return center.f - gradient.cwiseAbs().dot(shape.half.cast<double>()) - kAccuracy;
+}
+
+BoundedBoxes FieldMesh::ChildrenBelow(int box, double cutoff) const {
+  BoundedBoxes out;
+  const int first = mesh_.tree().FirstChild(box);
+  for (int child = first; child < first + mesh_.tree().NumChildren(box); ++child) {
+    const double bound = LowerBound(child);
+    if (bound < cutoff) out.Insert({bound, child});
+  }
+  return out;
 }
 
 void FieldMesh::AskTriangle(int triangle, FieldNearest& best) const {
@@ -62,26 +73,21 @@ void FieldMesh::AskTriangle(int triangle, FieldNearest& best) const {
   if (least.f < best.f) best = {least.f, pose_.Inverse() * least.x, triangle};
 }
 
-FieldNearest FieldMesh::Nearest(double cutoff, int warm) const { return Below(0, cutoff, warm); }
+FieldNearest FieldMesh::Nearest(double cutoff, int warm) const { return Below(BoxTree::kRoot, cutoff, warm); }
 
-FieldNearest FieldMesh::Below(int node, double cutoff, int warm) const {
+FieldNearest FieldMesh::Below(int box, double cutoff, int warm) const {
   FieldNearest best;
   best.f = cutoff;
   if (warm >= 0) AskTriangle(warm, best);
-  if (LowerBound(node) < best.f) Descend(node, best);
+  if (LowerBound(box) < best.f) Descend(box, best);
   return best;
 }
 
-void FieldMesh::Descend(int node, FieldNearest& best) const {
-  if (mesh_.IsLeaf(node)) return AskTriangle(mesh_.TriangleOf(node), best);
-  int near = mesh_.LeftChild(node), far = mesh_.RightChild(node);
-  double f_near = LowerBound(near), f_far = LowerBound(far);
-  if (f_far < f_near) {
-    std::swap(near, far);
-    std::swap(f_near, f_far);
+void FieldMesh::Descend(int box, FieldNearest& best) const {
+  if (mesh_.tree().IsLeaf(box)) return AskTriangle(mesh_.tree().TriangleOf(box), best);
+  for (const BoundedBox& child : ChildrenBelow(box, best.f)) {
+    if (child.bound < best.f) Descend(child.box, best);
   }
-  if (f_near < best.f) Descend(near, best);
-  if (f_far < best.f) Descend(far, best);
 }
 
 SignedGap FieldMesh::Gap(const FieldNearest& nearest) const {
@@ -108,19 +114,21 @@ double FieldMesh::PatchSize(double margin) const {
 void FieldMesh::Patches(double margin, double patch, const FieldNearest& first,
                         std::vector<FieldNearest>& out) const {
   std::priority_queue<Patch, std::vector<Patch>, NearestFirst> parts;
-  parts.push({first, 0});
+  parts.push({first, BoxTree::kRoot});
   int queries = 0;
   for (int found = 0; found < kMaxPatches && !parts.empty() && queries < kMaxQueries;) {
     const Patch part = parts.top();
     parts.pop();
-    if (mesh_.IsLeaf(part.node) || mesh_.HalfDiagonal(part.node) <= 0.5 * patch) {
+    const BoxTree& tree = mesh_.tree();
+    if (tree.IsLeaf(part.box) || tree.HalfDiagonal(part.box) <= 0.5 * patch) {
       out.push_back(part.nearest);
       ++found;
       continue;
     }
-    for (const int child : {mesh_.LeftChild(part.node), mesh_.RightChild(part.node)}) {
+    const int first_child = tree.FirstChild(part.box);
+    for (int child = first_child; child < first_child + tree.NumChildren(part.box); ++child) {
       FieldNearest nearest = part.nearest;
-      if (!mesh_.Holds(child, nearest.triangle)) {
+      if (!tree.Holds(child, nearest.triangle)) {
         nearest = Below(child, margin, -1);
         ++queries;
       }

@@ -44,10 +44,11 @@ class FieldMesh {
   void AppendOverlaps(std::vector<SignedGap>& out) const;
 
  private:
-  FieldNearest Below(int node, double cutoff, int warm) const;
-  void Descend(int node, FieldNearest& best) const;
+  FieldNearest Below(int box, double cutoff, int warm) const;
+  void Descend(int box, FieldNearest& best) const;
   void AskTriangle(int triangle, FieldNearest& best) const;
-  double LowerBound(int node) const;
+  double LowerBound(int box) const;
+  BoundedBoxes ChildrenBelow(int box, double cutoff) const;
   // Of each patch its least f, if below the margin.
   void Patches(double margin, double patch, const FieldNearest& first,
                std::vector<FieldNearest>& out) const;

@@ -47,6 +47,10 @@ struct BoundingSphere {
   double radius = 0.0;
 };
 
+// What is asked of an exact pair that overlaps: how deep and where, which is slow, or only that it
+// does.
+enum class Depths { kMeasured, kSkipped };
+
 struct VerifierShapes;  // verify_exact_mesh.h
 
 struct SceneTables {

@@ -25,11 +25,6 @@ const std::array<Vector3d, 8>& RayDirections() {
   return directions;
 }
 
-double DistanceToBox(const fcl::OBB<double>& box, const Vector3d& x) {
-  const Vector3d local = box.axis.transpose() * (x - box.To);
-  return (local.cwiseAbs() - box.extent).cwiseMax(0.0).norm();
-}
-
 }  // namespace
 
 Vector3d NearestOnTriangle(const Vector3d& x, const Vector3d& a, const Vector3d& b,
@@ -64,7 +59,7 @@ Solid::Solid(const Matrix3Xd& vertices, const Matrix3Xi& triangles) {
   DropFlatTriangles();
   if (triangles_.cols() == 0) throw Error("the mesh has no triangle with an area");
   FindPieces();
-  BuildTree();
+  tree_ = BoxTree(vertices_, triangles_);
   center_ = 0.5 * (vertices_.rowwise().minCoeff() + vertices_.rowwise().maxCoeff());
   radius_ = (vertices_.colwise() - center_).colwise().norm().maxCoeff();
 }
@@ -136,45 +131,31 @@ void Solid::FindPieces() {
   }
 }
 
-void Solid::BuildTree() {
-  tree_.beginModel(num_triangles(), static_cast<int>(vertices_.cols()));
-  std::vector<Vector3d> points;
-  for (Eigen::Index v = 0; v < vertices_.cols(); ++v) points.push_back(vertices_.col(v));
-  std::vector<fcl::Triangle> faces;
-  for (Eigen::Index t = 0; t < triangles_.cols(); ++t) {
-    faces.emplace_back(triangles_(0, t), triangles_(1, t), triangles_(2, t));
-  }
-  tree_.addSubModel(points, faces);
-  tree_.endModel();
-  places_.resize(num_triangles());
-  for (int node = 0; node < tree_.getNumBVs(); ++node) {
-    if (IsLeaf(node)) places_[TriangleOf(node)] = tree_.getBV(node).first_primitive;
-  }
-}
-
 SurfacePoint Solid::Nearest(const Vector3d& x, double cutoff) const {
   SurfacePoint best;
   best.distance = cutoff;
-  NearestBelow(0, x, best);
+  NearestBelow(BoxTree::kRoot, x, best);
   return best;
 }
 
-void Solid::NearestBelow(int node, const Vector3d& x, SurfacePoint& best) const {
-  if (IsLeaf(node)) {
-    const int t = TriangleOf(node);
+SurfacePoint Solid::NearestFrom(const SurfacePoint& guess, const Vector3d& x) const {
+  SurfacePoint best = guess;
+  if (guess.triangle >= 0) best.distance = (guess.p - x).norm();
+  NearestBelow(BoxTree::kRoot, x, best);
+  return best;
+}
+
+void Solid::NearestBelow(int box, const Vector3d& x, SurfacePoint& best) const {
+  if (tree_.IsLeaf(box)) {
+    const int t = tree_.TriangleOf(box);
     const Vector3d p = NearestOnTriangle(x, Corner(t, 0), Corner(t, 1), Corner(t, 2));
     const double distance = (p - x).norm();
     if (distance < best.distance) best = {distance, p, t};
     return;
   }
-  int near = LeftChild(node), far = RightChild(node);
-  double d_near = DistanceToBox(BoxOf(near).obb, x), d_far = DistanceToBox(BoxOf(far).obb, x);
-  if (d_far < d_near) {
-    std::swap(near, far);
-    std::swap(d_near, d_far);
+  for (const BoundedBox& child : tree_.ChildrenNear(box, x, best.distance)) {
+    if (child.bound < best.distance) NearestBelow(child.box, x, best);
   }
-  if (d_near < best.distance) NearestBelow(near, x, best);
-  if (d_far < best.distance) NearestBelow(far, x, best);
 }
 
 struct Solid::Ray {
@@ -184,31 +165,16 @@ struct Solid::Ray {
   std::vector<double>* crossings = nullptr;
 };
 
-void Solid::CastBelow(int node, Ray& ray) const {
+void Solid::CastBelow(int box, Ray& ray) const {
+  if (tree_.IsLeaf(box)) return CastOnTriangle(tree_.TriangleOf(box), ray);
+  for (const BoundedBox& child : tree_.ChildrenOn(box, ray.from, ray.along)) {
+    CastBelow(child.box, ray);
+  }
+}
+
+// Möller-Trumbore.
+void Solid::CastOnTriangle(int t, Ray& ray) const {
   constexpr double kEdge = 1e-9;  // barycentric
-  const fcl::OBB<double>& box = BoxOf(node).obb;
-  const Vector3d from = box.axis.transpose() * (ray.from - box.To);
-  const Vector3d along = box.axis.transpose() * ray.along;
-  const double slack = 1e-9 * (1.0 + from.cwiseAbs().maxCoeff() + along.cwiseAbs().maxCoeff());
-  double enter = 0.0, leave = 1.0;
-  for (int i = 0; i < 3; ++i) {
-    const double reach = box.extent[i] + slack;
-    if (along[i] == 0.0) {
-      if (std::abs(from[i]) > reach) return;
-      continue;
-    }
-    const double t1 = (-reach - from[i]) / along[i], t2 = (reach - from[i]) / along[i];
-    enter = std::max(enter, std::min(t1, t2));
-    leave = std::min(leave, std::max(t1, t2));
-  }
-  if (enter > leave) return;
-  if (!IsLeaf(node)) {
-    CastBelow(LeftChild(node), ray);
-    CastBelow(RightChild(node), ray);
-    return;
-  }
-  // Möller-Trumbore.
-  const int t = TriangleOf(node);
   const Vector3d a = Corner(t, 0), ab = Corner(t, 1) - a, ac = Corner(t, 2) - a;
   const Vector3d h = ray.along.cross(ac);
   const double det = ab.dot(h);
@@ -231,13 +197,13 @@ void Solid::CastBelow(int node, Ray& ray) const {
 }
 
 int Solid::Winding(const Vector3d& x) const {
-  if (!closed() || DistanceToBox(BoxOf(0).obb, x) > 0.0) return 0;
+  if (!closed() || tree_.RootDistance(x) > 0.0f) return 0;
   Ray ray;
   for (const Vector3d& direction : RayDirections()) {
     ray = Ray();
     ray.from = x;
     ray.along = (2.0 * radius_ + (x - center_).norm()) * direction;
-    CastBelow(0, ray);
+    CastBelow(BoxTree::kRoot, ray);
     if (!ray.doubtful) break;
   }
   return ray.winding;
@@ -249,7 +215,7 @@ void Solid::Crossings(const Vector3d& p, const Vector3d& q, std::vector<double>&
   ray.from = p;
   ray.along = q - p;
   ray.crossings = &out;
-  CastBelow(0, ray);
+  CastBelow(BoxTree::kRoot, ray);
   std::sort(out.begin(), out.end());
 }
 

@@ -1,26 +1,20 @@
 // A triangle mesh as collision detection sees it: a tree of bounding volumes over its triangles,
 // and whether it encloses a volume.
 //
-// The tree is FCL's BVHModel<OBBRSS>. FCL's triangle distance has an absolute threshold (areas
-// below 2e-8 count as none), so everything of this header and of those that build on it is in
-// *tree units*: kTreeUnits to the metre, a power of two, so that scaling rounds nothing.
+// FCL's triangle distance has an absolute threshold (areas below 2e-8 count as none), so everything
+// of this header and of those that build on it is in *tree units*: kTreeUnits to the metre, a power
+// of two, so that scaling rounds nothing.
 #ifndef MJCF_PDG_SRC_SOLID_H_
 #define MJCF_PDG_SRC_SOLID_H_
-
-#include <fcl/geometry/bvh/BVH_model.h>
-#include <fcl/math/bv/OBBRSS.h>
 
 #include <Eigen/Dense>
 #include <limits>
 #include <string>
 #include <vector>
 
-namespace mjcf_pdg {
+#include "box_tree.h"
 
-using Eigen::Matrix3d;
-using Eigen::Matrix3Xd;
-using Eigen::Matrix3Xi;
-using Eigen::Vector3d;
+namespace mjcf_pdg {
 
 inline constexpr double kTreeUnits = 4096.0;  // per metre
 
@@ -52,23 +46,14 @@ class Solid {
   const Vector3d& center() const { return center_; }
   double radius() const { return radius_; }  // of the sphere about center() around all vertices
 
-  // The tree; 0 is the root.
-  using Bv = fcl::OBBRSS<double>;
-  const Bv& BoxOf(int node) const { return tree_.getBV(node).bv; }
-  bool IsLeaf(int node) const { return tree_.getBV(node).isLeaf(); }
-  int LeftChild(int node) const { return tree_.getBV(node).leftChild(); }
-  int RightChild(int node) const { return tree_.getBV(node).rightChild(); }
-  int TriangleOf(int leaf) const { return tree_.getBV(leaf).primitiveId(); }
-  bool Holds(int node, int triangle) const {
-    const int place = places_[triangle] - tree_.getBV(node).first_primitive;
-    return place >= 0 && place < tree_.getBV(node).num_primitives;
-  }
-  double HalfDiagonal(int node) const { return BoxOf(node).obb.extent.norm(); }
+  const BoxTree& tree() const { return tree_; }
 
   // The nearest surface point, if it is nearer than `cutoff`; else triangle is -1 and the distance
   // is the cutoff.
   SurfacePoint Nearest(const Vector3d& x,
                        double cutoff = std::numeric_limits<double>::infinity()) const;
+  // The nearest of all; quicker if some point of the surface, `guess`, is near.
+  SurfacePoint NearestFrom(const SurfacePoint& guess, const Vector3d& x) const;
 
   // How often the oriented surface winds round x, by signed crossings of a ray; rays through edges
   // are given up for another direction. Not zero: inside. 0 for a mesh that is not closed.
@@ -84,9 +69,9 @@ class Solid {
   void Orient();
   void DropFlatTriangles();
   void FindPieces();
-  void BuildTree();
-  void NearestBelow(int node, const Vector3d& x, SurfacePoint& best) const;
-  void CastBelow(int node, Ray& ray) const;
+  void NearestBelow(int box, const Vector3d& x, SurfacePoint& best) const;
+  void CastBelow(int box, Ray& ray) const;
+  void CastOnTriangle(int triangle, Ray& ray) const;
 
   Matrix3Xd vertices_;
   Matrix3Xi triangles_;
@@ -95,8 +80,7 @@ class Solid {
   Vector3d center_ = Vector3d::Zero();
   double radius_ = 0.0;
   int open_edges_ = 0;
-  fcl::BVHModel<Bv> tree_;
-  std::vector<int> places_;  // of triangles, in the order of the tree's leaves
+  BoxTree tree_;
 };
 
 // The point of the triangle a, b, c nearest to x. Source: Ericson, Real-Time Collision Detection,

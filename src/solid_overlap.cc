@@ -29,17 +29,17 @@ class DepthSearch {
   };
 
   std::vector<Point> Run() {
-    Push(0, nullptr);
+    Push(BoxTree::kRoot, nullptr);
     for (int nodes = 0; nodes < kMaxNodes && !parts_.empty(); ++nodes) {
       const Part part = parts_.top();
       parts_.pop();
       if (part.bound <= kDeepEnough * deepest_ || part.bound <= kNoDepth) break;
-      if (from_.IsLeaf(part.node)) {
+      if (from_.tree().IsLeaf(part.box)) {
         AskTriangle(part);
-      } else {
-        Push(from_.LeftChild(part.node), &part);
-        Push(from_.RightChild(part.node), &part);
+        continue;
       }
+      const int first = from_.tree().FirstChild(part.box);
+      for (int k = 0; k < from_.tree().NumChildren(part.box); ++k) Push(first + k, &part);
     }
     return std::move(points_);
   }
@@ -47,58 +47,58 @@ class DepthSearch {
  private:
   struct Part {
     double bound = 0.0;  // no point of it is deeper
-    int node = 0;
+    int box = BoxTree::kRoot;
     Vector3d center;
-    double distance = 0.0;  // of the centre from the surface
+    SurfacePoint nearest;  // to the centre
     bool inside = false;
 
     bool operator<(const Part& other) const {
-      return std::pair(bound, -node) < std::pair(other.bound, -other.node);
+      return std::pair(bound, -box) < std::pair(other.bound, -other.box);
     }
   };
 
-  void Push(int node, const Part* parent) {
-    const fcl::OBB<double>& box = from_.BoxOf(node).obb;
+  void Push(int box, const Part* parent) {
+    const OrientedBox shape = from_.tree().BoxOf(box);
     Part part;
-    part.node = node;
-    part.center = pose_ * box.To;
-    part.distance = in_.Nearest(part.center).distance;
+    part.box = box;
+    part.center = pose_ * shape.center.cast<double>();
+    part.nearest = in_.NearestFrom(parent ? parent->nearest : SurfacePoint(), part.center);
     // No surface between the two centres: the same side.
-    const bool same_side = parent && (part.center - parent->center).norm() < parent->distance;
+    const bool same_side = parent && (part.center - parent->center).norm() < parent->nearest.distance;
     part.inside = same_side ? parent->inside : in_.Contains(part.center);
-    part.bound = box.extent.norm() + (part.inside ? part.distance : -part.distance);
+    part.bound = shape.half.norm() + (part.inside ? part.nearest.distance : -part.nearest.distance);
     if (part.bound > kNoDepth) parts_.push(part);
   }
 
   void AskTriangle(const Part& leaf) {
-    const int triangle = from_.TriangleOf(leaf.node);
+    const int triangle = from_.tree().TriangleOf(leaf.box);
     // No surface within: its points are on one side, and its edges cross nothing.
-    const bool one_side = leaf.distance > from_.HalfDiagonal(leaf.node);
+    const bool one_side = leaf.nearest.distance > from_.tree().BoxOf(leaf.box).half.norm();
     Vector3d x[3];
     for (int k = 0; k < 3; ++k) {
       x[k] = pose_ * from_.Corner(triangle, k);
-      AskPoint(x[k], triangle, one_side);
+      AskPoint(x[k], leaf, one_side);
     }
-    AskPoint((x[0] + x[1] + x[2]) / 3.0, triangle, one_side);
+    AskPoint((x[0] + x[1] + x[2]) / 3.0, leaf, one_side);
     if (one_side) return;
-    for (int k = 0; k < 3; ++k) AskEdge(x[k], x[(k + 1) % 3], triangle);
+    for (int k = 0; k < 3; ++k) AskEdge(x[k], x[(k + 1) % 3], leaf);
   }
 
-  void AskEdge(const Vector3d& p, const Vector3d& q, int triangle) {
+  void AskEdge(const Vector3d& p, const Vector3d& q, const Part& leaf) {
     in_.Crossings(p, q, crossings_);
     if (crossings_.empty()) return;
     crossings_.insert(crossings_.begin(), 0.0);
     crossings_.push_back(1.0);
     for (std::size_t i = 0; i + 1 < crossings_.size(); ++i) {
-      AskPoint(p + 0.5 * (crossings_[i] + crossings_[i + 1]) * (q - p), triangle, false);
+      AskPoint(p + 0.5 * (crossings_[i] + crossings_[i + 1]) * (q - p), leaf, false);
     }
   }
 
-  void AskPoint(const Vector3d& x, int triangle, bool known_inside) {
-    const SurfacePoint nearest = in_.Nearest(x);
+  void AskPoint(const Vector3d& x, const Part& leaf, bool known_inside) {
+    const SurfacePoint nearest = in_.NearestFrom(leaf.nearest, x);
     if (nearest.distance <= std::max(kNoDepth, kWorthARow * deepest_)) return;
     if (!known_inside && !in_.Contains(x)) return;
-    points_.push_back({nearest.distance, x, nearest.p, triangle});
+    points_.push_back({nearest.distance, x, nearest.p, from_.tree().TriangleOf(leaf.box)});
     deepest_ = std::max(deepest_, nearest.distance);
   }
 

@@ -11,8 +11,6 @@
 namespace mjcf_pdg {
 namespace {
 
-// FCL's distance of volumes uses tolerances of 1e-7 inside: taken off to stay a lower bound.
-constexpr double kBoxSlack = 1e-6;
 constexpr double kFaceLike = 0.9;         // cosine between a row's normal and a face's
 constexpr double kSameDirection = 0.999;  // cosine; nearer ones are merged
 constexpr int kMaxPatches = 48;           // pairs of patches asked
@@ -23,7 +21,7 @@ constexpr double kPatchPerMargin = 0.5, kPatchPerSize = 0.125;
 
 struct Part {
   double bound = 0.0;  // no triangles of it are nearer
-  int a = 0, b = 0;    // nodes
+  int a = BoxTree::kRoot, b = BoxTree::kRoot;
 };
 
 struct NearestFirst {
@@ -34,8 +32,27 @@ struct NearestFirst {
 
 }  // namespace
 
-double SolidPair::BoxDistance(int node_a, int node_b) const {
-  return fcl::distance(pose_.R, pose_.t, a_.BoxOf(node_a).rss, b_.BoxOf(node_b).rss) - kBoxSlack;
+SolidPair::SolidPair(const Solid& a, const Solid& b, const RelativePose& b_in_a)
+    : a_(a),
+      b_(b),
+      pose_(b_in_a),
+      R_(b_in_a.R.cast<float>()),
+      t_(b_in_a.t.cast<float>()),
+      rounding_(BoxTree::Rounding(a.tree().scale() + b.tree().scale() + t_.lpNorm<1>())) {}
+
+// Which children of one of the boxes may be nearer than `cutoff` to the other.
+BoundedBoxes SolidPair::ChildrenNear(Boxes boxes, bool of_a, double cutoff) const {
+  const float below = static_cast<float>(cutoff);
+  if (of_a) {
+    OrientedBox other = b_.tree().BoxOf(boxes.b);
+    other.center = R_ * other.center + t_;
+    other.axes = R_ * other.axes;
+    return a_.tree().ChildrenNear(boxes.a, other, below, rounding_);
+  }
+  OrientedBox other = a_.tree().BoxOf(boxes.a);
+  other.center = R_.transpose() * (other.center - t_);
+  other.axes = R_.transpose() * other.axes;
+  return b_.tree().ChildrenNear(boxes.b, other, below, rounding_);
 }
 
 NearestTriangles SolidPair::OfTriangles(int a, int b) const {
@@ -50,7 +67,7 @@ NearestTriangles SolidPair::OfTriangles(int a, int b) const {
   return near;
 }
 
-NearestTriangles SolidPair::Nearest(int node_a, int node_b, double cutoff,
+NearestTriangles SolidPair::Nearest(Boxes boxes, double cutoff,
                                     const NearestTriangles* warm) const {
   NearestTriangles best;
   if (warm && warm->a >= 0) best = OfTriangles(warm->a, warm->b);
@@ -58,33 +75,26 @@ NearestTriangles SolidPair::Nearest(int node_a, int node_b, double cutoff,
     best = NearestTriangles();
     best.distance = cutoff;
   }
-  Descend(node_a, node_b, best);
+  Descend(boxes, best);
   return best;
 }
 
-void SolidPair::Descend(int node_a, int node_b, NearestTriangles& best) const {
-  const bool leaf_a = a_.IsLeaf(node_a), leaf_b = b_.IsLeaf(node_b);
+void SolidPair::Descend(Boxes boxes, NearestTriangles& best) const {
+  const bool leaf_a = a_.tree().IsLeaf(boxes.a), leaf_b = b_.tree().IsLeaf(boxes.b);
   if (leaf_a && leaf_b) {
-    const NearestTriangles near = OfTriangles(a_.TriangleOf(node_a), b_.TriangleOf(node_b));
+    const NearestTriangles near =
+        OfTriangles(a_.tree().TriangleOf(boxes.a), b_.tree().TriangleOf(boxes.b));
     if (near.distance < best.distance) best = near;
     return;
   }
-  const bool split_a = leaf_b || (!leaf_a && a_.HalfDiagonal(node_a) > b_.HalfDiagonal(node_b));
-  std::pair<int, int> near = {node_a, node_b}, far = near;
-  if (split_a) {
-    near.first = a_.LeftChild(node_a);
-    far.first = a_.RightChild(node_a);
-  } else {
-    near.second = b_.LeftChild(node_b);
-    far.second = b_.RightChild(node_b);
+  const bool split_a =
+      leaf_b ||
+      (!leaf_a && a_.tree().HalfDiagonal(boxes.a) > b_.tree().HalfDiagonal(boxes.b));
+  for (const BoundedBox& child : ChildrenNear(boxes, split_a, best.distance)) {
+    if (!(best.distance > 0.0) || child.bound >= best.distance) return;
+    (split_a ? boxes.a : boxes.b) = child.box;
+    Descend(boxes, best);
   }
-  double d_near = BoxDistance(near.first, near.second), d_far = BoxDistance(far.first, far.second);
-  if (d_far < d_near) {
-    std::swap(near, far);
-    std::swap(d_near, d_far);
-  }
-  if (best.distance > 0.0 && d_near < best.distance) Descend(near.first, near.second, best);
-  if (best.distance > 0.0 && d_far < best.distance) Descend(far.first, far.second, best);
 }
 
 Vector3d SolidPair::Normal(const NearestTriangles& near) const {
@@ -98,35 +108,35 @@ Vector3d SolidPair::Normal(const NearestTriangles& near) const {
 // for their nearest triangles.
 void SolidPair::Patches(double margin, double patch, std::vector<NearestTriangles>& out) const {
   std::priority_queue<Part, std::vector<Part>, NearestFirst> parts;
-  parts.push({BoxDistance(0, 0), 0, 0});
-  auto is_patch = [patch](const Solid& solid, int node) {
-    return solid.IsLeaf(node) || solid.HalfDiagonal(node) <= 0.5 * patch;
+  parts.push({});
+  auto is_patch = [patch](const BoxTree& tree, int box) {
+    return tree.IsLeaf(box) || tree.HalfDiagonal(box) <= 0.5 * patch;
   };
   std::map<int, int> answers_a, answers_b;  // by patch: none is asked again and again
   int asked = 0;
   for (int looked_at = 0; looked_at < kMaxParts && asked < kMaxPatches; ++looked_at) {
-    if (parts.empty() || parts.top().bound >= margin) return;
+    if (parts.empty()) return;
     const Part part = parts.top();
     parts.pop();
-    const bool patch_a = is_patch(a_, part.a), patch_b = is_patch(b_, part.b);
+    const bool patch_a = is_patch(a_.tree(), part.a), patch_b = is_patch(b_.tree(), part.b);
     if (patch_a && patch_b) {
       const bool known = answers_a[part.a] >= kPerPatch && answers_b[part.b] >= kPerPatch;
       if (known) continue;
       ++answers_a[part.a];
       ++answers_b[part.b];
       ++asked;
-      const NearestTriangles near = Nearest(part.a, part.b, margin, nullptr);
+      const NearestTriangles near = Nearest({part.a, part.b}, margin, nullptr);
       if (near.a >= 0 && near.distance > kTouching) out.push_back(near);
       continue;
     }
-    const bool split_a = patch_b || (!patch_a && a_.HalfDiagonal(part.a) > b_.HalfDiagonal(part.b));
-    const Solid& split = split_a ? a_ : b_;
-    const int node = split_a ? part.a : part.b;
-    for (const int child : {split.LeftChild(node), split.RightChild(node)}) {
+    const bool split_a =
+        patch_b ||
+        (!patch_a && a_.tree().HalfDiagonal(part.a) > b_.tree().HalfDiagonal(part.b));
+    for (const BoundedBox& child : ChildrenNear({part.a, part.b}, split_a, margin)) {
       Part half = part;
-      (split_a ? half.a : half.b) = child;
-      half.bound = BoxDistance(half.a, half.b);
-      if (half.bound < margin) parts.push(half);
+      (split_a ? half.a : half.b) = child.box;
+      half.bound = child.bound;
+      parts.push(half);
     }
   }
 }

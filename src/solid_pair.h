@@ -1,8 +1,7 @@
 // Two triangle meshes: their nearest triangles, and all features within a margin.
 //
-// Our own traversals over FCL's trees with FCL's distances of volumes and triangles, because FCL's
-// public queries have no early out at a cutoff, no warm start and no margin. Tree units (solid.h);
-// everything in the frame of mesh a.
+// Our own traversals, because FCL's have no early out at a cutoff, no warm start and no margin, with
+// FCL's distance of triangles. Tree units (solid.h); everything in the frame of mesh a.
 #ifndef MJCF_PDG_SRC_SOLID_PAIR_H_
 #define MJCF_PDG_SRC_SOLID_PAIR_H_
 
@@ -31,8 +30,7 @@ struct RelativePose {
 
 class SolidPair {
  public:
-  SolidPair(const Solid& a, const Solid& b, const RelativePose& b_in_a)
-      : a_(a), b_(b), pose_(b_in_a) {}
+  SolidPair(const Solid& a, const Solid& b, const RelativePose& b_in_a);
 
   const Solid& a() const { return a_; }
   const Solid& b() const { return b_; }
@@ -40,7 +38,7 @@ class SolidPair {
 
   // Below `cutoff`, or a == b == -1. `warm`: triangles that were nearest before, or null.
   NearestTriangles Nearest(double cutoff, const NearestTriangles* warm = nullptr) const {
-    return Nearest(0, 0, cutoff, warm);
+    return Nearest({BoxTree::kRoot, BoxTree::kRoot}, cutoff, warm);
   }
   // Some triangles intersect.
   bool Intersects() const { return Nearest(kTouching).a >= 0; }
@@ -62,16 +60,21 @@ class SolidPair {
   static constexpr int kMaxFeatures = 16;
 
  private:
-  NearestTriangles Nearest(int node_a, int node_b, double cutoff,
-                           const NearestTriangles* warm) const;
-  void Descend(int node_a, int node_b, NearestTriangles& best) const;
-  double BoxDistance(int node_a, int node_b) const;
+  struct Boxes {
+    int a = BoxTree::kRoot, b = BoxTree::kRoot;
+  };
+  NearestTriangles Nearest(Boxes boxes, double cutoff, const NearestTriangles* warm) const;
+  void Descend(Boxes boxes, NearestTriangles& best) const;
+  BoundedBoxes ChildrenNear(Boxes boxes, bool of_a, double cutoff) const;
   void Patches(double margin, double patch, std::vector<NearestTriangles>& out) const;
   bool BoundsMotion(const NearestTriangles& near) const;
 
   const Solid& a_;
   const Solid& b_;
   RelativePose pose_;
+  Matrix3f R_;  // pose_
+  Vector3f t_;
+  float rounding_;  // of bounds
 };
 
 }  // namespace mjcf_pdg

@@ -71,6 +71,8 @@ Contact ToContact(const SceneTables& tables, const NearPair& near) {
   return contact;
 }
 
+bool Deeper(const Contact& a, const Contact& b) { return a.distance < b.distance; }
+
 }  // namespace
 
 struct Solver::Impl {
@@ -97,6 +99,7 @@ struct Solver::Impl {
   void FillUnsolved(const SearchOutcome& outcome, const std::vector<double>& q_in, Result& result);
   void Repair(const std::vector<double>& q_in, std::optional<VectorXd> hint, Result& result);
   void FillContacts(Result& result);
+  void DeepenContactsIn(const std::vector<NearPair>& overlaps, Result& result) const;
 
   Scene scene;
   Options options;
@@ -170,7 +173,7 @@ SearchOutcome Solver::Impl::Run(const std::vector<NearPair>& overlaps,
 
 bool Solver::Impl::Accept(const Candidate& candidate, const std::vector<double>& q_in,
                           Result& result) {
-  const Verdict& verdict = verifier.Check(ToStd(candidate.q), &q_in);
+  const Verdict& verdict = verifier.Check(ToStd(candidate.q), &q_in, Depths::kSkipped);
   if (!verdict.free) return false;
   result.status = Status::kSolved;
   result.q = ToStd(candidate.q);
@@ -229,12 +232,27 @@ void Solver::Impl::FillUnsolved(const SearchOutcome& outcome, const std::vector<
 void Solver::Impl::Repair(const std::vector<double>& q_in, std::optional<VectorXd> hint,
                           Result& result) {
   const std::vector<NearPair> overlaps = Overlaps();
+  DeepenContactsIn(overlaps, result);
   result.sigma_lower_bound = SigmaLowerBound(problem, overlaps);
   SearchOutcome outcome;
   if (!FrozenOverlap(overlaps)) outcome = Run(overlaps, std::move(hint));
   if (!AcceptBest(outcome, q_in, result)) FillUnsolved(outcome, q_in, result);
   result.stats.iterations = outcome.iterations;
   result.stats.starts = outcome.starts;
+}
+
+// The verifier was not asked how deep exact pairs overlap at q_in.
+void Solver::Impl::DeepenContactsIn(const std::vector<NearPair>& overlaps, Result& result) const {
+  for (Contact& contact : result.contacts_in) {
+    for (const NearPair& near : overlaps) {
+      const KeptPair& pair = scene.tables().pairs[near.pair];
+      const bool same = contact.geom == std::array<int, 2>{pair.geom1, pair.geom2};
+      if (!same || !pair.exact || near.distance >= contact.distance) continue;
+      contact = ToContact(scene.tables(), near);
+      result.depth_in = std::min(result.depth_in, near.distance);
+    }
+  }
+  std::stable_sort(result.contacts_in.begin(), result.contacts_in.end(), Deeper);
 }
 
 void Solver::Impl::FillContacts(Result& result) {
@@ -245,8 +263,7 @@ void Solver::Impl::FillContacts(Result& result) {
       result.contacts.push_back(ToContact(scene.tables(), near));
     }
   }
-  auto deeper = [](const Contact& a, const Contact& b) { return a.distance < b.distance; };
-  std::stable_sort(result.contacts.begin(), result.contacts.end(), deeper);
+  std::stable_sort(result.contacts.begin(), result.contacts.end(), Deeper);
 }
 
 Solver::Solver(const Scene& scene, const Options& options) {
@@ -276,7 +293,7 @@ Result Solver::Solve(const std::vector<double>& q_in,
   const int lcp_before = impl_->search.lcp_steps() + impl_->paper.sweeps();
 
   Result result;
-  const Verdict& at_start = impl_->verifier.Check(q_in, &q_in);
+  const Verdict& at_start = impl_->verifier.Check(q_in, &q_in, Depths::kSkipped);
   result.depth_in = at_start.min_distance;
   if (at_start.free) {
     result.status = Status::kAlreadyFree;

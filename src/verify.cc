@@ -118,7 +118,7 @@ void Verifier::UpdateRest(const std::vector<double>& q_in) {
   }
   rest_q_in_ = q_in;
   if (q_in.empty()) return;
-  Measure(q_in);
+  Measure(q_in, Depths::kMeasured);
   for (std::size_t i = 0; i < required_.size(); ++i) {
     const Reading& reading = readings_[i];
     double d_in = reading.signed_distance;
@@ -129,7 +129,7 @@ void Verifier::UpdateRest(const std::vector<double>& q_in) {
   }
 }
 
-void Verifier::Measure(const std::vector<double>& q) {
+void Verifier::Measure(const std::vector<double>& q, Depths depths) {
   posed_.Pose(Eigen::Map<const VectorXd>(q.data(), static_cast<Eigen::Index>(q.size())));
   for (Reading& reading : readings_) {
     reading.signed_distance = kInfinity;
@@ -137,7 +137,7 @@ void Verifier::Measure(const std::vector<double>& q) {
   }
   verdict_.min_distance = kFar;
   AskCollision();
-  AskDistances();
+  AskDistances(depths);
 }
 
 // Witness 1. MuJoCo reports a full arena by a warning alone, and drops contacts.
@@ -164,7 +164,7 @@ void Verifier::AskCollision() {
 
 // Witness 2. Pairs in the order of their bounds: once a bound exceeds all that matters, we are
 // done.
-void Verifier::AskDistances() {
+void Verifier::AskDistances(Depths depths) {
   const double matters = tolerance_ + clearance_;
   order_.clear();
   for (int i = 0; i < static_cast<int>(tables_.pairs.size()); ++i) {
@@ -179,7 +179,7 @@ void Verifier::AskDistances() {
     const KeptPair& pair = tables_.pairs[i];
     if (BoxBound(pair) > cutoff) continue;
     Reading& reading = readings_[i];
-    const double distance = SignedDistance(pair, cutoff, reading.fromto);
+    const double distance = SignedDistance(pair, cutoff, depths, reading.fromto);
     if (distance >= cutoff) continue;
     reading.signed_distance = std::isnan(distance) ? -kInfinity : distance;
     verdict_.min_distance = std::min(verdict_.min_distance, reading.signed_distance);
@@ -224,10 +224,11 @@ double Verifier::BoxBound(const KeptPair& pair) const {
   return bound;
 }
 
-double Verifier::SignedDistance(const KeptPair& pair, double cutoff, double fromto[6]) {
+double Verifier::SignedDistance(const KeptPair& pair, double cutoff, Depths depths,
+                                double fromto[6]) {
   if (pair.exact) {
     const double permitted = tolerance_ + rest_ + kRestRounding + pair.allowed;
-    return exact_.Distance(posed_, pair, cutoff, permitted, fromto);
+    return exact_.Distance(posed_, pair, cutoff, permitted, depths, fromto);
   }
   if (model_.geom_type[pair.geom1] == mjGEOM_CAPSULE &&
       model_.geom_type[pair.geom2] == mjGEOM_BOX) {
@@ -311,7 +312,8 @@ void Verifier::CheckLimits(const std::vector<double>& q) {
   }
 }
 
-const Verdict& Verifier::Check(const std::vector<double>& q, const std::vector<double>* q_in) {
+const Verdict& Verifier::Check(const std::vector<double>& q, const std::vector<double>* q_in,
+                               Depths depths) {
   const bool rests = rest_ > 0.0 && q_in != nullptr;
   if (rests ? rest_q_in_ != *q_in : !rest_q_in_.empty()) {
     UpdateRest(rests ? *q_in : std::vector<double>());
@@ -325,7 +327,7 @@ const Verdict& Verifier::Check(const std::vector<double>& q, const std::vector<d
     verdict_.reason = "the configuration is not a number";
     return verdict_;
   }
-  Measure(q);
+  Measure(q, depths);
   for (std::size_t i = 0; i < readings_.size(); ++i) JudgePair(static_cast<int>(i));
   JudgeStrangers();
   CheckLimits(q);

@@ -37,7 +37,8 @@ class Verifier {
 
   // Is q free? `q_in` is what `rest` refers to; without it nothing rests. Both have nq entries. The
   // verdict is ours until the next call. Allocates only to name contacts and reasons.
-  const Verdict& Check(const std::vector<double>& q, const std::vector<double>* q_in = nullptr);
+  const Verdict& Check(const std::vector<double>& q, const std::vector<double>* q_in = nullptr,
+                       Depths depths = Depths::kMeasured);
 
  private:
   struct Reading {                 // per kept pair
@@ -50,12 +51,12 @@ class Verifier {
   void IndexPairs();
   int PairIndex(int geom1, int geom2) const;  // -1 when the pair is not kept
   void UpdateRest(const std::vector<double>& q_in);
-  void Measure(const std::vector<double>& q);
+  void Measure(const std::vector<double>& q, Depths depths);
   void AskCollision();
-  void AskDistances();
+  void AskDistances(Depths depths);
   double SphereBound(const KeptPair& pair) const;
   double BoxBound(const KeptPair& pair) const;
-  double SignedDistance(const KeptPair& pair, double cutoff, double fromto[6]);
+  double SignedDistance(const KeptPair& pair, double cutoff, Depths depths, double fromto[6]);
   void JudgePair(int pair);
   void JudgeStrangers();
   void CheckLimits(const std::vector<double>& q);

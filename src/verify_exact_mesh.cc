@@ -23,7 +23,8 @@ using Bvh = fcl::BVHModel<fcl::OBBRSS<double>>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMillimetres = 1e3;  // FCL's thresholds are absolute: it works in millimetres
-constexpr std::size_t kMaxTrianglePairs = 100000;
+constexpr int kMaxTrianglePairs = 100000;
+constexpr int kFewPairs = 4;  // of triangles, to tell an overlap
 constexpr double kUnmeasured = 1e-3;  // depth of more crossings than that, at least [m]
 // Triangles of each mesh asked for their depth: a few first, which tell most overlaps.
 constexpr int kFewAsked = 30, kAllAsked = 200;
@@ -102,10 +103,17 @@ struct ExactVerifier::Asked {
   const KeptPair& pair;
   const VerifierShape *first, *second;
   double enough;
+  Depths depths;
   double* fromto;
 
   Matrix3d R(int geom) const { return AsMatrix(posed.data()->geom_xmat + 9 * geom); }
   Vector3d Origin(int geom) const { return AsVector(posed.data()->geom_xpos + 3 * geom); }
+  fcl::Transform3<double> FclPose(int geom) const {
+    fcl::Transform3<double> pose;
+    pose.linear() = R(geom);
+    pose.translation() = kMillimetres * Origin(geom);
+    return pose;
+  }
   void Witness(const Vector3d& p1_W, const Vector3d& p2_W) const {
     Eigen::Map<Vector3d>(fromto, 3) = p1_W;
     Eigen::Map<Vector3d>(fromto + 3, 3) = p2_W;
@@ -218,10 +226,10 @@ double VerifierShape::DepthOf(const PosedModel& posed, int geom, const Vector3d&
 }
 
 double ExactVerifier::Distance(const PosedModel& posed, const KeptPair& pair, double cutoff,
-                               double enough, double fromto[6]) const {
+                               double enough, Depths depths, double fromto[6]) const {
   const Asked asked{
       posed,  pair,  shapes_->of_geom[pair.geom1].get(), shapes_->of_geom[pair.geom2].get(),
-      enough, fromto};
+      enough, depths, fromto};
   return asked.first ? SolidDistance(asked, cutoff) : RoundDistance(asked, cutoff);
 }
 
@@ -274,18 +282,16 @@ double ExactVerifier::CommonPoint(const Asked& asked) const {
   return deepest;
 }
 
-double ExactVerifier::SolidDistance(const Asked& asked, double cutoff) const {
-  fcl::Transform3<double> pose1, pose2;
+// The largest of the least moves that part two of the triangles that intersect, of the first `most`
+// pairs, negative [m]; 1 if none intersect.
+double ExactVerifier::CrossingTriangles(const Asked& asked, int most) const {
   const int g1 = asked.pair.geom1, g2 = asked.pair.geom2;
   const Matrix3d R1 = asked.R(g1), R2 = asked.R(g2);
-  pose1.linear() = R1;
-  pose1.translation() = kMillimetres * asked.Origin(g1);
-  pose2.linear() = R2;
-  pose2.translation() = kMillimetres * asked.Origin(g2);
-  const Bvh *tree1 = asked.first->tree.get(), *tree2 = asked.second->tree.get();
-  fcl::CollisionRequest<double> request(kMaxTrianglePairs);
+  fcl::CollisionRequest<double> request(most);
   fcl::CollisionResult<double> hits;
-  fcl::collide(tree1, pose1, tree2, pose2, request, hits);
+  fcl::collide(asked.first->tree.get(), asked.FclPose(g1), asked.second->tree.get(),
+               asked.FclPose(g2), request, hits);
+  if (!hits.isCollision()) return 1.0;
   double overlap = 0.0;
   for (std::size_t k = 0; k < hits.numContacts(); ++k) {
     std::array<Vector3d, 3> s, t;
@@ -300,25 +306,38 @@ double ExactVerifier::SolidDistance(const Asked& asked, double cutoff) const {
     const Vector3d middle = (s[0] + s[1] + s[2] + t[0] + t[1] + t[2]) / 6.0;
     asked.Witness(middle + 0.5 * move * n, middle - 0.5 * move * n);
   }
-  if (hits.numContacts() >= kMaxTrianglePairs) overlap = std::max(overlap, kUnmeasured);
-  if (hits.isCollision()) {
-    double by_triangles[6];
-    std::copy(asked.fromto, asked.fromto + 6, by_triangles);
-    const double at_a_few = Deepest(asked, kFewAsked);
-    if (at_a_few < -std::max(overlap, asked.enough)) return at_a_few;
-    const double deepest = Deepest(asked, kAllAsked);
-    if (deepest < -overlap) return deepest;
-    const double common = CommonPoint(asked);
-    if (common < -overlap) return common;
-    std::copy(by_triangles, by_triangles + 6, asked.fromto);
-    return -overlap;
+  if (hits.numContacts() >= std::size_t{kMaxTrianglePairs}) overlap = std::max(overlap, kUnmeasured);
+  return -overlap;
+}
+
+// Triangles intersect: how deep, negative [m].
+double ExactVerifier::SolidOverlap(const Asked& asked) const {
+  const double by_triangles = CrossingTriangles(asked, kMaxTrianglePairs);
+  double witness[6];
+  std::copy(asked.fromto, asked.fromto + 6, witness);
+  const double at_a_few = Deepest(asked, kFewAsked);
+  if (at_a_few < std::min(by_triangles, -asked.enough)) return at_a_few;
+  const double deepest = Deepest(asked, kAllAsked);
+  if (deepest < by_triangles) return deepest;
+  const double common = CommonPoint(asked);
+  if (common < by_triangles) return common;
+  std::copy(witness, witness + 6, asked.fromto);
+  return by_triangles;
+}
+
+double ExactVerifier::SolidDistance(const Asked& asked, double cutoff) const {
+  const double crossing = CrossingTriangles(asked, kFewPairs);
+  if (crossing <= 0.0) {
+    const bool told = asked.depths == Depths::kSkipped && crossing < -asked.enough;
+    return told ? crossing : SolidOverlap(asked);
   }
   const double inside = Deepest(asked, 0);
   if (inside < 0.0) return inside;
   fcl::DistanceRequest<double> wish(true);
   fcl::DistanceResult<double> nearest;
   nearest.min_distance = kMillimetres * cutoff;
-  fcl::distance(tree1, pose1, tree2, pose2, wish, nearest);
+  fcl::distance(asked.first->tree.get(), asked.FclPose(asked.pair.geom1), asked.second->tree.get(),
+                asked.FclPose(asked.pair.geom2), wish, nearest);
   if (nearest.b1 < 0) return kInfinity;
   asked.Witness(nearest.nearest_points[0] / kMillimetres, nearest.nearest_points[1] / kMillimetres);
   return nearest.min_distance / kMillimetres;

@@ -25,15 +25,18 @@ class ExactVerifier {
   explicit ExactVerifier(const SceneTables& tables) : shapes_(tables.verifier_shapes) {}
 
   // Signed distance of an exact pair [m] at the pose, below `cutoff`; infinite if it is not. Once
-  // an overlap is found deeper than `enough` [m], how deep it is at other places is not asked.
-  // `fromto`: the points on geom 1 and geom 2.
+  // an overlap is found deeper than `enough` [m], how deep it is at other places is not asked; with
+  // skipped depths, no more than some triangles that cross. `fromto`: the points on geom 1 and
+  // geom 2.
   double Distance(const PosedModel& posed, const KeptPair& pair, double cutoff, double enough,
-                  double fromto[6]) const;
+                  Depths depths, double fromto[6]) const;
 
  private:
   struct Asked;
   struct Side;
   double SolidDistance(const Asked& asked, double cutoff) const;
+  double SolidOverlap(const Asked& asked) const;
+  double CrossingTriangles(const Asked& asked, int most) const;
   double RoundDistance(const Asked& asked, double cutoff) const;
   double Deepest(const Asked& asked, int triangles) const;
   double CommonPoint(const Asked& asked) const;

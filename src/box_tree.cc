@@ -1,0 +1,207 @@
+#include "box_tree.h"
+
+#include <fcl/geometry/bvh/BVH_model.h>
+#include <fcl/math/bv/OBB.h>
+
+#include <array>
+
+namespace mjcf_pdg {
+namespace {
+
+constexpr float kRoundingOfParameter = 1e-6f;  // in [0, 1]
+
+using Bvh = fcl::BVHModel<fcl::OBB<double>>;
+
+Bvh BuildBvh(const Matrix3Xd& vertices, const Matrix3Xi& triangles) {
+  Bvh tree;
+  tree.beginModel(static_cast<int>(triangles.cols()), static_cast<int>(vertices.cols()));
+  std::vector<Vector3d> points;
+  for (Eigen::Index v = 0; v < vertices.cols(); ++v) points.push_back(vertices.col(v));
+  std::vector<fcl::Triangle> faces;
+  for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
+    faces.emplace_back(triangles(0, t), triangles(1, t), triangles(2, t));
+  }
+  tree.addSubModel(points, faces);
+  tree.endModel();
+  return tree;
+}
+
+}  // namespace
+
+// Collapses FCL's binary tree: four descendants of a node make a group.
+struct BoxTree::Builder {
+  const Bvh& bvh;
+  BoxTree& tree;
+
+  void Fill(int group, int lane, int node) {
+    const fcl::BVNode<fcl::OBB<double>>& from = bvh.getBV(node);
+    const fcl::OBB<double>& box = from.bv;
+    Group& to = tree.groups_[group];
+    // What rounding the centre and the directions to floats may leave outside.
+    const double slack = 2e-7 * (box.extent.norm() + box.To.norm());
+    for (int i = 0; i < 3; ++i) {
+      to.center[i][lane] = static_cast<float>(box.To[i]);
+      to.half[i][lane] = static_cast<float>((1.0 + 1e-7) * box.extent[i] + slack);
+      for (int k = 0; k < 3; ++k) to.axes[i][k][lane] = static_cast<float>(box.axis(k, i));
+    }
+    to.half_diagonal[lane] = static_cast<float>(box.extent.norm());
+    to.first[lane] = from.first_primitive;
+    to.count[lane] = from.num_primitives;
+    to.child[lane] = from.isLeaf() ? ~from.primitiveId() : 0;
+    if (from.isLeaf()) tree.places_[from.primitiveId()] = from.first_primitive;
+  }
+
+  // Both children; the largest of what there is gives way to its own until there are four.
+  void AddChildren(int group, int lane, int node) {
+    std::array<int, 4> nodes = {bvh.getBV(node).leftChild(), bvh.getBV(node).rightChild()};
+    int size = 2;
+    while (size < 4) {
+      int largest = -1;
+      for (int k = 0; k < size; ++k) {
+        if (bvh.getBV(nodes[k]).isLeaf()) continue;
+        if (largest < 0 || Size(nodes[k]) > Size(nodes[largest])) largest = k;
+      }
+      if (largest < 0) break;
+      nodes[size++] = bvh.getBV(nodes[largest]).rightChild();
+      nodes[largest] = bvh.getBV(nodes[largest]).leftChild();
+    }
+    const int below = Add(size);
+    tree.groups_[group].child[lane] = below;
+    for (int k = 0; k < size; ++k) Fill(below, k, nodes[k]);
+    for (int k = 0; k < size; ++k) {
+      if (!bvh.getBV(nodes[k]).isLeaf()) AddChildren(below, k, nodes[k]);
+    }
+  }
+
+  double Size(int node) const { return bvh.getBV(node).bv.extent.squaredNorm(); }
+
+  // Lanes that are not used are never looked at, but computed with.
+  int Add(int size) {
+    Group group;
+    for (int i = 0; i < 3; ++i) {
+      group.center[i] = group.half[i] = Lanes::Zero();
+      for (int k = 0; k < 3; ++k) group.axes[i][k] = Lanes::Zero();
+    }
+    group.half_diagonal = Lanes::Zero();
+    for (int k = 0; k < 4; ++k) group.child[k] = group.first[k] = group.count[k] = 0;
+    group.size = size;
+    tree.groups_.push_back(group);
+    return static_cast<int>(tree.groups_.size()) - 1;
+  }
+};
+
+BoxTree::BoxTree(const Matrix3Xd& vertices, const Matrix3Xi& triangles)
+    : places_(triangles.cols()),
+      scale_(static_cast<float>(std::sqrt(vertices.colwise().squaredNorm().maxCoeff()))) {
+  const Bvh bvh = BuildBvh(vertices, triangles);
+  groups_.reserve(triangles.cols() / 2 + 1);
+  Builder builder{bvh, *this};
+  builder.Add(1);
+  builder.Fill(0, 0, 0);
+  if (!bvh.getBV(0).isLeaf()) builder.AddChildren(0, 0, 0);
+  groups_.shrink_to_fit();
+}
+
+OrientedBox BoxTree::BoxOf(int box) const {
+  const Group& group = GroupOf(box);
+  const int lane = box % 4;
+  OrientedBox out;
+  for (int i = 0; i < 3; ++i) {
+    out.center[i] = group.center[i][lane];
+    out.half[i] = group.half[i][lane];
+    for (int k = 0; k < 3; ++k) out.axes(k, i) = group.axes[i][k][lane];
+  }
+  return out;
+}
+
+// Along the axes of either box the other is an interval; what lies between, along all three, is a
+// distance that no two points are nearer than.
+BoundedBoxes BoxTree::ChildrenNear(int box, const OrientedBox& other, float cutoff,
+                                   float rounding) const {
+  const int index = GroupOf(box).child[box % 4];
+  const Group& group = groups_[index];
+  Lanes d[3], reach_on_other[3], squared = Lanes::Zero(), squared_other = Lanes::Zero();
+  for (int k = 0; k < 3; ++k) {
+    d[k] = group.center[k] - other.center[k];
+    reach_on_other[k] = Lanes::Constant(other.half[k]);
+  }
+  for (int i = 0; i < 3; ++i) {
+    const Lanes* axis = group.axes[i];
+    Lanes reach = group.half[i];
+    for (int k = 0; k < 3; ++k) {
+      const Lanes cosine = (axis[0] * other.axes(0, k) + axis[1] * other.axes(1, k) +
+                            axis[2] * other.axes(2, k))
+                               .abs();
+      reach += cosine * other.half[k];
+      reach_on_other[k] += cosine * group.half[i];
+    }
+    const Lanes apart = (axis[0] * d[0] + axis[1] * d[1] + axis[2] * d[2]).abs() - reach;
+    squared += apart.max(0.0f).square();
+  }
+  for (int k = 0; k < 3; ++k) {
+    const Lanes along =
+        d[0] * other.axes(0, k) + d[1] * other.axes(1, k) + d[2] * other.axes(2, k);
+    squared_other += (along.abs() - reach_on_other[k]).max(0.0f).square();
+  }
+  const Lanes bounds = squared.max(squared_other).sqrt() - rounding;
+  BoundedBoxes out;
+  for (int k = 0; k < group.size; ++k) {
+    if (bounds[k] < cutoff) out.Insert({bounds[k], 4 * index + k});
+  }
+  return out;
+}
+
+BoxTree::Lanes BoxTree::Distances(const Group& group, const Vector3f& x) const {
+  const Lanes d[3] = {x[0] - group.center[0], x[1] - group.center[1], x[2] - group.center[2]};
+  Lanes squared = Lanes::Zero();
+  for (int i = 0; i < 3; ++i) {
+    const Lanes* axis = group.axes[i];
+    const Lanes along = axis[0] * d[0] + axis[1] * d[1] + axis[2] * d[2];
+    squared += (along.abs() - group.half[i]).max(0.0f).square();
+  }
+  return squared.sqrt() - Rounding(scale_ + x.lpNorm<1>());
+}
+
+BoundedBoxes BoxTree::ChildrenNear(int box, const Vector3d& x, double cutoff) const {
+  const int index = GroupOf(box).child[box % 4];
+  const Group& group = groups_[index];
+  const Lanes bounds = Distances(group, x.cast<float>());
+  BoundedBoxes out;
+  for (int k = 0; k < group.size; ++k) {
+    if (bounds[k] < cutoff) out.Insert({bounds[k], 4 * index + k});
+  }
+  return out;
+}
+
+float BoxTree::RootDistance(const Vector3d& x) const {
+  return Distances(groups_[0], x.cast<float>())[0];
+}
+
+// The segment along each direction of a box: the part within the slab.
+BoundedBoxes BoxTree::ChildrenOn(int box, const Vector3d& p, const Vector3d& along) const {
+  const int index = GroupOf(box).child[box % 4];
+  const Group& group = groups_[index];
+  const Vector3f from = p.cast<float>(), way = along.cast<float>();
+  const float rounding = Rounding(scale_ + from.lpNorm<1>() + way.lpNorm<1>());
+  const Lanes d[3] = {from[0] - group.center[0], from[1] - group.center[1],
+                      from[2] - group.center[2]};
+  Lanes enter = Lanes::Zero(), leave = Lanes::Ones();
+  for (int i = 0; i < 3; ++i) {
+    const Lanes* axis = group.axes[i];
+    const Lanes start = axis[0] * d[0] + axis[1] * d[1] + axis[2] * d[2];
+    const Lanes step = axis[0] * way[0] + axis[1] * way[1] + axis[2] * way[2];
+    const Lanes reach = group.half[i] + rounding;
+    // Along the slab: in it from start to end, or never. The quotient of a tiny step is large.
+    const Lanes safe = (step.abs() < 1e-30f).select(1e-30f, step);
+    const Lanes t1 = (-reach - start) / safe, t2 = (reach - start) / safe;
+    enter = enter.max(t1.min(t2));
+    leave = leave.min(t1.max(t2));
+  }
+  BoundedBoxes out;
+  for (int k = 0; k < group.size; ++k) {
+    if (enter[k] <= leave[k] + kRoundingOfParameter) out.Insert({enter[k], 4 * index + k});
+  }
+  return out;
+}
+
+}  // namespace mjcf_pdg
