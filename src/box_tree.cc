@@ -48,7 +48,9 @@ struct BoxTree::Builder {
     to.first[lane] = from.first_primitive;
     to.count[lane] = from.num_primitives;
     to.child[lane] = from.isLeaf() ? ~from.primitiveId() : 0;
-    if (from.isLeaf()) tree.places_[from.primitiveId()] = from.first_primitive;
+    if (!from.isLeaf()) return;
+    tree.places_[from.primitiveId()] = from.first_primitive;
+    tree.order_[from.first_primitive] = from.primitiveId();
   }
 
   // Both children; the largest of what there is gives way to its own until there are four.
@@ -91,7 +93,8 @@ struct BoxTree::Builder {
 };
 
 BoxTree::BoxTree(const Matrix3Xd& vertices, const Matrix3Xi& triangles)
-    : places_(triangles.cols()),
+    : order_(triangles.cols()),
+      places_(triangles.cols()),
       scale_(static_cast<float>(std::sqrt(vertices.colwise().squaredNorm().maxCoeff()))) {
   const Bvh bvh = BuildBvh(vertices, triangles);
   groups_.reserve(triangles.cols() / 2 + 1);

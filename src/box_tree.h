@@ -63,6 +63,10 @@ class BoxTree {
     const int place = places_[triangle] - GroupOf(box).first[box % 4];
     return place >= 0 && place < GroupOf(box).count[box % 4];
   }
+  // One of the triangles below the box, from the middle of their order.
+  int MiddleTriangle(int box) const {
+    return order_[GroupOf(box).first[box % 4] + GroupOf(box).count[box % 4] / 2];
+  }
   OrientedBox BoxOf(int box) const;
   float HalfDiagonal(int box) const { return GroupOf(box).half_diagonal[box % 4]; }
 
@@ -97,7 +101,8 @@ class BoxTree {
   Lanes Distances(const Group& group, const Vector3f& x) const;
 
   std::vector<Group> groups_;
-  std::vector<int> places_;  // of triangles, in the order of the leaves
+  std::vector<int> order_;   // the triangles in the order of the leaves
+  std::vector<int> places_;  // of triangles in it
   float scale_ = 0.0f;
 };
 

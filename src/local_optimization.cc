@@ -22,6 +22,9 @@ constexpr double kLeastRadius = 1e-7;  // [m]
 // Margins within which pairs get rows, in units of the scene's size; later 1.5 times the step.
 constexpr double kFirstMargin = 0.25, kLeastMargin = 0.02, kLargestMargin = 0.5;
 constexpr double kUnseenOverlap = 1e-3;  // counted for an overlap of unknown depth [size]
+constexpr int kBisections = 4;           // of a step that ends in an overlap
+constexpr double kWorthAStep = 0.1;      // the least free part of it that is taken
+constexpr int kLastChances = 4;          // steps without a lower σ of exact meshes
 constexpr int kKeysPerPair = 32;         // for rows of one pair
 constexpr double kLimitReach = 0.5;      // joint limits farther than this get no row [rad or m]
 
@@ -185,6 +188,24 @@ void LocalOptimization::Keep(const Iterate& it, LocalResult& result) const {
   }
 }
 
+// Exact meshes: a step from a free configuration that ends in an overlap is cut to its longest free
+// part, if that is worth a step, as in contact-space projection (Alg. 2). Triangles that cross tell
+// little, those that nearly touch there bound the next step.
+void LocalOptimization::StayFree(const Iterate& current) {
+  if (problem_.Free(next_)) return;
+  double free = 0.0, overlapping = 1.0;
+  VectorXd q;
+  for (int k = 0; k < kBisections; ++k) {
+    const double t = 0.5 * (free + overlapping);
+    problem_.norm.Retract(current.q, t * dq_, q);
+    ClampToLimits(problem_.tables, q);
+    (problem_.Free(q) ? free : overlapping) = t;
+  }
+  if (free < kWorthAStep) return;
+  problem_.norm.Retract(current.q, free * dq_, next_);
+  ClampToLimits(problem_.tables, next_);
+}
+
 // One linearization at `current`, one step, judged: `trial` is the new iterate.
 double LocalOptimization::Step(const Iterate& current, double radius, double margin,
                                Iterate& trial) {
@@ -195,6 +216,7 @@ double LocalOptimization::Step(const Iterate& current, double radius, double mar
   ClampToLimits(problem_.tables, next_);
   const double reach =
       std::clamp(1.5 * length, kLeastMargin * problem_.size, kLargestMargin * problem_.size);
+  if (features_.learning() && Free(current)) StayFree(current);
   Evaluate(next_, reach, trial);
   posed_ = &trial;
   return length;
@@ -226,7 +248,8 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
   posed_ = &current;
   double radius = options.trust_radius * scale_;
   damping_ = kFirstDamping;
-  int impatience = 0, settled = 0, hopeless = 0;
+  int impatience = 0, settled = 0, hopeless = 0, idle = 0;
+  double first_length = 0.0;  // of the steps since the best
   while (result.iterations < options.max_iterations && !problem_.Expired()) {
     ++result.iterations;
     const double length = Step(current, radius, kFirstMargin * problem_.size, trial);
@@ -237,8 +260,12 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
     if (hopeless >= 2) break;
     result.reached_known = NearKnown(trial.q, options);
     if (result.reached_known) break;
+    const bool lower = !(result.sigma > (1.0 - options.convergence) * sigma_before);
+    idle = features_.learning() && result.free && !lower ? idle + 1 : 0;
+    if (idle == kLastChances) break;
     const bool small = length < 1e-7 + 1e-4 * std::sqrt(trial.sigma);
     const bool better = Merit(trial) < Merit(best);
+    if (impatience == 0) first_length = length;
     impatience = better ? 0 : impatience + 1;
     if (better) {
       best = trial;
@@ -260,7 +287,7 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
       impatience = 0;
     }
     if (impatience > (features_.learning() ? kPatienceWithPlanes : kPatience)) {
-      radius = 0.5 * std::min(radius, length);
+      radius = 0.5 * std::min(radius, features_.learning() ? first_length : length);
       damping_ = 10.0 * std::max(damping_, kRenewedDamping);
       if (radius < kLeastRadius) break;
       current = best;

@@ -62,6 +62,7 @@ class LocalOptimization {
   };
 
   void Evaluate(const VectorXd& q, double margin, Iterate& out);
+  void StayFree(const Iterate& current);
   void MeasureOverlap(std::size_t k, double margin, Iterate& out);
   void Linearize(const Iterate& at, double margin);
   bool NearKnown(const VectorXd& q, const LocalOptions& options);

@@ -21,6 +21,8 @@ constexpr char kTranslation[] = "constrained_translation", kAnywhereStart[] = "a
 constexpr double kAgreement = 1.01;
 constexpr double kGiveUp = 1.15;    // a start whose prediction is worse than this is dropped
 constexpr double kWorthARun = 2.0;  // σ over that of the nearest ray
+constexpr double kDragged = 1.2;    // σ over that of the frame whose rays were tried last
+constexpr int kFramesPerRays = 4;
 constexpr int kBlind = 20;          // noisy starts while nothing is free
 constexpr int kAnywhere = 20;       // uniform starts, if nothing else came free
 constexpr double kNoise[] = {7.5, 3.0, 4.5, 12.0};  // spreads of the noisy starts, in turn
@@ -147,6 +149,17 @@ void Search::TryRays(const std::vector<NearPair>& overlaps) {
   for (const Candidate& candidate : found) {
     if (candidate.sigma <= largest) Try(candidate.q, candidate.start, Loose());
   }
+  sigma_of_rays_ = BestSigma();
+}
+
+// The frames of a trajectory drag the answer along, in the end far from the nearest. An effort that
+// looks for one answer trusts it for a few frames while σ does not grow much.
+bool Search::StillNear(const Plan& plan) {
+  const bool near = problem_.options.trajectory && Done(plan) &&
+                    frames_since_rays_ < kFramesPerRays &&
+                    BestSigma() < kDragged * sigma_of_rays_;
+  frames_since_rays_ = near ? frames_since_rays_ + 1 : 0;
+  return near;
 }
 
 // How deep two triangle meshes overlap says little: they are moved on until they are apart.
@@ -208,7 +221,7 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
     return problem_.tables.pairs[near.pair].exact;
   });
   if (exact_ && hint) Try(hint->q, hint->start, Loose());
-  if (exact_ && problem_.Uses(kTranslation)) TryRays(overlaps);
+  if (exact_ && problem_.Uses(kTranslation) && !StillNear(plan)) TryRays(overlaps);
   if (!Done(plan) && problem_.Uses(kDirect)) {
     Try(center_, kDirect, exact_ ? Loose() : LocalOptions{});
   }
@@ -226,6 +239,11 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
   if (!HasFree() && problem_.Uses(kAnywhereStart)) TryAnywhere();
   if (HasFree()) TryVaried(plan);
   return std::move(outcome_);
+}
+
+// It takes a fifth of a fast solve of exact meshes, for 1e-3 of σ.
+bool Search::WorthPolishing() const {
+  return problem_.Uses("polish") && !(exact_ && problem_.options.effort == Effort::kFast);
 }
 
 LocalResult Search::Polish(const VectorXd& q) {

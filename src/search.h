@@ -45,6 +45,8 @@ class Search {
   SearchOutcome Run(const std::vector<NearPair>& overlaps,
                     const std::optional<FreeConfiguration>& hint);
 
+  // Is the gain of Polish worth its time at this effort, after Run?
+  bool WorthPolishing() const;
   // A last descent from a candidate to full precision.
   LocalResult Polish(const VectorXd& q);
 
@@ -59,6 +61,7 @@ class Search {
   void TryFreePose(const VectorXd& q_f, const std::string& start);
   void TryTranslations(const std::vector<NearPair>& overlaps);
   void TryRays(const std::vector<NearPair>& overlaps);
+  bool StillNear(const Plan& plan);
   void TryVaried(const Plan& plan);
   void TryOnRay(const VectorXd& q, const std::string& start);
   void TryNoise(double spread);
@@ -78,6 +81,8 @@ class Search {
   int first_query_ = 0;  // the finder's count when the search began
   VectorXd center_;      // q_in inside its limits
   bool exact_ = false;   // some exact mesh overlaps
+  double sigma_of_rays_ = 0.0;  // of the answer when they were tried last; trajectories [m²]
+  int frames_since_rays_ = 0;
 };
 
 }  // namespace mjcf_pdg

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <queue>
+#include <tuple>
 #include <utility>
 
 namespace mjcf_pdg {
@@ -10,7 +11,7 @@ namespace {
 constexpr double kNoDepth = 1e-7;    // depths below this have no direction (2e-11 m)
 constexpr double kDeepEnough = 1.1;  // stop when nothing is deeper than this factor
 constexpr double kWorthARow = 0.3;   // of the deepest found so far
-constexpr int kMaxNodes = 200;       // looked at in each direction
+constexpr int kMaxParts = 40;       // asked for the depth of their middle, in each direction
 constexpr double kShallow = 1e-3;    // of the smaller mesh's radius
 constexpr int kMaxWays = 8;          // rows of one overlap
 constexpr double kSameDirection = 0.9;
@@ -29,57 +30,81 @@ class DepthSearch {
   };
 
   std::vector<Point> Run() {
-    Push(BoxTree::kRoot, nullptr);
-    for (int nodes = 0; nodes < kMaxNodes && !parts_.empty(); ++nodes) {
-      const Part part = parts_.top();
+    parts_.push({});
+    for (int asked = 0; asked < kMaxParts && !parts_.empty();) {
+      Part part = parts_.top();
       parts_.pop();
       if (part.bound <= kDeepEnough * deepest_ || part.bound <= kNoDepth) break;
-      if (from_.tree().IsLeaf(part.box)) {
+      if (!part.asked) {
+        ++asked;
+        Ask(part);
+        parts_.push(part);
+      } else if (from_.tree().IsLeaf(part.box)) {
         AskTriangle(part);
-        continue;
+      } else {
+        PushChildren(part);
       }
-      const int first = from_.tree().FirstChild(part.box);
-      for (int k = 0; k < from_.tree().NumChildren(part.box); ++k) Push(first + k, &part);
     }
     return std::move(points_);
   }
 
  private:
+  // Asked: how deep some vertex x of it is. If not, x and what is known of it are its parent's.
   struct Part {
-    double bound = 0.0;  // no point of it is deeper
+    double bound = std::numeric_limits<double>::infinity();  // no point of it is deeper
     int box = BoxTree::kRoot;
-    Vector3d center;
-    SurfacePoint nearest;  // to the centre
-    bool inside = false;
+    Vector3d x;
+    SurfacePoint nearest;  // to x
+    bool inside = false, asked = false;
 
+    double Depth() const { return inside ? nearest.distance : -nearest.distance; }
     bool operator<(const Part& other) const {
-      return std::pair(bound, -box) < std::pair(other.bound, -other.box);
+      return std::tuple(bound, asked, -box) < std::tuple(other.bound, other.asked, -other.box);
     }
   };
 
-  void Push(int box, const Part* parent) {
+  // How far the box reaches from x.
+  double Reach(int box, const Vector3d& x) const {
     const OrientedBox shape = from_.tree().BoxOf(box);
-    Part part;
-    part.box = box;
-    part.center = pose_ * shape.center.cast<double>();
-    part.nearest = in_.NearestFrom(parent ? parent->nearest : SurfacePoint(), part.center);
-    // No surface between the two centres: the same side.
-    const bool same_side = parent && (part.center - parent->center).norm() < parent->nearest.distance;
-    part.inside = same_side ? parent->inside : in_.Contains(part.center);
-    part.bound = shape.half.norm() + (part.inside ? part.nearest.distance : -part.nearest.distance);
-    if (part.bound > kNoDepth) parts_.push(part);
+    const Vector3d away = pose_ * shape.center.cast<double>() - x;
+    const Vector3d local = shape.axes.cast<double>().transpose() * (pose_.R.transpose() * away);
+    return (local.cwiseAbs() + shape.half.cast<double>()).norm();
+  }
+
+  void Ask(Part& part) {
+    const int triangle = from_.tree().MiddleTriangle(part.box);
+    const Vector3d x = pose_ * from_.Corner(triangle, 0);
+    // No surface between the two: the same side.
+    const bool same_side =
+        part.nearest.triangle >= 0 && (x - part.x).norm() < part.nearest.distance;
+    part.nearest = in_.NearestFrom(part.nearest, x);
+    if (!same_side) part.inside = in_.Contains(x);
+    part.x = x;
+    part.bound = std::min(part.bound, part.Depth() + Reach(part.box, x));
+    part.asked = true;
+    if (part.inside) Record(part.nearest, x, triangle);
+  }
+
+  void PushChildren(const Part& parent) {
+    const int first = from_.tree().FirstChild(parent.box);
+    for (int k = 0; k < from_.tree().NumChildren(parent.box); ++k) {
+      Part child = parent;
+      child.box = first + k;
+      child.asked = false;
+      child.bound = std::min(parent.bound, parent.Depth() + Reach(child.box, parent.x));
+      parts_.push(child);
+    }
   }
 
   void AskTriangle(const Part& leaf) {
     const int triangle = from_.tree().TriangleOf(leaf.box);
     // No surface within: its points are on one side, and its edges cross nothing.
-    const bool one_side = leaf.nearest.distance > from_.tree().BoxOf(leaf.box).half.norm();
+    const bool one_side = leaf.nearest.distance > Reach(leaf.box, leaf.x);
     Vector3d x[3];
-    for (int k = 0; k < 3; ++k) {
-      x[k] = pose_ * from_.Corner(triangle, k);
-      AskPoint(x[k], leaf, one_side);
+    for (int k = 0; k < 3; ++k) x[k] = pose_ * from_.Corner(triangle, k);
+    for (const Vector3d& p : {x[1], x[2], Vector3d((x[0] + x[1] + x[2]) / 3.0)}) {
+      AskPoint(p, leaf, one_side);
     }
-    AskPoint((x[0] + x[1] + x[2]) / 3.0, leaf, one_side);
     if (one_side) return;
     for (int k = 0; k < 3; ++k) AskEdge(x[k], x[(k + 1) % 3], leaf);
   }
@@ -94,12 +119,20 @@ class DepthSearch {
     }
   }
 
-  void AskPoint(const Vector3d& x, const Part& leaf, bool known_inside) {
+  // `same_side`: as the leaf's vertex.
+  void AskPoint(const Vector3d& x, const Part& leaf, bool same_side) {
     const SurfacePoint nearest = in_.NearestFrom(leaf.nearest, x);
-    if (nearest.distance <= std::max(kNoDepth, kWorthARow * deepest_)) return;
-    if (!known_inside && !in_.Contains(x)) return;
-    points_.push_back({nearest.distance, x, nearest.p, from_.tree().TriangleOf(leaf.box)});
-    deepest_ = std::max(deepest_, nearest.distance);
+    if (!WorthARow(nearest.distance)) return;
+    if (same_side ? !leaf.inside : !in_.Contains(x)) return;
+    Record(nearest, x, from_.tree().TriangleOf(leaf.box));
+  }
+
+  bool WorthARow(double depth) const { return depth > std::max(kNoDepth, kWorthARow * deepest_); }
+
+  void Record(const SurfacePoint& way_out, const Vector3d& x, int triangle) {
+    if (!WorthARow(way_out.distance)) return;
+    points_.push_back({way_out.distance, x, way_out.p, triangle});
+    deepest_ = std::max(deepest_, way_out.distance);
   }
 
   const Solid& from_;

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kFaceLike = 0.9;         // cosine between a row's normal and a face's
 constexpr double kSameDirection = 0.999;  // cosine; nearer ones are merged
+constexpr double kNearly = 0.8;           // of the distance, for a patch's nearest points
 constexpr int kMaxPatches = 48;           // pairs of patches asked
 constexpr int kPerPatch = 2;              // ... of which as many of the same patches
 constexpr int kMaxParts = 3000;           // pairs of nodes looked at
@@ -68,18 +69,18 @@ NearestTriangles SolidPair::OfTriangles(int a, int b) const {
 }
 
 NearestTriangles SolidPair::Nearest(Boxes boxes, double cutoff,
-                                    const NearestTriangles* warm) const {
+                                    const NearestTriangles* warm, double share) const {
   NearestTriangles best;
   if (warm && warm->a >= 0) best = OfTriangles(warm->a, warm->b);
   if (!(best.distance < cutoff)) {
     best = NearestTriangles();
     best.distance = cutoff;
   }
-  Descend(boxes, best);
+  Descend(boxes, share, best);
   return best;
 }
 
-void SolidPair::Descend(Boxes boxes, NearestTriangles& best) const {
+void SolidPair::Descend(Boxes boxes, double share, NearestTriangles& best) const {
   const bool leaf_a = a_.tree().IsLeaf(boxes.a), leaf_b = b_.tree().IsLeaf(boxes.b);
   if (leaf_a && leaf_b) {
     const NearestTriangles near =
@@ -90,10 +91,10 @@ void SolidPair::Descend(Boxes boxes, NearestTriangles& best) const {
   const bool split_a =
       leaf_b ||
       (!leaf_a && a_.tree().HalfDiagonal(boxes.a) > b_.tree().HalfDiagonal(boxes.b));
-  for (const BoundedBox& child : ChildrenNear(boxes, split_a, best.distance)) {
-    if (!(best.distance > 0.0) || child.bound >= best.distance) return;
+  for (const BoundedBox& child : ChildrenNear(boxes, split_a, share * best.distance)) {
+    if (!(best.distance > 0.0) || child.bound >= share * best.distance) return;
     (split_a ? boxes.a : boxes.b) = child.box;
-    Descend(boxes, best);
+    Descend(boxes, share, best);
   }
 }
 
@@ -125,7 +126,7 @@ void SolidPair::Patches(double margin, double patch, std::vector<NearestTriangle
       ++answers_a[part.a];
       ++answers_b[part.b];
       ++asked;
-      const NearestTriangles near = Nearest({part.a, part.b}, margin, nullptr);
+      const NearestTriangles near = Nearest({part.a, part.b}, margin, nullptr, kNearly);
       if (near.a >= 0 && near.distance > kTouching) out.push_back(near);
       continue;
     }

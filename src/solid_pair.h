@@ -38,7 +38,7 @@ class SolidPair {
 
   // Below `cutoff`, or a == b == -1. `warm`: triangles that were nearest before, or null.
   NearestTriangles Nearest(double cutoff, const NearestTriangles* warm = nullptr) const {
-    return Nearest({BoxTree::kRoot, BoxTree::kRoot}, cutoff, warm);
+    return Nearest({}, cutoff, warm);
   }
   // Some triangles intersect.
   bool Intersects() const { return Nearest(kTouching).a >= 0; }
@@ -63,8 +63,10 @@ class SolidPair {
   struct Boxes {
     int a = BoxTree::kRoot, b = BoxTree::kRoot;
   };
-  NearestTriangles Nearest(Boxes boxes, double cutoff, const NearestTriangles* warm) const;
-  void Descend(Boxes boxes, NearestTriangles& best) const;
+  // `share`: others as near as that share of the distance found may be missed.
+  NearestTriangles Nearest(Boxes boxes, double cutoff, const NearestTriangles* warm,
+                           double share = 1.0) const;
+  void Descend(Boxes boxes, double share, NearestTriangles& best) const;
   BoundedBoxes ChildrenNear(Boxes boxes, bool of_a, double cutoff) const;
   void Patches(double margin, double patch, std::vector<NearestTriangles>& out) const;
   bool BoundsMotion(const NearestTriangles& near) const;

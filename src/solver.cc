@@ -98,6 +98,7 @@ struct Solver::Impl {
   bool AcceptBest(SearchOutcome& outcome, const std::vector<double>& q_in, Result& result);
   void FillUnsolved(const SearchOutcome& outcome, const std::vector<double>& q_in, Result& result);
   void Repair(const std::vector<double>& q_in, std::optional<VectorXd> hint, Result& result);
+  double MinDistance(const VectorXd& q, const Verdict& verdict);
   void FillContacts(Result& result);
   void DeepenContactsIn(const std::vector<NearPair>& overlaps, Result& result) const;
 
@@ -179,7 +180,7 @@ bool Solver::Impl::Accept(const Candidate& candidate, const std::vector<double>&
   result.q = ToStd(candidate.q);
   result.sigma = problem.norm.Sigma(candidate.q);
   result.start = candidate.start;
-  result.min_distance = verdict.min_distance;
+  result.min_distance = MinDistance(candidate.q, verdict);
   result.certified = verdict.certified;
   return true;
 }
@@ -189,7 +190,7 @@ bool Solver::Impl::Accept(const Candidate& candidate, const std::vector<double>&
 bool Solver::Impl::AcceptBest(SearchOutcome& outcome, const std::vector<double>& q_in,
                               Result& result) {
   for (Candidate& candidate : outcome.free) {
-    if (options.method == Method::kAuto && problem.Uses("polish")) {
+    if (options.method == Method::kAuto && search.WorthPolishing()) {
       const LocalResult polished = search.Polish(candidate.q);
       outcome.iterations += polished.iterations;
       if (polished.free && polished.sigma < candidate.sigma) {
@@ -255,6 +256,18 @@ void Solver::Impl::DeepenContactsIn(const std::vector<NearPair>& overlaps, Resul
   std::stable_sort(result.contacts_in.begin(), result.contacts_in.end(), Deeper);
 }
 
+// The verdict's, and of exact pairs, which the verifier only asked whether they overlap, our own.
+double Solver::Impl::MinDistance(const VectorXd& q, const Verdict& verdict) {
+  double least = verdict.min_distance;
+  problem.finder.Pose(q);
+  NearPair near;
+  for (int pair = 0; pair < static_cast<int>(scene.tables().pairs.size()); ++pair) {
+    if (!scene.tables().pairs[pair].exact) continue;
+    if (problem.finder.Distance(pair, least, near)) least = near.distance;
+  }
+  return least;
+}
+
 void Solver::Impl::FillContacts(Result& result) {
   problem.finder.Pose(ToEigen(result.q));
   const double reach = kTouching * options.tolerance;
@@ -298,10 +311,10 @@ Result Solver::Solve(const std::vector<double>& q_in,
   if (at_start.free) {
     result.status = Status::kAlreadyFree;
     result.q = q_in;
-    result.min_distance = at_start.min_distance;
     result.certified = at_start.certified;
     result.start = "none";
     impl_->SetUp(q_in);
+    result.depth_in = result.min_distance = impl_->MinDistance(problem.q_in, at_start);
   } else {
     result.contacts_in = at_start.contacts;
     impl_->SetUp(q_in);

@@ -179,7 +179,7 @@ void Verifier::AskDistances(Depths depths) {
     const KeptPair& pair = tables_.pairs[i];
     if (BoxBound(pair) > cutoff) continue;
     Reading& reading = readings_[i];
-    const double distance = SignedDistance(pair, cutoff, depths, reading.fromto);
+    const double distance = SignedDistance(i, cutoff, depths, reading.fromto);
     if (distance >= cutoff) continue;
     reading.signed_distance = std::isnan(distance) ? -kInfinity : distance;
     verdict_.min_distance = std::min(verdict_.min_distance, reading.signed_distance);
@@ -224,10 +224,11 @@ double Verifier::BoxBound(const KeptPair& pair) const {
   return bound;
 }
 
-double Verifier::SignedDistance(const KeptPair& pair, double cutoff, Depths depths,
-                                double fromto[6]) {
+double Verifier::SignedDistance(int index, double cutoff, Depths depths, double fromto[6]) {
+  const KeptPair& pair = tables_.pairs[index];
   if (pair.exact) {
     const double permitted = tolerance_ + rest_ + kRestRounding + pair.allowed;
+    if (required_[index] > 0.0) depths = Depths::kMeasured;
     return exact_.Distance(posed_, pair, cutoff, permitted, depths, fromto);
   }
   if (model_.geom_type[pair.geom1] == mjGEOM_CAPSULE &&

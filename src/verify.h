@@ -35,7 +35,8 @@ class Verifier {
   // Empty vectors: as in the model.
   void SetMocap(const MocapPoses& poses);
 
-  // Is q free? `q_in` is what `rest` refers to; without it nothing rests. Both have nq entries. The
+  // Is q free? `q_in` is what `rest` refers to; without it nothing rests. Both have nq entries. With
+  // skipped depths, min_distance and contacts say of exact pairs whether they overlap, no more. The
   // verdict is ours until the next call. Allocates only to name contacts and reasons.
   const Verdict& Check(const std::vector<double>& q, const std::vector<double>* q_in = nullptr,
                        Depths depths = Depths::kMeasured);
@@ -56,7 +57,7 @@ class Verifier {
   void AskDistances(Depths depths);
   double SphereBound(const KeptPair& pair) const;
   double BoxBound(const KeptPair& pair) const;
-  double SignedDistance(const KeptPair& pair, double cutoff, Depths depths, double fromto[6]);
+  double SignedDistance(int pair, double cutoff, Depths depths, double fromto[6]);
   void JudgePair(int pair);
   void JudgeStrangers();
   void CheckLimits(const std::vector<double>& q);

@@ -333,6 +333,7 @@ double ExactVerifier::SolidDistance(const Asked& asked, double cutoff) const {
   }
   const double inside = Deepest(asked, 0);
   if (inside < 0.0) return inside;
+  if (asked.depths == Depths::kSkipped) return kInfinity;
   fcl::DistanceRequest<double> wish(true);
   fcl::DistanceResult<double> nearest;
   nearest.min_distance = kMillimetres * cutoff;

@@ -25,9 +25,9 @@ class ExactVerifier {
   explicit ExactVerifier(const SceneTables& tables) : shapes_(tables.verifier_shapes) {}
 
   // Signed distance of an exact pair [m] at the pose, below `cutoff`; infinite if it is not. Once
-  // an overlap is found deeper than `enough` [m], how deep it is at other places is not asked; with
-  // skipped depths, no more than some triangles that cross. `fromto`: the points on geom 1 and
-  // geom 2.
+  // an overlap is found deeper than `enough` [m], how deep it is at other places is not asked. With
+  // skipped depths, two meshes that overlap get what some crossing triangles tell, and two that are
+  // apart are infinitely so. `fromto`: the points on geom 1 and geom 2.
   double Distance(const PosedModel& posed, const KeptPair& pair, double cutoff, double enough,
                   Depths depths, double fromto[6]) const;
 
