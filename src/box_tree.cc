@@ -4,6 +4,7 @@
 #include <fcl/math/bv/OBB.h>
 
 #include <array>
+#include <cmath>
 
 namespace mjcf_pdg {
 namespace {
@@ -117,12 +118,24 @@ OrientedBox BoxTree::BoxOf(int box) const {
   return out;
 }
 
+namespace {
+
+// A bit above `cutoff`, squared; negative where nothing can be below.
+float Squared(float cutoff, float rounding) {
+  const float farthest = cutoff + rounding;
+  return farthest > 0.0f ? farthest * farthest : -1.0f;
+}
+
+}  // namespace
+
 // Along the axes of either box the other is an interval; what lies between, along all three, is a
 // distance that no two points are nearer than.
 BoundedBoxes BoxTree::ChildrenNear(int box, const OrientedBox& other, float cutoff,
                                    float rounding) const {
   const int index = GroupOf(box).child[box % 4];
   const Group& group = groups_[index];
+  const float farthest = Squared(cutoff, rounding);
+  BoundedBoxes out;
   Lanes d[3], reach_on_other[3], squared = Lanes::Zero(), squared_other = Lanes::Zero();
   for (int k = 0; k < 3; ++k) {
     d[k] = group.center[k] - other.center[k];
@@ -141,20 +154,20 @@ BoundedBoxes BoxTree::ChildrenNear(int box, const OrientedBox& other, float cuto
     const Lanes apart = (axis[0] * d[0] + axis[1] * d[1] + axis[2] * d[2]).abs() - reach;
     squared += apart.max(0.0f).square();
   }
+  if ((squared >= farthest).all()) return out;
   for (int k = 0; k < 3; ++k) {
     const Lanes along =
         d[0] * other.axes(0, k) + d[1] * other.axes(1, k) + d[2] * other.axes(2, k);
     squared_other += (along.abs() - reach_on_other[k]).max(0.0f).square();
   }
-  const Lanes bounds = squared.max(squared_other).sqrt() - rounding;
-  BoundedBoxes out;
+  squared = squared.max(squared_other);
   for (int k = 0; k < group.size; ++k) {
-    if (bounds[k] < cutoff) out.Insert({bounds[k], 4 * index + k});
+    if (squared[k] < farthest) out.Insert({std::sqrt(squared[k]) - rounding, 4 * index + k});
   }
   return out;
 }
 
-BoxTree::Lanes BoxTree::Distances(const Group& group, const Vector3f& x) const {
+BoxTree::Lanes BoxTree::SquaredDistances(const Group& group, const Vector3f& x) const {
   const Lanes d[3] = {x[0] - group.center[0], x[1] - group.center[1], x[2] - group.center[2]};
   Lanes squared = Lanes::Zero();
   for (int i = 0; i < 3; ++i) {
@@ -162,22 +175,27 @@ BoxTree::Lanes BoxTree::Distances(const Group& group, const Vector3f& x) const {
     const Lanes along = axis[0] * d[0] + axis[1] * d[1] + axis[2] * d[2];
     squared += (along.abs() - group.half[i]).max(0.0f).square();
   }
-  return squared.sqrt() - Rounding(scale_ + x.lpNorm<1>());
+  return squared;
 }
 
 BoundedBoxes BoxTree::ChildrenNear(int box, const Vector3d& x, double cutoff) const {
   const int index = GroupOf(box).child[box % 4];
   const Group& group = groups_[index];
-  const Lanes bounds = Distances(group, x.cast<float>());
+  const Vector3f point = x.cast<float>();
+  const float rounding = Rounding(scale_ + point.lpNorm<1>());
+  const float farthest = Squared(static_cast<float>(cutoff), rounding);
+  const Lanes squared = SquaredDistances(group, point);
   BoundedBoxes out;
   for (int k = 0; k < group.size; ++k) {
-    if (bounds[k] < cutoff) out.Insert({bounds[k], 4 * index + k});
+    if (squared[k] < farthest) out.Insert({std::sqrt(squared[k]) - rounding, 4 * index + k});
   }
   return out;
 }
 
 float BoxTree::RootDistance(const Vector3d& x) const {
-  return Distances(groups_[0], x.cast<float>())[0];
+  const Vector3f point = x.cast<float>();
+  return std::sqrt(SquaredDistances(groups_[0], point)[0]) -
+         Rounding(scale_ + point.lpNorm<1>());
 }
 
 // The segment along each direction of a box: the part within the slab.

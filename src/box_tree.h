@@ -98,7 +98,7 @@ class BoxTree {
   struct Builder;
 
   const Group& GroupOf(int box) const { return groups_[box / 4]; }
-  Lanes Distances(const Group& group, const Vector3f& x) const;
+  Lanes SquaredDistances(const Group& group, const Vector3f& x) const;
 
   std::vector<Group> groups_;
   std::vector<int> order_;   // the triangles in the order of the leaves

@@ -17,7 +17,9 @@ SignedGap Unmeasured(SignedGap gap) {
 // Overlapping, nearest and, if they are asked for, the other features; warm is renewed.
 void AskSolids(const SolidPair& pair, double margin, const Depths* features, NearestTriangles& warm,
                std::vector<SignedGap>& out) {
-  const NearestTriangles near = pair.Nearest(std::max(margin, SolidPair::kTouching), &warm);
+  const double cutoff = std::max(margin, SolidPair::kTouching);
+  const NearestTriangles near =
+      features ? pair.RoughlyNearest(cutoff, &warm) : pair.Nearest(cutoff, &warm);
   if (near.a >= 0) warm = near;
   const bool crossing = near.a >= 0 && near.distance < SolidPair::kTouching;
   if (crossing || Contained(pair)) {

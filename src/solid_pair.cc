@@ -13,7 +13,6 @@ namespace {
 
 constexpr double kFaceLike = 0.9;         // cosine between a row's normal and a face's
 constexpr double kSameDirection = 0.999;  // cosine; nearer ones are merged
-constexpr double kNearly = 0.8;           // of the distance, for a patch's nearest points
 constexpr int kMaxPatches = 48;           // pairs of patches asked
 constexpr int kPerPatch = 2;              // ... of which as many of the same patches
 constexpr int kMaxParts = 3000;           // pairs of nodes looked at

@@ -38,7 +38,11 @@ class SolidPair {
 
   // Below `cutoff`, or a == b == -1. `warm`: triangles that were nearest before, or null.
   NearestTriangles Nearest(double cutoff, const NearestTriangles* warm = nullptr) const {
-    return Nearest({}, cutoff, warm);
+    return Nearest({}, cutoff, warm, 1.0);
+  }
+  // The same, but some may be nearer by a fifth; quicker. Triangles that intersect are found.
+  NearestTriangles RoughlyNearest(double cutoff, const NearestTriangles* warm) const {
+    return Nearest({}, cutoff, warm, kNearly);
   }
   // Some triangles intersect.
   bool Intersects() const { return Nearest(kTouching).a >= 0; }
@@ -48,7 +52,7 @@ class SolidPair {
   // the distance of `first` or a share of the smaller mesh. Only points whose direction is locally
   // that of a face, or which are nearest to each other, bound the motion: others are left out.
   // Nearest first, similar ones merged, at most kMaxFeatures. n points from a to b. `first` is the
-  // result of Nearest(margin).
+  // result of RoughlyNearest(margin).
   void Features(double margin, const NearestTriangles& first, std::vector<SignedGap>& out) const;
 
   NearestTriangles OfTriangles(int a, int b) const;
@@ -60,12 +64,13 @@ class SolidPair {
   static constexpr int kMaxFeatures = 16;
 
  private:
+  static constexpr double kNearly = 0.8;
   struct Boxes {
     int a = BoxTree::kRoot, b = BoxTree::kRoot;
   };
   // `share`: others as near as that share of the distance found may be missed.
   NearestTriangles Nearest(Boxes boxes, double cutoff, const NearestTriangles* warm,
-                           double share = 1.0) const;
+                           double share) const;
   void Descend(Boxes boxes, double share, NearestTriangles& best) const;
   BoundedBoxes ChildrenNear(Boxes boxes, bool of_a, double cutoff) const;
   void Patches(double margin, double patch, std::vector<NearestTriangles>& out) const;
