@@ -22,6 +22,7 @@
 #include "contact_sampling.h"
 #include "measure.h"
 #include "mjcf_pdg/pdg.h"
+#include "oracle_tally.h"
 #include "planar_optimum.h"
 
 namespace mjcf_pdg::bench {
@@ -71,7 +72,7 @@ struct Solved {
 };
 
 std::vector<Solved> Solve(const Scene& scene, const std::vector<std::vector<double>>& frames,
-                          const Options& options, int every = 1) {
+                          const Options& options, OracleTally& oracle, int every = 1) {
   Solver solver(scene, options);
   std::vector<Solved> all(frames.size());
   for (std::size_t k = 0; k < frames.size(); k += every) {
@@ -79,6 +80,7 @@ std::vector<Solved> Solve(const Scene& scene, const std::vector<std::vector<doub
     all[k].result = solver.Solve(frames[k]);
     all[k].ms = 1e3 * (CpuSeconds() - begin);
     all[k].asked = true;
+    oracle.Ask(all[k].result);
   }
   return all;
 }
@@ -124,6 +126,7 @@ void PrintRow(const Row& row, const std::vector<double>& best, double query_ms) 
 void PrintTable1(const std::string& folder, const Path& path, const char* paper, int count) {
   const Scene scene = Load(folder, path.scene);
   const std::vector<std::vector<double>> frames = Frames(path, count);
+  OracleTally oracle(scene, kTolerance);
   std::vector<Row> rows;
   std::vector<double> best(frames.size(), kInfinity);
   // Method paper follows the motions step by step, for seconds on big meshes: every tenth frame.
@@ -133,7 +136,8 @@ void PrintTable1(const std::string& folder, const Path& path, const char* paper,
     options.method = method;
     options.effort = effort;
     options.trajectory = coherence;
-    rows.push_back({label, Solve(scene, frames, options, method == Method::kPaper ? 10 : 1)});
+    rows.push_back(
+        {label, Solve(scene, frames, options, oracle, method == Method::kPaper ? 10 : 1)});
     for (std::size_t k = 0; k < frames.size(); ++k) {
       const Result& result = rows.back().solves[k].result;
       if (result.status == Status::kSolved) best[k] = std::min(best[k], result.sigma);
@@ -151,6 +155,7 @@ void PrintTable1(const std::string& folder, const Path& path, const char* paper,
   std::printf("  %-28s %6s %7s %9s %9s %9s %8s %7s %9s %9s\n", "", "frames", "ok %", "ms", "p95",
               "/query", "iter", "queries", "ratio", "p95");
   for (const Row& row : rows) PrintRow(row, best, query_ms);
+  oracle.Print();
   std::fflush(stdout);
 }
 
@@ -166,11 +171,12 @@ void PrintTable2(const std::string& folder, int count) {
   for (const Path& path : kTable2) {
     const Scene scene = Load(folder, path.scene);
     const std::vector<std::vector<double>> frames = Frames(path, count);
+    OracleTally oracle(scene, kTolerance);
     for (const Effort effort : {Effort::kFast, Effort::kDefault}) {
       Options options;
       options.tolerance = kTolerance;
       options.effort = effort;
-      const std::vector<Solved> solves = Solve(scene, frames, options);
+      const std::vector<Solved> solves = Solve(scene, frames, options, oracle);
       Problem problem(scene.tables(), options);
       problem.required = VectorXd::Zero(static_cast<Eigen::Index>(scene.tables().pairs.size()));
       std::vector<double> ms, errors, samples;
@@ -194,6 +200,7 @@ void PrintTable2(const std::string& folder, int count) {
                   Quantile(samples, 0.5), Quantile(errors, 0.5), 100.0 * not_beaten / ms.size());
       std::fflush(stdout);
     }
+    oracle.Print();
   }
 }
 
