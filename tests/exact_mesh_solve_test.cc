@@ -45,7 +45,7 @@ TEST_F(ExactMeshSolveTest, ConvexMeshesComeOutAsTheirHullsDo) {
     }
   }
   EXPECT_GT(overlapping, 25);
-  EXPECT_LE(far, overlapping / 10);
+  EXPECT_LE(far, 1);
 }
 
 std::string SceneXml(const std::string& assets, const std::string& world, const std::string& body) {
