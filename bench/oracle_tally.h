@@ -27,6 +27,9 @@ class OracleTally {
     deepest_ = std::max(deepest_, depth);
   }
 
+  int asked() const { return asked_; }
+  int failed() const { return failed_; }
+
   void Print() const {
     std::printf("  CGAL: %d free answers asked, %d failed, %d touch; deepest overlap %.1e m\n",
                 asked_, failed_, touching_, deepest_);

@@ -4,10 +4,10 @@
 // Table I: A is translated through B while its orientation changes, 200 frames; with motion
 // coherence (frames follow each other) and with centroid difference. Table II: against random
 // sampling on the contact space (contact_sampling.h) with ten times our time per frame. Fig. 11:
-// spoon into box against brute force (planar_optimum.h). Only frames that penetrate count. The
+// spoon into box against brute force (figure11.h). Only frames that penetrate count. The
 // paper's times are from an Intel i5 of 2.4 GHz.
 //
-// Run: rigid_tables_bench [--parts table1,table2,figure11] [--big FOLDER]
+// Run: rigid_tables_bench [--parts table1,table2,figure11,triangles] [--big FOLDER]
 // (FOLDER: of models/rigid/make_rigid.py FOLDER; made if missing)
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -20,10 +20,11 @@
 #include <vector>
 
 #include "contact_sampling.h"
+#include "figure11.h"
 #include "measure.h"
 #include "mjcf_pdg/pdg.h"
 #include "oracle_tally.h"
-#include "planar_optimum.h"
+#include "triangle_cost.h"
 
 namespace mjcf_pdg::bench {
 namespace {
@@ -159,11 +160,6 @@ void PrintTable1(const std::string& folder, const Path& path, const char* paper,
   std::fflush(stdout);
 }
 
-// Eq. 31.
-double RelativeError(double sigma1, double sigma2) {
-  return std::abs(sigma1 - sigma2) / std::max(sigma1, sigma2);
-}
-
 void PrintTable2(const std::string& folder, int count) {
   std::printf("Table II: against sampling on the contact space with 10 times our time\n");
   std::printf("  %-22s %-8s %6s %6s %9s %12s %9s %14s %12s\n", "", "effort", "frames", "ok %", "ms",
@@ -204,46 +200,6 @@ void PrintTable2(const std::string& folder, int count) {
   }
 }
 
-void PrintFigure11(const std::string& folder, int count) {
-  const Scene scene = Load(folder, "spoon_box");
-  Options options;
-  options.tolerance = kTolerance;
-  Solver solver(scene, options);
-  Problem problem(scene.tables(), options);
-  problem.required = VectorXd::Zero(static_cast<Eigen::Index>(scene.tables().pairs.size()));
-  std::printf("Fig. 11: spoon into box, brute force over one rotation and two translations\n");
-  std::printf("  %5s %6s %12s %12s %10s %10s\n", "x", "tilt", "brute force", "ours", "error",
-              "its own");
-  double sum = 0.0, worse = 0.0;
-  int frames = 0, free = 0;
-  for (int k = 0; k < count; ++k) {
-    const double t = k / (count - 1.0), tilt = 0.7 * std::sin(5.0 * t);
-    const std::vector<double> q = {
-        -0.05 + 0.1 * t,      0.0, 0.052 - 0.01 * t, std::cos(0.5 * tilt), 0.0,
-        std::sin(0.5 * tilt), 0.0};
-    const Result ours = solver.Solve(q);
-    if (ours.status == Status::kAlreadyFree) {
-      ++free;
-      continue;
-    }
-    problem.q_in = Eigen::Map<const VectorXd>(q.data(), 7);
-    problem.norm.SetReference(problem.q_in);
-    const PlanarOptimum optimum = BruteForcePlanar(problem);
-    const bool solved = ours.status == Status::kSolved;
-    const double error = solved ? RelativeError(ours.sigma, optimum.sigma) : 1.0;
-    ++frames;
-    sum += error;
-    worse += !solved || ours.sigma > optimum.sigma ? error : 0.0;
-    std::printf("  %5.2f %6.2f %12.5e %12.5e %9.4f%s %9.4f\n", q[0], tilt, optimum.sigma,
-                ours.sigma, error, ours.sigma < optimum.sigma ? "*" : " ", optimum.error);
-    std::fflush(stdout);
-  }
-  std::printf(
-      "  %d frames (%d more were free); mean error %.4f; where ours is worse %.4f; in the "
-      "paper 0.0165 (* ours is lower)\n",
-      frames, free, sum / frames, worse / frames);
-}
-
 std::string BigModels(std::string folder) {
   if (folder.empty()) folder = (std::filesystem::temp_directory_path() / "mjcf_pdg_big").string();
   if (!std::filesystem::exists(folder + "/bunny_dragon.xml")) {
@@ -258,15 +214,19 @@ std::string BigModels(std::string folder) {
 
 int RigidTablesMain(int argc, char** argv) {
   std::string big;
-  int frames = 200, figure_frames = 12;
-  std::vector<std::string> parts = {"table1", "table2", "figure11"};
-  CLI::App app("Table I, Table II and Fig. 11 of the paper, with our rows.");
+  int frames = 200, figure_frames = 12, largest = 1 << 20;
+  const std::vector<std::string> known = {"table1", "table2", "figure11", "triangles"};
+  std::vector<std::string> parts = known;
+  CLI::App app(
+      "Table I, Table II and Fig. 11 of the paper, with our rows; cost against triangles.");
   app.add_option("--big", big, "folder of the big models; made there if missing");
-  app.add_option("--parts", parts, "table1, table2, figure11; several with commas")
+  app.add_option("--parts", parts, "table1, table2, figure11, triangles; several with commas")
       ->delimiter(',')
-      ->check(CLI::IsMember({"table1", "table2", "figure11"}));
+      ->check(CLI::IsMember(known));
   app.add_option("--frames", frames, "of each path")->check(CLI::Range(2, 100000));
   app.add_option("--figure-frames", figure_frames, "of Fig. 11")->check(CLI::Range(2, 1000));
+  app.add_option("--largest", largest, "triangles of each mesh in the last row of triangles")
+      ->check(CLI::Range(1024, 1 << 22));
   CLI11_PARSE(app, argc, argv);
   try {
     const std::string small = MJCF_PDG_MODEL_DIR "/rigid";
@@ -280,7 +240,8 @@ int RigidTablesMain(int argc, char** argv) {
                   frames);
     }
     if (wanted("table2")) PrintTable2(small, frames);
-    if (wanted("figure11")) PrintFigure11(small, figure_frames);
+    if (wanted("figure11")) PrintFigure11(kTolerance, figure_frames);
+    if (wanted("triangles")) PrintTriangleCost(kTolerance, largest, 10);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "rigid_tables_bench: error: %s\n", error.what());
     return 2;
