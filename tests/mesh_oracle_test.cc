@@ -3,8 +3,9 @@
 
 #include <cmath>
 
+#include "brute_mesh.h"
 #include "contacts.h"
-#include "mesh_shapes.h"
+#include "mjcf_pdg/pdg.h"
 #include "test_support.h"
 
 namespace mjcf_pdg::test {
@@ -106,6 +107,41 @@ TEST_F(MeshOracleTest, AgreesWithTheSolversQueries) {
   }
   EXPECT_GT(free, 30);
   EXPECT_GT(overlapping, 30);
+}
+
+// From first contact on, ever deeper.
+TEST_F(MeshOracleTest, TheVerifierSeesEveryShallowOverlap) {
+  Random rng(43);
+  int overlapping = 0, touching = 0;
+  for (const MeshShape& fixed : SmallShapes()) {
+    for (const MeshShape& moving : SmallShapes()) {
+      const Scene scene = MeshScene(fixed, "type='mesh' mesh='moving'", moving);
+      MeshOracle oracle(scene);
+      ContactFinder finder(scene.tables());
+      for (int i = 0; i < 6; ++i) {
+        const Vector3d start = 0.6 * rng.UnitVector();
+        const Eigen::Quaterniond turn = rng.UnitQuat();
+        double share = 1.0;  // of the way from the middle
+        NearPair near;
+        for (int step = 0; step < 500; ++step) {
+          finder.Pose(ToEigen(FreePose(share * start, turn)));
+          if (!finder.Distance(0, 10.0, near) || near.distance < 1e-9) break;
+          share -= near.distance / start.norm();
+        }
+        for (double deep = 1e-6; deep < 2e-3; deep *= 3.0) {
+          const std::vector<double> q = FreePose((share - deep / start.norm()) * start, turn);
+          double depth = 0.0;
+          for (const OracleOverlap& o : oracle.Overlaps(q)) depth = std::max(depth, o.depth);
+          ++(depth > 1e-6 ? overlapping : touching);
+          if (depth > 1e-6) {
+            EXPECT_FALSE(Verify(scene, q).free) << depth << " at " << deep << ", pose " << i;
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(overlapping, 100);
+  EXPECT_GT(touching, 20);
 }
 
 }  // namespace
