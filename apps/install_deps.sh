@@ -11,6 +11,7 @@ packages=(
   libeigen3-dev libassimp-dev zlib1g-dev           # zlib: Debian's assimp needs it to link, but does not depend on it
   libcli11-dev nlohmann-json3-dev
   libgtest-dev libgmock-dev
+  libcgal-dev                                      # tests and benches only: a second opinion on meshes
   libegl-dev libegl-mesa0 libgl1-mesa-dri libpng-dev  # pictures without a screen
 )
 
@@ -22,7 +23,7 @@ if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
   cat >&2 <<'END'
 install_deps: this is not a Debian or Ubuntu system, so please install by hand:
   a C++20 compiler, CMake 3.22 or newer, make, python3 with pip (or set MuJoCo_ROOT to an unpacked MuJoCo 4.0.x);
-  with headers: Eigen 3.4, assimp 5, zlib, CLI11, nlohmann-json, GoogleTest with GMock;
+  with headers: Eigen 3.4, assimp 5, zlib, CLI11, nlohmann-json, FCL 0.7; for tests GoogleTest with GMock, CGAL 5;
   for pictures: EGL and libpng with headers, and Mesa's EGL with its software driver (llvmpipe).
 Then run this again with MJCF_PDG_SKIP_DEPS=1.
 END

@@ -17,17 +17,11 @@ constexpr double kSettled = 1e-3;
 // σ as a function of the angle and the direction of the shift.
 class Shifts {
  public:
-  explicit Shifts(Problem& problem) : problem_(problem), joint_(problem.tables.joints.front()) {
-    problem_.finder.Pose(problem_.q_in);
-    const mjData& d = *problem_.finder.posed().data();
-    R_in_ = AsMatrix(d.xmat + 9 * joint_.body);
-    com_B_ = AsVector(problem_.tables.model->body_ipos + 3 * joint_.body);
-    com_in_ = AsVector(d.xpos + 3 * joint_.body) + R_in_ * com_B_;
-  }
+  explicit Shifts(Problem& problem) : problem_(problem) {}
 
   // The least σ < `best` of a free pose with this angle and direction; infinite if there is none.
   double Least(double angle, double direction, double best) {
-    Turn(angle);
+    angle_ = angle;
     const double turned = SigmaAt(direction, 0.0);
     if (turned >= best) return std::numeric_limits<double>::infinity();
     const double farthest = std::sqrt(best - turned);  // σ of a shift is its square
@@ -47,17 +41,9 @@ class Shifts {
   int queries() const { return queries_; }
 
  private:
-  void Turn(double angle) {
-    R_ = R_in_ * Eigen::AngleAxisd(angle, Vector3d::UnitY()).toRotationMatrix();
-  }
   VectorXd At(double direction, double shift) const {
-    const Vector3d across(std::cos(direction), 0.0, std::sin(direction));
-    const Vector3d com = com_in_ + shift * (R_in_ * across);
-    VectorXd q = problem_.q_in;
-    const Eigen::Quaterniond turned(R_);
-    q.segment<3>(joint_.qadr) = com - R_ * com_B_;
-    q.segment<4>(joint_.qadr + 3) << turned.w(), turned.x(), turned.y(), turned.z();
-    return q;
+    return problem_.q_in +
+           Vector3d(shift * std::cos(direction), shift * std::sin(direction), angle_);
   }
   double SigmaAt(double direction, double shift) {
     return problem_.norm.Sigma(At(direction, shift));
@@ -68,9 +54,7 @@ class Shifts {
   }
 
   Problem& problem_;
-  const JointEntry& joint_;
-  Matrix3d R_in_, R_;
-  Vector3d com_B_, com_in_;
+  double angle_ = 0.0;
   int queries_ = 0;
 };
 

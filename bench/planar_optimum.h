@@ -1,5 +1,5 @@
-// Fig. 11's brute force: a rigid body whose answer only turns about one axis and is shifted in the
-// plane across it.
+// Fig. 11's brute force: a rigid body that turns about one axis and is shifted in the plane across
+// it.
 //
 // Source: Tang & Kim, Sec. 6.2: one rotation and two translations are sampled 300 times each, the
 // best contact configuration is the optimum. Differs from it: for each angle and direction of the
@@ -19,7 +19,8 @@ struct PlanarOptimum {
   int queries = 0;
 };
 
-// The body is the scene's only free joint; it turns about its own y axis and is shifted across it.
+// The scene's joints are two slides at right angles and a hinge across both, through the centre of
+// mass, on one body.
 PlanarOptimum BruteForcePlanar(Problem& problem);
 
 }  // namespace mjcf_pdg::bench

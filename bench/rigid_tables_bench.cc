@@ -4,10 +4,10 @@
 // Table I: A is translated through B while its orientation changes, 200 frames; with motion
 // coherence (frames follow each other) and with centroid difference. Table II: against random
 // sampling on the contact space (contact_sampling.h) with ten times our time per frame. Fig. 11:
-// spoon into box against brute force (planar_optimum.h). Only frames that penetrate count. The
+// spoon into box against brute force (figure11.h). Only frames that penetrate count. The
 // paper's times are from an Intel i5 of 2.4 GHz.
 //
-// Run: rigid_tables_bench [--parts table1,table2,figure11] [--big FOLDER]
+// Run: rigid_tables_bench [--parts table1,table2,figure11,triangles] [--big FOLDER]
 // (FOLDER: of models/rigid/make_rigid.py FOLDER; made if missing)
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -20,9 +20,11 @@
 #include <vector>
 
 #include "contact_sampling.h"
+#include "figure11.h"
 #include "measure.h"
 #include "mjcf_pdg/pdg.h"
-#include "planar_optimum.h"
+#include "oracle_tally.h"
+#include "triangle_cost.h"
 
 namespace mjcf_pdg::bench {
 namespace {
@@ -71,7 +73,7 @@ struct Solved {
 };
 
 std::vector<Solved> Solve(const Scene& scene, const std::vector<std::vector<double>>& frames,
-                          const Options& options, int every = 1) {
+                          const Options& options, OracleTally& oracle, int every = 1) {
   Solver solver(scene, options);
   std::vector<Solved> all(frames.size());
   for (std::size_t k = 0; k < frames.size(); k += every) {
@@ -79,6 +81,7 @@ std::vector<Solved> Solve(const Scene& scene, const std::vector<std::vector<doub
     all[k].result = solver.Solve(frames[k]);
     all[k].ms = 1e3 * (CpuSeconds() - begin);
     all[k].asked = true;
+    oracle.Ask(all[k].result);
   }
   return all;
 }
@@ -124,6 +127,7 @@ void PrintRow(const Row& row, const std::vector<double>& best, double query_ms) 
 void PrintTable1(const std::string& folder, const Path& path, const char* paper, int count) {
   const Scene scene = Load(folder, path.scene);
   const std::vector<std::vector<double>> frames = Frames(path, count);
+  OracleTally oracle(scene, kTolerance);
   std::vector<Row> rows;
   std::vector<double> best(frames.size(), kInfinity);
   // Method paper follows the motions step by step, for seconds on big meshes: every tenth frame.
@@ -133,7 +137,8 @@ void PrintTable1(const std::string& folder, const Path& path, const char* paper,
     options.method = method;
     options.effort = effort;
     options.trajectory = coherence;
-    rows.push_back({label, Solve(scene, frames, options, method == Method::kPaper ? 10 : 1)});
+    rows.push_back(
+        {label, Solve(scene, frames, options, oracle, method == Method::kPaper ? 10 : 1)});
     for (std::size_t k = 0; k < frames.size(); ++k) {
       const Result& result = rows.back().solves[k].result;
       if (result.status == Status::kSolved) best[k] = std::min(best[k], result.sigma);
@@ -151,12 +156,8 @@ void PrintTable1(const std::string& folder, const Path& path, const char* paper,
   std::printf("  %-28s %6s %7s %9s %9s %9s %8s %7s %9s %9s\n", "", "frames", "ok %", "ms", "p95",
               "/query", "iter", "queries", "ratio", "p95");
   for (const Row& row : rows) PrintRow(row, best, query_ms);
+  oracle.Print();
   std::fflush(stdout);
-}
-
-// Eq. 31.
-double RelativeError(double sigma1, double sigma2) {
-  return std::abs(sigma1 - sigma2) / std::max(sigma1, sigma2);
 }
 
 void PrintTable2(const std::string& folder, int count) {
@@ -166,11 +167,12 @@ void PrintTable2(const std::string& folder, int count) {
   for (const Path& path : kTable2) {
     const Scene scene = Load(folder, path.scene);
     const std::vector<std::vector<double>> frames = Frames(path, count);
+    OracleTally oracle(scene, kTolerance);
     for (const Effort effort : {Effort::kFast, Effort::kDefault}) {
       Options options;
       options.tolerance = kTolerance;
       options.effort = effort;
-      const std::vector<Solved> solves = Solve(scene, frames, options);
+      const std::vector<Solved> solves = Solve(scene, frames, options, oracle);
       Problem problem(scene.tables(), options);
       problem.required = VectorXd::Zero(static_cast<Eigen::Index>(scene.tables().pairs.size()));
       std::vector<double> ms, errors, samples;
@@ -194,47 +196,8 @@ void PrintTable2(const std::string& folder, int count) {
                   Quantile(samples, 0.5), Quantile(errors, 0.5), 100.0 * not_beaten / ms.size());
       std::fflush(stdout);
     }
+    oracle.Print();
   }
-}
-
-void PrintFigure11(const std::string& folder, int count) {
-  const Scene scene = Load(folder, "spoon_box");
-  Options options;
-  options.tolerance = kTolerance;
-  Solver solver(scene, options);
-  Problem problem(scene.tables(), options);
-  problem.required = VectorXd::Zero(static_cast<Eigen::Index>(scene.tables().pairs.size()));
-  std::printf("Fig. 11: spoon into box, brute force over one rotation and two translations\n");
-  std::printf("  %5s %6s %12s %12s %10s %10s\n", "x", "tilt", "brute force", "ours", "error",
-              "its own");
-  double sum = 0.0, worse = 0.0;
-  int frames = 0, free = 0;
-  for (int k = 0; k < count; ++k) {
-    const double t = k / (count - 1.0), tilt = 0.7 * std::sin(5.0 * t);
-    const std::vector<double> q = {
-        -0.05 + 0.1 * t,      0.0, 0.052 - 0.01 * t, std::cos(0.5 * tilt), 0.0,
-        std::sin(0.5 * tilt), 0.0};
-    const Result ours = solver.Solve(q);
-    if (ours.status == Status::kAlreadyFree) {
-      ++free;
-      continue;
-    }
-    problem.q_in = Eigen::Map<const VectorXd>(q.data(), 7);
-    problem.norm.SetReference(problem.q_in);
-    const PlanarOptimum optimum = BruteForcePlanar(problem);
-    const bool solved = ours.status == Status::kSolved;
-    const double error = solved ? RelativeError(ours.sigma, optimum.sigma) : 1.0;
-    ++frames;
-    sum += error;
-    worse += !solved || ours.sigma > optimum.sigma ? error : 0.0;
-    std::printf("  %5.2f %6.2f %12.5e %12.5e %9.4f%s %9.4f\n", q[0], tilt, optimum.sigma,
-                ours.sigma, error, ours.sigma < optimum.sigma ? "*" : " ", optimum.error);
-    std::fflush(stdout);
-  }
-  std::printf(
-      "  %d frames (%d more were free); mean error %.4f; where ours is worse %.4f; in the "
-      "paper 0.0165 (* ours is lower)\n",
-      frames, free, sum / frames, worse / frames);
 }
 
 std::string BigModels(std::string folder) {
@@ -251,15 +214,19 @@ std::string BigModels(std::string folder) {
 
 int RigidTablesMain(int argc, char** argv) {
   std::string big;
-  int frames = 200, figure_frames = 12;
-  std::vector<std::string> parts = {"table1", "table2", "figure11"};
-  CLI::App app("Table I, Table II and Fig. 11 of the paper, with our rows.");
+  int frames = 200, figure_frames = 12, largest = 1 << 20;
+  const std::vector<std::string> known = {"table1", "table2", "figure11", "triangles"};
+  std::vector<std::string> parts = known;
+  CLI::App app(
+      "Table I, Table II and Fig. 11 of the paper, with our rows; cost against triangles.");
   app.add_option("--big", big, "folder of the big models; made there if missing");
-  app.add_option("--parts", parts, "table1, table2, figure11; several with commas")
+  app.add_option("--parts", parts, "table1, table2, figure11, triangles; several with commas")
       ->delimiter(',')
-      ->check(CLI::IsMember({"table1", "table2", "figure11"}));
+      ->check(CLI::IsMember(known));
   app.add_option("--frames", frames, "of each path")->check(CLI::Range(2, 100000));
   app.add_option("--figure-frames", figure_frames, "of Fig. 11")->check(CLI::Range(2, 1000));
+  app.add_option("--largest", largest, "triangles of each mesh in the last row of triangles")
+      ->check(CLI::Range(1024, 1 << 22));
   CLI11_PARSE(app, argc, argv);
   try {
     const std::string small = MJCF_PDG_MODEL_DIR "/rigid";
@@ -273,7 +240,8 @@ int RigidTablesMain(int argc, char** argv) {
                   frames);
     }
     if (wanted("table2")) PrintTable2(small, frames);
-    if (wanted("figure11")) PrintFigure11(small, figure_frames);
+    if (wanted("figure11")) PrintFigure11(kTolerance, figure_frames);
+    if (wanted("triangles")) PrintTriangleCost(kTolerance, largest, 10);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "rigid_tables_bench: error: %s\n", error.what());
     return 2;

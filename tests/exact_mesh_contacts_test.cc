@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "brute_mesh.h"
 #include "contacts.h"
 #include "mesh_shapes.h"
-#include "solid.h"
 #include "test_support.h"
 
 namespace mjcf_pdg {
@@ -59,55 +59,7 @@ class Finder {
 };
 
 MeshShape Moved(const MeshShape& shape, const VectorXd& q) {
-  MeshShape copy = shape;
-  return copy.Move(Eigen::Quaterniond(q[3], q[4], q[5], q[6]).matrix(), q.head<3>());
-}
-
-double SegmentDistance(const Vector3d& p, const Vector3d& u, const Vector3d& q, const Vector3d& v) {
-  // Convex in both parameters: alternating projections end at the minimum, corners included.
-  double s = 0.5, t = 0.5;
-  for (int i = 0; i < 100; ++i) {
-    s = std::clamp((q + t * v - p).dot(u) / u.squaredNorm(), 0.0, 1.0);
-    t = std::clamp((p + s * u - q).dot(v) / v.squaredNorm(), 0.0, 1.0);
-  }
-  return (p + s * u - q - t * v).norm();
-}
-
-bool Pierces(const Vector3d& p, const Vector3d& q, const Vector3d t[3]) {
-  auto volume = [](const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& d) {
-    return (b - a).dot((c - a).cross(d - a));
-  };
-  if ((volume(p, t[0], t[1], t[2]) > 0) == (volume(q, t[0], t[1], t[2]) > 0)) return false;
-  const bool a = volume(p, q, t[0], t[1]) > 0, b = volume(p, q, t[1], t[2]) > 0;
-  return a == b && b == (volume(p, q, t[2], t[0]) > 0);
-}
-
-// Over all pairs of triangles; 0 when some intersect.
-double BruteDistance(const MeshShape& a, const MeshShape& b) {
-  double least = kFar;
-  for (const auto& f : a.faces) {
-    const Vector3d s[3] = {a.vertices[f[0]], a.vertices[f[1]], a.vertices[f[2]]};
-    const Vector3d middle = (s[0] + s[1] + s[2]) / 3.0;
-    for (const auto& g : b.faces) {
-      const Vector3d t[3] = {b.vertices[g[0]], b.vertices[g[1]], b.vertices[g[2]]};
-      const double apart = (middle - (t[0] + t[1] + t[2]) / 3.0).norm();
-      if (apart - (s[0] - s[1]).norm() - (s[0] - s[2]).norm() - (t[0] - t[1]).norm() -
-              (t[0] - t[2]).norm() >
-          least) {
-        continue;
-      }
-      for (int i = 0; i < 3; ++i) {
-        if (Pierces(s[i], s[(i + 1) % 3], t) || Pierces(t[i], t[(i + 1) % 3], s)) return 0.0;
-        least = std::min(least, (NearestOnTriangle(s[i], t[0], t[1], t[2]) - s[i]).norm());
-        least = std::min(least, (NearestOnTriangle(t[i], s[0], s[1], s[2]) - t[i]).norm());
-        for (int j = 0; j < 3; ++j) {
-          least = std::min(
-              least, SegmentDistance(s[i], s[(i + 1) % 3] - s[i], t[j], t[(j + 1) % 3] - t[j]));
-        }
-      }
-    }
-  }
-  return least;
+  return test::Moved(shape, QuatAt(q, 3).matrix(), q.head<3>());
 }
 
 // ---- Convex meshes: their triangles enclose their hulls ----
@@ -146,17 +98,14 @@ TEST_F(ExactMeshContactsTest, ConvexMeshesAgreeWithTheirHullsAgainstEveryType) {
 
 TEST_F(ExactMeshContactsTest, DistancesOfMeshesAreThoseOfAllPairsOfTriangles) {
   Random rng(13);
-  const MeshShape shapes[] = {test::TorusKnot(0.1, 0.03, 20, 4), test::Cup(0.1, 0.15, 0.02, 7),
-                              test::Globe(5, 7, [](const Vector3d& d) {
-                                return 0.1 * (1.0 + 0.4 * std::sin(9.0 * d.x() + 7.0 * d.y()));
-                              })};
+  const std::vector<MeshShape>& shapes = test::SmallShapes();
   int apart = 0, overlapping = 0;
   for (const MeshShape& fixed : shapes) {
     for (const MeshShape& moving : shapes) {
       Finder finder(TwoMeshes(fixed, moving));
       for (int i = 0; i < 8; ++i) {
         const VectorXd q = At(rng.InBox(0.3), rng.UnitQuat());
-        const double expected = BruteDistance(fixed, Moved(moving, q));
+        const double expected = test::BruteDistance(fixed, Moved(moving, q));
         const double distance = finder.Distance(q);
         ++(expected > 0.0 ? apart : overlapping);
         if (expected == 0.0) {

@@ -189,6 +189,10 @@ Scene MeshScene(const MeshShape& fixed, const std::string& moving_geom, const Me
   return Scene::FromString(MeshSceneXml(fixed, moving_geom, MeshXml("moving", moving)), Exact());
 }
 
+std::vector<double> FreePose(const Vector3d& p, const Eigen::Quaterniond& turn) {
+  return {p.x(), p.y(), p.z(), turn.w(), turn.x(), turn.y(), turn.z()};
+}
+
 bool InsideBySolidAngle(const MeshShape& shape, const Vector3d& x) {
   double angle = 0.0;
   for (const Vector3i& face : shape.faces) {

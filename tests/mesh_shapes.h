@@ -48,6 +48,10 @@ SceneOptions Exact();
 Scene MeshScene(const MeshShape& fixed, const std::string& moving_geom,
                 const MeshShape& moving = BoxMesh({0.01, 0.01, 0.01}));
 
+// qpos of a scene's only free joint.
+std::vector<double> FreePose(const Eigen::Vector3d& p,
+                             const Eigen::Quaterniond& turn = {1, 0, 0, 0});
+
 // Is x inside the closed mesh: by the sum of the solid angles of its triangles. Slow.
 bool InsideBySolidAngle(const MeshShape& shape, const Eigen::Vector3d& x);
 

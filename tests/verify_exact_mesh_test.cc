@@ -16,12 +16,9 @@ using test::Random;
 class VerifyExactMeshTest : public test::MujocoTest {};
 
 using test::Exact;
+using test::FreePose;
 
 using test::MeshScene;
-
-std::vector<double> At(const Vector3d& p, const Eigen::Quaterniond& turn = {1, 0, 0, 0}) {
-  return {p.x(), p.y(), p.z(), turn.w(), turn.x(), turn.y(), turn.z()};
-}
 
 const char* const kGeoms[] = {"type='sphere' size='0.04'",
                               "type='capsule' size='0.02 0.05'",
@@ -41,7 +38,7 @@ TEST_F(VerifyExactMeshTest, AgreesWithTheSolversQueriesAgainstEveryType) {
       Verifier verifier(scene.tables(), Options());
       int free = 0, overlapping = 0;
       for (int i = 0; i < 60; ++i) {
-        const std::vector<double> q = At(rng.InBox(0.2), rng.UnitQuat());
+        const std::vector<double> q = FreePose(rng.InBox(0.2), rng.UnitQuat());
         finder.Pose(test::ToEigen(q));
         NearPair near;
         near.distance = 1.0;
@@ -68,15 +65,15 @@ TEST_F(VerifyExactMeshTest, ToleranceIsKeptOnBothSides) {
   for (const char* geom : kGeoms) {
     const Scene scene = MeshScene(block, geom, test::BoxMesh({0.03, 0.04, 0.05}));
     ContactFinder finder(scene.tables());
-    finder.Pose(test::ToEigen(At({0.02, 0.03, 0.3})));
+    finder.Pose(test::ToEigen(FreePose({0.02, 0.03, 0.3})));
     NearPair near;
     ASSERT_TRUE(finder.Distance(0, 1.0, near));
     const double touch = 0.3 - near.distance;
     for (const double overlap : {-1e-3, -1e-7, 0.0, 0.5e-6, 0.9e-6}) {
-      EXPECT_TRUE(Verify(scene, At({0.02, 0.03, touch - overlap})).free) << geom << overlap;
+      EXPECT_TRUE(Verify(scene, FreePose({0.02, 0.03, touch - overlap})).free) << geom << overlap;
     }
     for (const double overlap : {1.2e-6, 1e-5, 1e-3}) {
-      const Verdict verdict = Verify(scene, At({0.02, 0.03, touch - overlap}));
+      const Verdict verdict = Verify(scene, FreePose({0.02, 0.03, touch - overlap}));
       EXPECT_FALSE(verdict.free) << geom << overlap;
       EXPECT_NEAR(verdict.min_distance, -overlap, 0.1 * overlap + 1e-7) << geom;
       ASSERT_EQ(verdict.contacts.size(), 1u);
@@ -88,25 +85,25 @@ TEST_F(VerifyExactMeshTest, ToleranceIsKeptOnBothSides) {
 TEST_F(VerifyExactMeshTest, BodiesWhollyInsideCollideAndHollowsAreFree) {
   for (const char* geom : kGeoms) {
     const Scene block = MeshScene(test::BoxMesh({0.4, 0.4, 0.4}), geom);
-    EXPECT_FALSE(Verify(block, At({0.1, 0.05, 0.02})).free) << geom;
+    EXPECT_FALSE(Verify(block, FreePose({0.1, 0.05, 0.02})).free) << geom;
     MeshShape shell = test::BoxMesh({0.4, 0.4, 0.4}), inner = test::BoxMesh({0.3, 0.3, 0.3});
     shell.Append(inner.TurnInsideOut());
     const Scene hollow = MeshScene(shell, geom);
-    EXPECT_TRUE(Verify(hollow, At({0.1, 0.05, 0.02})).free) << geom;
-    EXPECT_FALSE(Verify(hollow, At({0.35, 0.05, 0.02})).free) << geom;
+    EXPECT_TRUE(Verify(hollow, FreePose({0.1, 0.05, 0.02})).free) << geom;
+    EXPECT_FALSE(Verify(hollow, FreePose({0.35, 0.05, 0.02})).free) << geom;
   }
   const Scene around = MeshScene(test::Torus(0.05, 0.01, 16, 8), "type='box' size='0.3 0.3 0.3'");
-  EXPECT_FALSE(Verify(around, At({0.0, 0.0, 0.1})).free);
+  EXPECT_FALSE(Verify(around, FreePose({0.0, 0.0, 0.1})).free);
 }
 
 TEST_F(VerifyExactMeshTest, LinkedRingsAreFree) {
   const MeshShape ring = test::Torus(0.1, 0.02, 48, 16);
   const Scene scene = MeshScene(ring, "type='mesh' mesh='moving'", ring);
   const Eigen::Quaterniond upright(Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitX()));
-  const Verdict linked = Verify(scene, At({0.1, 0, 0}, upright));
+  const Verdict linked = Verify(scene, FreePose({0.1, 0, 0}, upright));
   EXPECT_TRUE(linked.free);
   EXPECT_NEAR(linked.min_distance, 0.06, 1e-3);
-  const Verdict crossed = Verify(scene, At({0.17, 0, 0}, upright));
+  const Verdict crossed = Verify(scene, FreePose({0.17, 0, 0}, upright));
   EXPECT_FALSE(crossed.free);
   EXPECT_NE(crossed.reason.find("overlap by"), std::string::npos);
 }
@@ -116,22 +113,22 @@ TEST_F(VerifyExactMeshTest, CoplanarAndCrossedTouchesAreFree) {
   const Scene scene = MeshScene(box, "type='mesh' mesh='moving'", box);
   for (const Vector3d& at : {Vector3d(0.25, 0, 0), Vector3d(0.1, 0.05, 0.25),
                              Vector3d(0.25, 0.25, 0.1), Vector3d(0.25, 0.25, 0.25)}) {
-    EXPECT_TRUE(Verify(scene, At(at)).free) << at.transpose();
+    EXPECT_TRUE(Verify(scene, FreePose(at)).free) << at.transpose();
   }
-  EXPECT_FALSE(Verify(scene, At({0, 0, 0})).free) << "the same place";
+  EXPECT_FALSE(Verify(scene, FreePose({0, 0, 0})).free) << "the same place";
   // A plug that fills the bore of a tube is free; in a block without bore it shares all four sides.
   const Scene plug =
       MeshScene(box, "type='mesh' mesh='moving'", test::BoxMesh({0.125, 0.125, 0.05}));
-  EXPECT_FALSE(Verify(plug, At({0, 0, 0.125})).free);
-  EXPECT_TRUE(Verify(plug, At({0, 0, 0.175})).free);
+  EXPECT_FALSE(Verify(plug, FreePose({0, 0, 0.125})).free);
+  EXPECT_TRUE(Verify(plug, FreePose({0, 0, 0.175})).free);
 }
 
 TEST_F(VerifyExactMeshTest, AnOpenMeshHasASurfaceOnly) {
   MeshShape open = test::BoxMesh({0.2, 0.2, 0.2});
   open.faces.resize(10);
   const Scene scene = MeshScene(open, "type='box' size='0.05 0.05 0.05'");
-  EXPECT_TRUE(Verify(scene, At({0, 0, 0})).free);
-  EXPECT_FALSE(Verify(scene, At({-0.2, 0, 0})).free);
+  EXPECT_TRUE(Verify(scene, FreePose({0, 0, 0})).free);
+  EXPECT_FALSE(Verify(scene, FreePose({-0.2, 0, 0})).free);
 }
 
 }  // namespace
