@@ -19,7 +19,8 @@ class ExactContacts {
  public:
   explicit ExactContacts(const SceneTables& tables) : tables_(tables), warm_(tables.pairs.size()) {}
 
-  // Forgets the nearest triangles: among equally near ones, what is found may depend on them.
+  // Forgets the nearest triangles. Which of equally near ones Distance finds, and which of those
+  // nearer than 1.25 times the distance Features begins with, may depend on them.
   void Forget() { warm_.assign(warm_.size(), NearestTriangles()); }
 
   // Signed distance of an exact pair at the pose, witness points in world axes [m]. False, and

@@ -87,6 +87,21 @@ TEST(SolidPairTest, ACutoffOrAWarmStartChangesNothingElse) {
   EXPECT_GT(asked, 25);
 }
 
+TEST(SolidPairTest, RoughlyNearestIsNearestWithinAFifthAndSeesWhatIntersects) {
+  int apart = 0, crossing = 0;
+  ForRandomPoses(66, 12, 0.3, [&](const SolidPair& pair, const Posed&, double expected) {
+    const double distance = kTreeUnits * expected;
+    const NearestTriangles rough = pair.RoughlyNearest(kFar, nullptr);
+    EXPECT_EQ(rough.distance == 0.0, expected == 0.0);
+    EXPECT_GE(rough.distance, distance - 1e-8);
+    EXPECT_LE(0.8 * rough.distance, distance + 1e-8);
+    EXPECT_EQ(pair.RoughlyNearest(0.999 * distance, nullptr).a, -1);
+    ++(expected > 0.0 ? apart : crossing);
+  });
+  EXPECT_GT(apart, 40);
+  EXPECT_GT(crossing, 20);
+}
+
 // ---- Degenerate ----
 
 MeshShape OneTriangle(const Vector3d& p, const Vector3d& q, const Vector3d& r) {
