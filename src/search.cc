@@ -42,6 +42,18 @@ double HalfThickness(const mjModel& m, int geom) {
   return AsVector(m.geom_aabb + 6 * geom + 3).minCoeff();
 }
 
+bool MovedByFreeJointsOnly(const SceneTables& tables, int pair) {
+  const mjModel& m = *tables.model;
+  for (const int geom : {tables.pairs[pair].geom1, tables.pairs[pair].geom2}) {
+    for (int body = m.geom_bodyid[geom]; body > 0; body = m.body_parentid[body]) {
+      for (int k = 0; k < m.body_jntnum[body]; ++k) {
+        if (m.jnt_type[m.body_jntadr[body] + k] != mjJNT_FREE) return false;
+      }
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 Search::Search(Problem& problem)
@@ -209,6 +221,18 @@ void Search::TryAnywhere() {
   TryFreePose(outcome_.free.front().q, kAnywhereStart);
 }
 
+// Translations take a rigid body out of the other the short way, where a step from deep inside two
+// meshes knows none. They take a finger over the rim, where a step takes it back through the wall.
+void Search::TryExact(const Plan& plan, const std::vector<NearPair>& overlaps) {
+  if (StillNear(plan)) return;
+  const bool rigid = std::all_of(overlaps.begin(), overlaps.end(), [this](const NearPair& near) {
+    return MovedByFreeJointsOnly(problem_.tables, near.pair);
+  });
+  if (!rigid && problem_.Uses(kDirect)) Try(center_, kDirect, Loose());
+  if (problem_.Uses(kTranslation)) TryRays(overlaps);
+  if (rigid && !Done(plan) && problem_.Uses(kDirect)) Try(center_, kDirect, Loose());
+}
+
 SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
                           const std::optional<FreeConfiguration>& hint) {
   outcome_ = {};
@@ -221,9 +245,10 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
     return problem_.tables.pairs[near.pair].exact;
   });
   if (exact_ && hint) Try(hint->q, hint->start, Loose());
-  if (exact_ && problem_.Uses(kTranslation) && !StillNear(plan)) TryRays(overlaps);
-  if (!Done(plan) && problem_.Uses(kDirect)) {
-    Try(center_, kDirect, exact_ ? Loose() : LocalOptions{});
+  if (exact_) {
+    TryExact(plan, overlaps);
+  } else if (problem_.Uses(kDirect)) {
+    Try(center_, kDirect, LocalOptions{});
   }
   if (!exact_ && hint) Try(hint->q, hint->start, LocalOptions{});
   const double depth = RelativeDepth(overlaps);
