@@ -17,6 +17,7 @@ namespace {
 
 // Names of starts, of Components (pdg.h).
 constexpr char kDirect[] = "direct", kMirror[] = "mirror", kNoiseStart[] = "noise", kHop[] = "hop";
+constexpr char kPairByPair[] = "pair_by_pair";
 constexpr char kTranslation[] = "constrained_translation", kAnywhereStart[] = "anywhere";
 constexpr double kAgreement = 1.01;
 constexpr double kGiveUp = 1.15;    // a start whose prediction is worse than this is dropped
@@ -57,7 +58,7 @@ bool MovedByFreeJointsOnly(const SceneTables& tables, int pair) {
 }  // namespace
 
 Search::Search(Problem& problem)
-    : problem_(problem), local_(problem), iteration_(problem), random_(0) {}
+    : problem_(problem), local_(problem), iteration_(problem), parting_(problem), random_(0) {}
 
 Search::Plan Search::PlanFor(Effort effort) {
   switch (effort) {
@@ -221,16 +222,19 @@ void Search::TryAnywhere() {
   TryFreePose(outcome_.free.front().q, kAnywhereStart);
 }
 
-// Translations take a rigid body out of the other the short way, where a step from deep inside two
-// meshes knows none. They take a finger over the rim, where a step takes it back through the wall.
+// Translations take a rigid body out of the other the short way; a finger they would take over the
+// rim of a cup, where its joints take it back through the wall. How deep two meshes overlap, which
+// is all that a direct start knows, comes last.
 void Search::TryExact(const Plan& plan, const std::vector<NearPair>& overlaps) {
   if (StillNear(plan)) return;
   const bool rigid = std::all_of(overlaps.begin(), overlaps.end(), [this](const NearPair& near) {
     return MovedByFreeJointsOnly(problem_.tables, near.pair);
   });
-  if (!rigid && problem_.Uses(kDirect)) Try(center_, kDirect, Loose());
+  if (!rigid && problem_.Uses(kPairByPair)) {
+    if (const std::optional<VectorXd> q = parting_.Start(center_)) Try(*q, kPairByPair, Loose());
+  }
   if (problem_.Uses(kTranslation)) TryRays(overlaps);
-  if (rigid && !Done(plan) && problem_.Uses(kDirect)) Try(center_, kDirect, Loose());
+  if (!Done(plan) && problem_.Uses(kDirect)) Try(center_, kDirect, Loose());
 }
 
 SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
@@ -247,6 +251,7 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
   if (exact_ && hint) Try(hint->q, hint->start, Loose());
   if (exact_) {
     TryExact(plan, overlaps);
+    first_query_ = problem_.finder.queries();  // the budget is for what varies from there
   } else if (problem_.Uses(kDirect)) {
     Try(center_, kDirect, LocalOptions{});
   }

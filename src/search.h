@@ -16,6 +16,7 @@
 #include "contact_space_iteration.h"
 #include "free_configuration.h"
 #include "local_optimization.h"
+#include "pair_by_pair.h"
 #include "problem.h"
 #include "random.h"
 #include "selection.h"
@@ -77,6 +78,7 @@ class Search {
   Problem& problem_;
   LocalOptimization local_;
   ContactSpaceIteration iteration_;
+  PairByPair parting_;
   Random random_;
   SearchOutcome outcome_;
   int first_query_ = 0;  // the finder's count when the search began

@@ -8,7 +8,8 @@ namespace mjcf_pdg {
 namespace {
 
 constexpr double kTouching = 20.0;  // of the tolerance
-constexpr int kRaySteps = 12, kRayHalvings = 2;
+constexpr double kFirstOnRay = 1.0 / 256.0, kNextOnRay = 1.2;  // shares of the way
+constexpr int kRayHalvings = 2;
 constexpr double kFarther = 1.3, kFarthest = 4.0;  // times the distance of a start
 constexpr double kHopSpreads[] = {3.0, 7.5, 1.5};  // as in GaussianStart, one at random
 
@@ -205,8 +206,9 @@ VectorXd ContactHop(Problem& problem, const VectorXd& best, double sigma, Hop ho
 std::optional<VectorXd> FirstFree(Problem& problem, const VectorXd& center, const VectorXd& far,
                                   double largest_sigma) {
   const Ray ray(problem, center, far);
-  for (int k = 1; k <= kRaySteps; ++k) {
-    double free = static_cast<double>(k) / kRaySteps, overlapping = free - 1.0 / kRaySteps;
+  double before = 0.0;
+  for (double t = kFirstOnRay; before < 1.0; before = t, t = std::min(1.0, kNextOnRay * t)) {
+    double free = t, overlapping = before;
     if (problem.norm.Sigma(ray.At(free)) > largest_sigma) return std::nullopt;
     if (!problem.Free(ray.At(free))) continue;
     for (int halvings = 0; halvings < kRayHalvings; ++halvings) {
