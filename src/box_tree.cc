@@ -145,9 +145,9 @@ BoundedBoxes BoxTree::ChildrenNear(int box, const OrientedBox& other, float cuto
     const Lanes* axis = group.axes[i];
     Lanes reach = group.half[i];
     for (int k = 0; k < 3; ++k) {
-      const Lanes cosine = (axis[0] * other.axes(0, k) + axis[1] * other.axes(1, k) +
-                            axis[2] * other.axes(2, k))
-                               .abs();
+      const Lanes cosine =
+          (axis[0] * other.axes(0, k) + axis[1] * other.axes(1, k) + axis[2] * other.axes(2, k))
+              .abs();
       reach += cosine * other.half[k];
       reach_on_other[k] += cosine * group.half[i];
     }
@@ -156,8 +156,7 @@ BoundedBoxes BoxTree::ChildrenNear(int box, const OrientedBox& other, float cuto
   }
   if ((squared >= farthest).all()) return out;
   for (int k = 0; k < 3; ++k) {
-    const Lanes along =
-        d[0] * other.axes(0, k) + d[1] * other.axes(1, k) + d[2] * other.axes(2, k);
+    const Lanes along = d[0] * other.axes(0, k) + d[1] * other.axes(1, k) + d[2] * other.axes(2, k);
     squared_other += (along.abs() - reach_on_other[k]).max(0.0f).square();
   }
   squared = squared.max(squared_other);
@@ -194,8 +193,7 @@ BoundedBoxes BoxTree::ChildrenNear(int box, const Vector3d& x, double cutoff) co
 
 float BoxTree::RootDistance(const Vector3d& x) const {
   const Vector3f point = x.cast<float>();
-  return std::sqrt(SquaredDistances(groups_[0], point)[0]) -
-         Rounding(scale_ + point.lpNorm<1>());
+  return std::sqrt(SquaredDistances(groups_[0], point)[0]) - Rounding(scale_ + point.lpNorm<1>());
 }
 
 // The segment along each direction of a box: the part within the slab.

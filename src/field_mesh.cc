@@ -73,7 +73,9 @@ void FieldMesh::AskTriangle(int triangle, FieldNearest& best) const {
   if (least.f < best.f) best = {least.f, pose_.Inverse() * least.x, triangle};
 }
 
-FieldNearest FieldMesh::Nearest(double cutoff, int warm) const { return Below(BoxTree::kRoot, cutoff, warm); }
+FieldNearest FieldMesh::Nearest(double cutoff, int warm) const {
+  return Below(BoxTree::kRoot, cutoff, warm);
+}
 
 FieldNearest FieldMesh::Below(int box, double cutoff, int warm) const {
   FieldNearest best;

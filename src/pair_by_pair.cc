@@ -93,8 +93,8 @@ std::optional<VectorXd> PairByPair::WayOut(const VectorXd& q, const NearPair& ov
   return best;
 }
 
-// dq = H⁻¹ cᵀ / (c H⁻¹ cᵀ) moves the points apart along n_W by 1 m to first order, c being their row
-// of C. False where no joint can.
+// dq = H⁻¹ cᵀ / (c H⁻¹ cᵀ) moves the points apart along n_W by 1 m to first order, c being their
+// row of C. False where no joint can.
 bool PairByPair::Motion(const VectorXd& q, const NearPair& overlap, const Vector3d& n_W,
                         VectorXd& dq) {
   problem_.finder.Pose(q);

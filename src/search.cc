@@ -24,8 +24,8 @@ constexpr double kGiveUp = 1.15;    // a start whose prediction is worse than th
 constexpr double kWorthARun = 2.0;  // σ over that of the nearest ray
 constexpr double kDragged = 1.2;    // σ over that of the frame whose rays were tried last
 constexpr int kFramesPerRays = 4;
-constexpr int kBlind = 20;          // noisy starts while nothing is free
-constexpr int kAnywhere = 20;       // uniform starts, if nothing else came free
+constexpr int kBlind = 20;                          // noisy starts while nothing is free
+constexpr int kAnywhere = 20;                       // uniform starts, if nothing else came free
 constexpr double kNoise[] = {7.5, 3.0, 4.5, 12.0};  // spreads of the noisy starts, in turn
 constexpr Hop kHops[] = {Hop::kFromBest, Hop::kFromInput, Hop::kMirrored};
 
@@ -169,8 +169,7 @@ void Search::TryRays(const std::vector<NearPair>& overlaps) {
 // looks for one answer trusts it for a few frames while σ does not grow much.
 bool Search::StillNear(const Plan& plan) {
   const bool near = problem_.options.trajectory && Done(plan) &&
-                    frames_since_rays_ < kFramesPerRays &&
-                    BestSigma() < kDragged * sigma_of_rays_;
+                    frames_since_rays_ < kFramesPerRays && BestSigma() < kDragged * sigma_of_rays_;
   frames_since_rays_ = near ? frames_since_rays_ + 1 : 0;
   return near;
 }

@@ -81,9 +81,9 @@ class Search {
   PairByPair parting_;
   Random random_;
   SearchOutcome outcome_;
-  int first_query_ = 0;  // the finder's count when the search began
-  VectorXd center_;      // q_in inside its limits
-  bool exact_ = false;   // some exact mesh overlaps
+  int first_query_ = 0;         // the finder's count when the search began
+  VectorXd center_;             // q_in inside its limits
+  bool exact_ = false;          // some exact mesh overlaps
   double sigma_of_rays_ = 0.0;  // of the answer when they were tried last; trajectories [m²]
   int frames_since_rays_ = 0;
 };

@@ -7,7 +7,7 @@
 namespace mjcf_pdg {
 namespace {
 
-constexpr double kTouching = 20.0;  // of the tolerance
+constexpr double kTouching = 20.0;                             // of the tolerance
 constexpr double kFirstOnRay = 1.0 / 256.0, kNextOnRay = 1.2;  // shares of the way
 constexpr int kRayHalvings = 2;
 constexpr double kFarther = 1.3, kFarthest = 4.0;  // times the distance of a start

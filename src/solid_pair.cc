@@ -67,8 +67,8 @@ NearestTriangles SolidPair::OfTriangles(int a, int b) const {
   return near;
 }
 
-NearestTriangles SolidPair::Nearest(Boxes boxes, double cutoff,
-                                    const NearestTriangles* warm, double share) const {
+NearestTriangles SolidPair::Nearest(Boxes boxes, double cutoff, const NearestTriangles* warm,
+                                    double share) const {
   NearestTriangles best;
   if (warm && warm->a >= 0) best = OfTriangles(warm->a, warm->b);
   if (!(best.distance < cutoff)) {
@@ -88,8 +88,7 @@ void SolidPair::Descend(Boxes boxes, double share, NearestTriangles& best) const
     return;
   }
   const bool split_a =
-      leaf_b ||
-      (!leaf_a && a_.tree().HalfDiagonal(boxes.a) > b_.tree().HalfDiagonal(boxes.b));
+      leaf_b || (!leaf_a && a_.tree().HalfDiagonal(boxes.a) > b_.tree().HalfDiagonal(boxes.b));
   for (const BoundedBox& child : ChildrenNear(boxes, split_a, share * best.distance)) {
     if (!(best.distance > 0.0) || child.bound >= share * best.distance) return;
     (split_a ? boxes.a : boxes.b) = child.box;
@@ -130,8 +129,7 @@ void SolidPair::Patches(double margin, double patch, std::vector<NearestTriangle
       continue;
     }
     const bool split_a =
-        patch_b ||
-        (!patch_a && a_.tree().HalfDiagonal(part.a) > b_.tree().HalfDiagonal(part.b));
+        patch_b || (!patch_a && a_.tree().HalfDiagonal(part.a) > b_.tree().HalfDiagonal(part.b));
     for (const BoundedBox& child : ChildrenNear({part.a, part.b}, split_a, margin)) {
       Part half = part;
       (split_a ? half.a : half.b) = child.box;

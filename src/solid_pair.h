@@ -1,7 +1,7 @@
 // Two triangle meshes: their nearest triangles, and all features within a margin.
 //
-// Our own traversals, because FCL's have no early out at a cutoff, no warm start and no margin, with
-// FCL's distance of triangles. Tree units (solid.h); everything in the frame of mesh a.
+// Our own traversals, because FCL's have no early out at a cutoff, no warm start and no margin,
+// with FCL's distance of triangles. Tree units (solid.h); everything in the frame of mesh a.
 #ifndef MJCF_PDG_SRC_SOLID_PAIR_H_
 #define MJCF_PDG_SRC_SOLID_PAIR_H_
 

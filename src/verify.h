@@ -35,9 +35,9 @@ class Verifier {
   // Empty vectors: as in the model.
   void SetMocap(const MocapPoses& poses);
 
-  // Is q free? `q_in` is what `rest` refers to; without it nothing rests. Both have nq entries. With
-  // skipped depths, min_distance and contacts say of exact pairs whether they overlap, no more. The
-  // verdict is ours until the next call. Allocates only to name contacts and reasons.
+  // Is q free? `q_in` is what `rest` refers to; without it nothing rests. Both have nq entries.
+  // With skipped depths, min_distance and contacts say of exact pairs whether they overlap, no
+  // more. The verdict is ours until the next call. Allocates only to name contacts and reasons.
   const Verdict& Check(const std::vector<double>& q, const std::vector<double>* q_in = nullptr,
                        Depths depths = Depths::kMeasured);
 

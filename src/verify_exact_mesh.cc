@@ -24,7 +24,7 @@ using Bvh = fcl::BVHModel<fcl::OBBRSS<double>>;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMillimetres = 1e3;  // FCL's thresholds are absolute: it works in millimetres
 constexpr int kMaxTrianglePairs = 100000;
-constexpr int kFewPairs = 4;  // of triangles, to tell an overlap
+constexpr int kFewPairs = 4;          // of triangles, to tell an overlap
 constexpr double kUnmeasured = 1e-3;  // depth of more crossings than that, at least [m]
 // Triangles of each mesh asked for their depth: a few first, which tell most overlaps.
 constexpr int kFewAsked = 30, kAllAsked = 200;
@@ -228,8 +228,8 @@ double VerifierShape::DepthOf(const PosedModel& posed, int geom, const Vector3d&
 double ExactVerifier::Distance(const PosedModel& posed, const KeptPair& pair, double cutoff,
                                double enough, Depths depths, double fromto[6]) const {
   const Asked asked{
-      posed,  pair,  shapes_->of_geom[pair.geom1].get(), shapes_->of_geom[pair.geom2].get(),
-      enough, depths, fromto};
+      posed,  pair,  shapes_->of_geom[pair.geom1].get(), shapes_->of_geom[pair.geom2].get(), enough,
+      depths, fromto};
   return asked.first ? SolidDistance(asked, cutoff) : RoundDistance(asked, cutoff);
 }
 
@@ -306,7 +306,8 @@ double ExactVerifier::CrossingTriangles(const Asked& asked, int most) const {
     const Vector3d middle = (s[0] + s[1] + s[2] + t[0] + t[1] + t[2]) / 6.0;
     asked.Witness(middle + 0.5 * move * n, middle - 0.5 * move * n);
   }
-  if (hits.numContacts() >= std::size_t{kMaxTrianglePairs}) overlap = std::max(overlap, kUnmeasured);
+  if (hits.numContacts() >= std::size_t{kMaxTrianglePairs})
+    overlap = std::max(overlap, kUnmeasured);
   return -overlap;
 }
 

@@ -49,7 +49,8 @@ TEST_F(PairByPairTest, TheShorterWayOutOfAThinWallIsTaken) {
     if (std::abs(in - out) < 0.004) continue;
     ++(in < out ? inside : outside);
     EXPECT_EQ((*q)[0] < x, in < out) << x;
-    EXPECT_LT(std::abs((*q)[0] - x), 2.5 * std::min(in, out) + 1e-3) << "the first way that is free";
+    EXPECT_LT(std::abs((*q)[0] - x), 2.5 * std::min(in, out) + 1e-3)
+        << "the first way that is free";
   }
   EXPECT_GT(inside, 3);
   EXPECT_GT(outside, 3);
