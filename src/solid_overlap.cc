@@ -224,7 +224,7 @@ void AppendOverlaps(const SolidPair& pair, std::vector<SignedGap>& out) {
   auto deep = [size](const WayOut& way) { return -way.gap.distance > kShallow * size; };
   if (std::none_of(ways.begin(), ways.end(), deep)) AppendCommonPoint(pair, ways);
   if (ways.empty()) {
-    const NearestTriangles crossing = pair.Nearest(SolidPair::kTouching);
+    const NearestTriangles crossing = pair.RoughlyNearest(SolidPair::kTouching, nullptr);
     out.push_back(crossing.a < 0 ? SignedGap() : TriangleGap(pair, crossing));
     return;
   }

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kFaceLike = 0.9;         // cosine between a row's normal and a face's
 constexpr double kSameDirection = 0.999;  // cosine; nearer ones are merged
+constexpr int kGuesses = 3;
 constexpr int kMaxPatches = 48;           // pairs of patches asked
 constexpr int kPerPatch = 2;              // ... of which as many of the same patches
 constexpr int kMaxParts = 3000;           // pairs of nodes looked at
@@ -77,6 +78,19 @@ NearestTriangles SolidPair::Nearest(Boxes boxes, double cutoff, const NearestTri
   }
   Descend(boxes, share, best);
   return best;
+}
+
+// From the middle of b to the surfaces, to and fro: often the nearest, and a bound in any case.
+NearestTriangles SolidPair::Guess() const {
+  const RelativePose a_in_b = pose_.Inverse();
+  SurfacePoint on_a, on_b;
+  Vector3d x = pose_ * b_.center();
+  for (int k = 0; k < kGuesses; ++k) {
+    on_a = a_.NearestFrom(on_a, x);
+    on_b = b_.NearestFrom(on_b, a_in_b * on_a.p);
+    x = pose_ * on_b.p;
+  }
+  return OfTriangles(on_a.triangle, on_b.triangle);
 }
 
 void SolidPair::Descend(Boxes boxes, double share, NearestTriangles& best) const {

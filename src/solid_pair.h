@@ -38,14 +38,15 @@ class SolidPair {
 
   // Below `cutoff`, or a == b == -1. `warm`: triangles that were nearest before, or null.
   NearestTriangles Nearest(double cutoff, const NearestTriangles* warm = nullptr) const {
-    return Nearest({}, cutoff, warm, 1.0);
+    const NearestTriangles guess = warm && warm->a >= 0 ? *warm : Guess();
+    return Nearest({}, cutoff, &guess, 1.0);
   }
   // The same, but some may be nearer by a fifth; quicker. Triangles that intersect are found.
   NearestTriangles RoughlyNearest(double cutoff, const NearestTriangles* warm) const {
     return Nearest({}, cutoff, warm, kNearly);
   }
   // Some triangles intersect.
-  bool Intersects() const { return Nearest(kTouching).a >= 0; }
+  bool Intersects() const { return RoughlyNearest(kTouching, nullptr).a >= 0; }
 
   // Rows for a contact matrix: of pairs of patches of the two surfaces the nearest points, if
   // nearer than `margin` and apart; patches are about as large as the margin, which is cut to twice
@@ -71,6 +72,7 @@ class SolidPair {
   // `share`: others as near as that share of the distance found may be missed.
   NearestTriangles Nearest(Boxes boxes, double cutoff, const NearestTriangles* warm,
                            double share) const;
+  NearestTriangles Guess() const;
   void Descend(Boxes boxes, double share, NearestTriangles& best) const;
   BoundedBoxes ChildrenNear(Boxes boxes, bool of_a, double cutoff) const;
   void Patches(double margin, double patch, std::vector<NearestTriangles>& out) const;
