@@ -149,6 +149,7 @@ bool ContactFinder::HullGap(const KeptPair& kept, double overlap, SignedGap& gap
 }
 
 bool ContactFinder::GeomGap(int geom1, int geom2, double cutoff, SignedGap& gap) {
+  ++distances_;
   const int type1 = model_.geom_type[geom1], type2 = model_.geom_type[geom2];
   if (type1 == mjGEOM_CAPSULE && type2 == mjGEOM_BOX) {
     gap = CapsuleBoxInWorld(posed_, geom1, geom2);

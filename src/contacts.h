@@ -52,6 +52,8 @@ class ContactFinder {
   double DistanceBound(int pair) const;
 
   int queries() const { return queries_; }
+  // Pair distances asked of MuJoCo or of our own tests; those of exact pairs do not count.
+  int distances() const { return distances_; }
 
  private:
   bool BoundsNear(const KeptPair& kept, double margin) const;
@@ -68,7 +70,7 @@ class ContactFinder {
   std::vector<SignedGap> features_;
   std::vector<NearPair> near_;
   std::vector<Vector3d> centers_W_;  // of body_spheres
-  int queries_ = 0;
+  int queries_ = 0, distances_ = 0;
 };
 
 }  // namespace mjcf_pdg

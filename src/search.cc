@@ -10,6 +10,7 @@ struct Search::Plan {
   int agree = 6;                 // independent starts at the best answer that end the search ...
   double agree_per_depth = 1.0;  // ... or fewer: about one, and this many per relative depth
   int queries = 600;             // collision queries after which no further start is made
+  double evaluations = 700.0;    // ... and estimated time since something was free [evaluations]
   double direct_only = 1.0;      // relative depth up to which the direct start alone is trusted
 };
 
@@ -19,6 +20,7 @@ namespace {
 constexpr char kDirect[] = "direct", kMirror[] = "mirror", kNoiseStart[] = "noise", kHop[] = "hop";
 constexpr char kPairByPair[] = "pair_by_pair";
 constexpr char kTranslation[] = "constrained_translation", kAnywhereStart[] = "anywhere";
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kAgreement = 1.01;
 constexpr double kGiveUp = 1.15;    // a start whose prediction is worse than this is dropped
 constexpr double kWorthARun = 2.0;  // σ over that of the nearest ray
@@ -27,6 +29,10 @@ constexpr int kFramesPerRays = 4;
 constexpr int kBlind = 20;                          // noisy starts while nothing is free
 constexpr int kAnywhere = 20;                       // uniform starts, if nothing else came free
 constexpr double kNoise[] = {7.5, 3.0, 4.5, 12.0};  // spreads of the noisy starts, in turn
+// Time of a query and of a pair distance [evaluations], the latter over those at q_in but no fewer
+// than kFewDistances: fits what bench/ measures within about a third.
+constexpr double kPerQuery = 0.3, kPerDistance = 0.8;
+constexpr int kFewDistances = 4;
 constexpr Hop kHops[] = {Hop::kFromBest, Hop::kFromInput, Hop::kMirrored};
 
 LocalOptions Loose() {
@@ -38,7 +44,7 @@ LocalOptions Loose() {
 
 double HalfThickness(const mjModel& m, int geom) {
   if (m.geom_type[geom] == mjGEOM_PLANE || m.geom_type[geom] == mjGEOM_HFIELD) {
-    return std::numeric_limits<double>::infinity();
+    return kInfinity;
   }
   return AsVector(m.geom_aabb + 6 * geom + 3).minCoeff();
 }
@@ -63,29 +69,35 @@ Search::Search(Problem& problem)
 Search::Plan Search::PlanFor(Effort effort) {
   switch (effort) {
     case Effort::kFast:
-      return {1, 1.0, 0, std::numeric_limits<double>::infinity()};
+      return {1, 1.0, 0, kInfinity, kInfinity};
     case Effort::kDefault:
-      return {6, 1.0, 600, 1.0};
+      return {6, 1.0, 600, 700.0, 1.0};
     case Effort::kMax:
-      return {12, 4.0, 3000, 0.3};
+      return {12, 4.0, 3000, kInfinity, 0.3};
   }
   return {};
 }
 
-double Search::BestSigma() const {
-  return HasFree() ? outcome_.free.front().sigma : std::numeric_limits<double>::infinity();
-}
+double Search::BestSigma() const { return HasFree() ? outcome_.free.front().sigma : kInfinity; }
 
 bool Search::Done(const Plan& plan) const {
   return HasFree() && (outcome_.agreeing >= plan.agree ||
-                       problem_.finder.queries() - first_query_ >= plan.queries);
+                       problem_.finder.queries() - first_query_ >= plan.queries ||
+                       Evaluations() >= plan.evaluations);
+}
+
+double Search::Evaluations() const {
+  const double queries = problem_.finder.queries() - free_query_;
+  const double distances = problem_.finder.distances() - free_distance_;
+  return kPerQuery * queries +
+         kPerDistance * distances / std::max(kFewDistances, problem_.input_distances);
 }
 
 double Search::RelativeDepth(const std::vector<NearPair>& overlaps) const {
   double deepest = 0.0;
   for (const NearPair& near : overlaps) {
     const KeptPair& pair = problem_.tables.pairs[near.pair];
-    if (pair.exact) return std::numeric_limits<double>::infinity();  // however thin its walls are
+    if (pair.exact) return kInfinity;  // however thin its walls are
     const double half = std::min(HalfThickness(*problem_.tables.model, pair.geom1),
                                  HalfThickness(*problem_.tables.model, pair.geom2));
     deepest = std::max(deepest, -near.distance / std::max(half, 1e-9));
@@ -105,6 +117,10 @@ void Search::Try(const VectorXd& q, const std::string& start, const LocalOptions
   LocalResult result = local_.Run(q, bounded);
   outcome_.iterations += result.iterations;
   Count(result, start);
+  if (result.free && !HasFree()) {
+    free_query_ = problem_.finder.queries();
+    free_distance_ = problem_.finder.distances();
+  }
   if (result.free) {
     Candidate candidate{std::move(result.q), result.sigma, start};
     auto place =
@@ -148,7 +164,7 @@ void Search::TryTranslations(const std::vector<NearPair>& overlaps) {
 // Exact meshes: the nearest free poses on the translations of Eq. 20, on the way out.
 void Search::TryRays(const std::vector<NearPair>& overlaps) {
   std::vector<Candidate> found;
-  double largest = std::numeric_limits<double>::infinity();
+  double largest = kInfinity;
   for (const VectorXd& far : ConstrainedTranslation(problem_, overlaps, center_)) {
     if (problem_.Expired()) break;
     if (std::optional<VectorXd> q = FirstFree(problem_, center_, far, largest)) {
@@ -247,6 +263,7 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
   exact_ = std::any_of(overlaps.begin(), overlaps.end(), [this](const NearPair& near) {
     return problem_.tables.pairs[near.pair].exact;
   });
+  if (exact_) plan.evaluations = kInfinity;  // its queries cost more
   if (exact_ && hint) Try(hint->q, hint->start, Loose());
   if (exact_) {
     TryExact(plan, overlaps);

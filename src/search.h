@@ -4,7 +4,8 @@
 // side of an obstacle, or which order of contacts, a start falls on, so varied starts follow:
 // mirrored, normal noise in object-norm units, and hops that decide one contact of the best answer
 // anew. No start is trusted; the best free answer wins. Agreement of several starts that know
-// nothing of each other ends the search early, a budget of collision queries ends it late.
+// nothing of each other ends the search early, a budget of collision queries and of estimated time
+// ends it late.
 #ifndef MJCF_PDG_SRC_SEARCH_H_
 #define MJCF_PDG_SRC_SEARCH_H_
 
@@ -71,6 +72,8 @@ class Search {
   void TryAnywhere();
   bool HasFree() const { return !outcome_.free.empty(); }
   double BestSigma() const;
+  // Time since the first free answer, estimated from counts so that answers repeat [evaluations].
+  double Evaluations() const;
   bool Done(const Plan& plan) const;
   // Deepest overlap in units of the thinner geom's half-thickness: below 1 there is one way out.
   double RelativeDepth(const std::vector<NearPair>& overlaps) const;
@@ -81,9 +84,10 @@ class Search {
   PairByPair parting_;
   Random random_;
   SearchOutcome outcome_;
-  int first_query_ = 0;         // the finder's count when the search began
-  VectorXd center_;             // q_in inside its limits
-  bool exact_ = false;          // some exact mesh overlaps
+  int first_query_ = 0;                     // the finder's count when the search began
+  int free_query_ = 0, free_distance_ = 0;  // ... and when the first answer was free
+  VectorXd center_;                         // q_in inside its limits
+  bool exact_ = false;                      // some exact mesh overlaps
   double sigma_of_rays_ = 0.0;  // of the answer when they were tried last; trajectories [m²]
   int frames_since_rays_ = 0;
 };

@@ -139,10 +139,12 @@ void Solver::Impl::SetUp(const std::vector<double>& q_in) {
 
 std::vector<NearPair> Solver::Impl::Overlaps() {
   std::vector<NearPair> overlaps;
+  const int before = problem.finder.distances();
   problem.finder.Pose(problem.q_in);
   for (const NearPair& near : problem.finder.Find(options.clearance + options.tolerance)) {
     if (near.distance < problem.required[near.pair]) overlaps.push_back(near);
   }
+  problem.input_distances = problem.finder.distances() - before;
   return overlaps;
 }
 
