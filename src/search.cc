@@ -163,20 +163,9 @@ void Search::TryTranslations(const std::vector<NearPair>& overlaps) {
 
 // Exact meshes: the nearest free poses on the translations of Eq. 20, on the way out.
 void Search::TryRays(const std::vector<NearPair>& overlaps) {
-  std::vector<Candidate> found;
-  double largest = kInfinity;
-  for (const VectorXd& far : ConstrainedTranslation(problem_, overlaps, center_)) {
-    if (problem_.Expired()) break;
-    if (std::optional<VectorXd> q = FirstFree(problem_, center_, far, largest)) {
-      const double sigma = problem_.norm.Sigma(*q);
-      found.push_back({*std::move(q), sigma, kTranslation});
-      largest = std::min(largest, kWorthARun * sigma);
-    }
-  }
-  std::stable_sort(found.begin(), found.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.sigma < b.sigma; });
-  for (const Candidate& candidate : found) {
-    if (candidate.sigma <= largest) Try(candidate.q, candidate.start, Loose());
+  const std::vector<VectorXd> far = ConstrainedTranslation(problem_, overlaps, center_);
+  for (const FreeOnRay& free : FirstFree(problem_, center_, far, kWorthARun)) {
+    Try(free.q, kTranslation, Loose());
   }
   sigma_of_rays_ = BestSigma();
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 
 namespace mjcf_pdg {
 namespace {
@@ -143,19 +144,19 @@ std::vector<char> DofsOfSomeContact(Problem& problem, const VectorXd& q, Random&
 class Ray {
  public:
   Ray(const Problem& problem, const VectorXd& from, const VectorXd& through)
-      : tables_(problem.tables), from_(from) {
-    Difference(tables_, from, through, dq_);
+      : tables_(&problem.tables), from_(from) {
+    Difference(*tables_, from, through, dq_);
   }
   VectorXd At(double t) const {
     VectorXd q;
-    Integrate(tables_, from_, t * dq_, q);
-    ClampToLimits(tables_, q);
+    Integrate(*tables_, from_, t * dq_, q);
+    ClampToLimits(*tables_, q);
     return q;
   }
 
  private:
-  const SceneTables& tables_;
-  const VectorXd from_;
+  const SceneTables* tables_;
+  VectorXd from_;
   VectorXd dq_;
 };
 
@@ -203,21 +204,35 @@ VectorXd ContactHop(Problem& problem, const VectorXd& best, double sigma, Hop ho
   return out;
 }
 
-std::optional<VectorXd> FirstFree(Problem& problem, const VectorXd& center, const VectorXd& far,
-                                  double largest_sigma) {
-  const Ray ray(problem, center, far);
-  double before = 0.0;
-  for (double t = kFirstOnRay; before < 1.0; before = t, t = std::min(1.0, kNextOnRay * t)) {
-    double free = t, overlapping = before;
-    if (problem.norm.Sigma(ray.At(free)) > largest_sigma) return std::nullopt;
-    if (!problem.Free(ray.At(free))) continue;
+std::vector<FreeOnRay> FirstFree(Problem& problem, const VectorXd& center,
+                                 const std::vector<VectorXd>& far, double worth) {
+  std::vector<Ray> rays;
+  for (const VectorXd& q : far) rays.emplace_back(problem, center, q);
+  std::vector<FreeOnRay> found;
+  double largest = std::numeric_limits<double>::infinity(), before = 0.0;
+  // The ray's first free configuration between `before` and t, if that at t is free.
+  auto ends = [&](const Ray& ray, double t) {
+    if (problem.Expired() || problem.norm.Sigma(ray.At(t)) > largest) return true;
+    if (!problem.Free(ray.At(t))) return false;
+    double overlapping = before;
     for (int halvings = 0; halvings < kRayHalvings; ++halvings) {
-      const double middle = 0.5 * (free + overlapping);
-      (problem.Free(ray.At(middle)) ? free : overlapping) = middle;
+      const double middle = 0.5 * (t + overlapping);
+      (problem.Free(ray.At(middle)) ? t : overlapping) = middle;
     }
-    return ray.At(free);
+    const VectorXd q = ray.At(t);
+    found.push_back({q, problem.norm.Sigma(q)});
+    largest = std::min(largest, worth * found.back().sigma);
+    return true;
+  };
+  for (double t = kFirstOnRay; before < 1.0 && !rays.empty(); t = std::min(1.0, kNextOnRay * t)) {
+    std::erase_if(rays, [&](const Ray& ray) { return ends(ray, t); });
+    before = t;
   }
-  return std::nullopt;
+  std::erase_if(found, [&](const FreeOnRay& free) { return free.sigma > largest; });
+  std::stable_sort(found.begin(), found.end(), [](const FreeOnRay& x, const FreeOnRay& y) {
+    return x.sigma < y.sigma;
+  });
+  return found;
 }
 
 std::optional<VectorXd> CarriedOut(Problem& problem, const VectorXd& center, const VectorXd& q) {

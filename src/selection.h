@@ -32,10 +32,15 @@ enum class Hop {
 };
 VectorXd ContactHop(Problem& problem, const VectorXd& best, double sigma, Hop hop, Random& random);
 
-// The first free configuration found on the way from `center` to `far`; none if σ would exceed
-// `largest_sigma` before, or if `far` itself is not free.
-std::optional<VectorXd> FirstFree(Problem& problem, const VectorXd& center, const VectorXd& far,
-                                  double largest_sigma);
+// Straight from `center` towards each of `far`, all at one pace: the first free configuration found
+// on each way, the least σ first. Ways on which it would be more than `worth` times the least are
+// given up.
+struct FreeOnRay {
+  VectorXd q;
+  double sigma = 0.0;  // [m²]
+};
+std::vector<FreeOnRay> FirstFree(Problem& problem, const VectorXd& center,
+                                 const std::vector<VectorXd>& far, double worth);
 
 // `q`, or the first free configuration beyond it, as seen from `center`; none if there is none
 // within a few times its distance.
