@@ -229,9 +229,8 @@ std::vector<FreeOnRay> FirstFree(Problem& problem, const VectorXd& center,
     before = t;
   }
   std::erase_if(found, [&](const FreeOnRay& free) { return free.sigma > largest; });
-  std::stable_sort(found.begin(), found.end(), [](const FreeOnRay& x, const FreeOnRay& y) {
-    return x.sigma < y.sigma;
-  });
+  std::stable_sort(found.begin(), found.end(),
+                   [](const FreeOnRay& x, const FreeOnRay& y) { return x.sigma < y.sigma; });
   return found;
 }
 

@@ -167,5 +167,29 @@ TEST_F(ExactMeshSolveTest, TangledKnotsAreNeverFalselyFree) {
   }
 }
 
+// The frames of a trajectory drag the answers along; with effort fast, too, not for long.
+TEST_F(ExactMeshSolveTest, AFastTrajectoryStaysNear) {
+  const MeshShape knot = test::TorusKnot(0.1, 0.03, 60, 12);
+  const Scene scene = test::MeshScene(knot, "type='mesh' mesh='moving'", knot);
+  Options options;
+  options.effort = Effort::kFast;
+  Solver alone(scene, options);
+  options.trajectory = true;
+  Solver following(scene, options);
+  int frames = 0;
+  double sum = 0.0;  // of the logarithms of the ratios
+  for (double x = -0.2; x < 0.2; x += 0.005) {
+    const std::vector<double> q = FreePose({x, 0.02, 0.03});
+    const Result ours = following.Solve(q), single = alone.Solve(q);
+    ASSERT_EQ(ours.status, single.status) << x;
+    if (ours.status != Status::kSolved) continue;
+    EXPECT_TRUE(test::FreeByBoth(scene, ours.q)) << x;
+    ++frames;
+    sum += std::log(ours.sigma / single.sigma);
+  }
+  EXPECT_GT(frames, 30);
+  EXPECT_LT(sum / frames, 0.3);
+}
+
 }  // namespace
 }  // namespace mjcf_pdg

@@ -366,5 +366,29 @@ TEST_F(SelectionTest, TheSameSeedGivesTheSameHop) {
   }
 }
 
+// Of x, -x and z the last way out is half as long; y does not lead out.
+TEST_F(SelectionTest, TheFirstFreeConfigurationsOfSeveralRaysAreTheNearestOnThem) {
+  Selector p(World(R"(<geom type="box" size=".4 9 .2"/>
+      <body><freejoint/><geom type="box" size=".1 .1 .1"/></body>)"));
+  p.problem.required = VectorXd::Zero(1);
+  auto at = [&](const Vector3d& x) {
+    VectorXd q = p.problem.q_in;
+    q.head<3>() = x;
+    return q;
+  };
+  const std::vector<VectorXd> far = {at({2, 0, 0}), at({-2, 0, 0}), at({0, 0, 2}), at({0, 2, 0})};
+  const std::vector<FreeOnRay> all = FirstFree(p.problem, p.problem.q_in, far, 100.0);
+  ASSERT_EQ(all.size(), 3u);
+  EXPECT_NEAR(all[0].q[2], 0.3, 0.3 * 0.05);
+  for (int k : {1, 2}) EXPECT_NEAR(std::abs(all[k].q[0]), 0.5, 0.5 * 0.05);
+  for (const FreeOnRay& free : all) {
+    EXPECT_TRUE(p.problem.Free(free.q));
+    EXPECT_EQ(free.sigma, p.problem.norm.Sigma(free.q));
+    EXPECT_LT(free.q.head<3>().norm(), 0.55);
+  }
+  EXPECT_EQ(FirstFree(p.problem, p.problem.q_in, far, 2.0).size(), 1u) << "σ (5/3)² times as large";
+  EXPECT_TRUE(FirstFree(p.problem, p.problem.q_in, {far[3]}, 2.0).empty());
+}
+
 }  // namespace
 }  // namespace mjcf_pdg::test
