@@ -3,7 +3,6 @@
 #include <fcl/narrowphase/detail/primitive_shape_algorithm/triangle_distance.h>
 
 #include <algorithm>
-#include <map>
 #include <queue>
 #include <tuple>
 #include <utility>
@@ -14,10 +13,10 @@ namespace {
 constexpr double kFaceLike = 0.9;         // cosine between a row's normal and a face's
 constexpr double kSameDirection = 0.999;  // cosine; nearer ones are merged
 constexpr int kGuesses = 3;
-constexpr int kMaxPatches = 48;           // pairs of patches asked
-constexpr int kPerPatch = 2;              // ... of which as many of the same patches
-constexpr int kMaxParts = 3000;           // pairs of nodes looked at
-constexpr double kLargestMargin = 0.1;    // of the smaller mesh, beyond the nearest feature
+constexpr std::size_t kMaxPatches = 48;  // pairs of patches asked
+constexpr int kPerPatch = 2;             // ... of which as many of the same patches
+constexpr int kMaxParts = 3000;          // pairs of nodes looked at
+constexpr double kLargestMargin = 0.1;   // of the smaller mesh, beyond the nearest feature
 constexpr double kPatchPerMargin = 0.5, kPatchPerSize = 0.125;
 
 struct Part {
@@ -125,19 +124,19 @@ void SolidPair::Patches(double margin, double patch, std::vector<NearestTriangle
   auto is_patch = [patch](const BoxTree& tree, int box) {
     return tree.IsLeaf(box) || tree.HalfDiagonal(box) <= 0.5 * patch;
   };
-  std::map<int, int> answers_a, answers_b;  // by patch: none is asked again and again
-  int asked = 0;
-  for (int looked_at = 0; looked_at < kMaxParts && asked < kMaxPatches; ++looked_at) {
+  std::vector<int> asked_a, asked_b;  // patches; none is asked again and again
+  auto known = [](const std::vector<int>& asked, int patch_box) {
+    return std::count(asked.begin(), asked.end(), patch_box) >= kPerPatch;
+  };
+  for (int looked_at = 0; looked_at < kMaxParts && asked_a.size() < kMaxPatches; ++looked_at) {
     if (parts.empty()) return;
     const Part part = parts.top();
     parts.pop();
     const bool patch_a = is_patch(a_.tree(), part.a), patch_b = is_patch(b_.tree(), part.b);
     if (patch_a && patch_b) {
-      const bool known = answers_a[part.a] >= kPerPatch && answers_b[part.b] >= kPerPatch;
-      if (known) continue;
-      ++answers_a[part.a];
-      ++answers_b[part.b];
-      ++asked;
+      if (known(asked_a, part.a) && known(asked_b, part.b)) continue;
+      asked_a.push_back(part.a);
+      asked_b.push_back(part.b);
       const NearestTriangles near = Nearest({part.a, part.b}, margin, nullptr, kNearly);
       if (near.a >= 0 && near.distance > kTouching) out.push_back(near);
       continue;

@@ -262,10 +262,16 @@ void Solver::Impl::DeepenContactsIn(const std::vector<NearPair>& overlaps, Resul
 double Solver::Impl::MinDistance(const VectorXd& q, const Verdict& verdict) {
   double least = verdict.min_distance;
   problem.finder.Pose(q);
-  NearPair near;
+  std::vector<std::pair<double, int>> order;  // (bound, pair)
   for (int pair = 0; pair < static_cast<int>(scene.tables().pairs.size()); ++pair) {
-    if (!scene.tables().pairs[pair].exact) continue;
-    if (problem.finder.Distance(pair, least, near)) least = near.distance;
+    if (scene.tables().pairs[pair].exact) {
+      order.emplace_back(problem.finder.DistanceBound(pair), pair);
+    }
+  }
+  std::sort(order.begin(), order.end());
+  NearPair near;
+  for (const auto& [bound, pair] : order) {
+    if (bound < least && problem.finder.Distance(pair, least, near)) least = near.distance;
   }
   return least;
 }
