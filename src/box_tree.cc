@@ -40,10 +40,15 @@ struct BoxTree::Builder {
     Group& to = tree.groups_[group];
     // What rounding the centre and the directions to floats may leave outside.
     const double slack = 2e-7 * (box.extent.norm() + box.To.norm());
+    OrientedBox& shape = tree.boxes_[4 * group + lane];
+    shape.frame.setIdentity();
+    shape.frame.topLeftCorner<3, 3>() = box.axis.cast<float>();
+    shape.frame.topRightCorner<3, 1>() = box.To.cast<float>();
+    shape.half = ((1.0 + 1e-7) * box.extent.array() + slack).matrix().cast<float>();
     for (int i = 0; i < 3; ++i) {
-      to.center[i][lane] = static_cast<float>(box.To[i]);
-      to.half[i][lane] = static_cast<float>((1.0 + 1e-7) * box.extent[i] + slack);
-      for (int k = 0; k < 3; ++k) to.axes[i][k][lane] = static_cast<float>(box.axis(k, i));
+      to.center[i][lane] = shape.Center()[i];
+      to.half[i][lane] = shape.half[i];
+      for (int k = 0; k < 3; ++k) to.axes[i][k][lane] = shape.Axis(i)[k];
     }
     to.half_diagonal[lane] = static_cast<float>(box.extent.norm());
     to.first[lane] = from.first_primitive;
@@ -89,6 +94,7 @@ struct BoxTree::Builder {
     for (int k = 0; k < 4; ++k) group.child[k] = group.first[k] = group.count[k] = 0;
     group.size = size;
     tree.groups_.push_back(group);
+    tree.boxes_.resize(4 * tree.groups_.size());
     return static_cast<int>(tree.groups_.size()) - 1;
   }
 };
@@ -99,26 +105,20 @@ BoxTree::BoxTree(const Matrix3Xd& vertices, const Matrix3Xi& triangles)
       scale_(static_cast<float>(std::sqrt(vertices.colwise().squaredNorm().maxCoeff()))) {
   const Bvh bvh = BuildBvh(vertices, triangles);
   groups_.reserve(triangles.cols() / 2 + 1);
+  boxes_.reserve(4 * groups_.capacity());
   Builder builder{bvh, *this};
   builder.Add(1);
   builder.Fill(0, 0, 0);
   if (!bvh.getBV(0).isLeaf()) builder.AddChildren(0, 0, 0);
   groups_.shrink_to_fit();
-}
-
-OrientedBox BoxTree::BoxOf(int box) const {
-  const Group& group = GroupOf(box);
-  const int lane = box % 4;
-  OrientedBox out;
-  for (int i = 0; i < 3; ++i) {
-    out.center[i] = group.center[i][lane];
-    out.half[i] = group.half[i][lane];
-    for (int k = 0; k < 3; ++k) out.axes(k, i) = group.axes[i][k][lane];
-  }
-  return out;
+  boxes_.shrink_to_fit();
 }
 
 namespace {
+
+Eigen::Array4f Dot(const Eigen::Array4f x[3], const Vector3f& y) {
+  return x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
+}
 
 // A bit above `cutoff`, squared; negative where nothing can be below.
 float Squared(float cutoff, float rounding) {
@@ -138,16 +138,14 @@ BoundedBoxes BoxTree::ChildrenNear(int box, const OrientedBox& other, float cuto
   BoundedBoxes out;
   Lanes d[3], reach_on_other[3], squared = Lanes::Zero(), squared_other = Lanes::Zero();
   for (int k = 0; k < 3; ++k) {
-    d[k] = group.center[k] - other.center[k];
+    d[k] = group.center[k] - other.Center()[k];
     reach_on_other[k] = Lanes::Constant(other.half[k]);
   }
   for (int i = 0; i < 3; ++i) {
     const Lanes* axis = group.axes[i];
     Lanes reach = group.half[i];
     for (int k = 0; k < 3; ++k) {
-      const Lanes cosine =
-          (axis[0] * other.axes(0, k) + axis[1] * other.axes(1, k) + axis[2] * other.axes(2, k))
-              .abs();
+      const Lanes cosine = Dot(axis, other.Axis(k)).abs();
       reach += cosine * other.half[k];
       reach_on_other[k] += cosine * group.half[i];
     }
@@ -156,8 +154,7 @@ BoundedBoxes BoxTree::ChildrenNear(int box, const OrientedBox& other, float cuto
   }
   if ((squared >= farthest).all()) return out;
   for (int k = 0; k < 3; ++k) {
-    const Lanes along = d[0] * other.axes(0, k) + d[1] * other.axes(1, k) + d[2] * other.axes(2, k);
-    squared_other += (along.abs() - reach_on_other[k]).max(0.0f).square();
+    squared_other += (Dot(d, other.Axis(k)).abs() - reach_on_other[k]).max(0.0f).square();
   }
   squared = squared.max(squared_other);
   for (int k = 0; k < group.size; ++k) {

@@ -12,17 +12,22 @@
 namespace mjcf_pdg {
 
 using Eigen::Matrix3d;
-using Eigen::Matrix3f;
 using Eigen::Matrix3Xd;
 using Eigen::Matrix3Xi;
+using Eigen::Matrix4f;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-// Columns of `axes` are its directions, `half` its half lengths along them.
 struct OrientedBox {
-  Vector3f center;
-  Matrix3f axes;
-  Vector3f half;
+  Matrix4f frame;  // homogeneous: its directions and its centre
+  Vector3f half;   // lengths along them
+
+  auto Axis(int i) const { return frame.col(i).head<3>(); }
+  auto Center() const { return frame.col(3).head<3>(); }
+  // The components of a vector along the directions.
+  Vector3d Along(const Vector3d& v) const {
+    return frame.topLeftCorner<3, 3>().cast<double>().transpose() * v;
+  }
 };
 
 // A child of a box, and a bound of what is asked about it.
@@ -67,7 +72,7 @@ class BoxTree {
   int MiddleTriangle(int box) const {
     return order_[GroupOf(box).first[box % 4] + GroupOf(box).count[box % 4] / 2];
   }
-  OrientedBox BoxOf(int box) const;
+  const OrientedBox& BoxOf(int box) const { return boxes_[box]; }
   float HalfDiagonal(int box) const { return GroupOf(box).half_diagonal[box % 4]; }
 
   // The largest distance of a vertex from the origin.
@@ -101,8 +106,9 @@ class BoxTree {
   Lanes SquaredDistances(const Group& group, const Vector3f& x) const;
 
   std::vector<Group> groups_;
-  std::vector<int> order_;   // the triangles in the order of the leaves
-  std::vector<int> places_;  // of triangles in it
+  std::vector<OrientedBox> boxes_;  // the same, one by one
+  std::vector<int> order_;          // the triangles in the order of the leaves
+  std::vector<int> places_;         // of triangles in it
   float scale_ = 0.0f;
 };
 

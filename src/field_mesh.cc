@@ -31,10 +31,9 @@ struct NearestFirst {
 }  // namespace
 
 double FieldMesh::LowerBound(int box) const {
-  const OrientedBox shape = mesh_.tree().BoxOf(box);
-  const FieldValue center = field_.At(pose_ * shape.center.cast<double>());
-  const Vector3d gradient =
-      shape.axes.cast<double>().transpose() * (pose_.R.transpose() * center.gradient);
+  const OrientedBox& shape = mesh_.tree().BoxOf(box);
+  const FieldValue center = field_.At(pose_ * shape.Center().cast<double>());
+  const Vector3d gradient = shape.Along(pose_.R.transpose() * center.gradient);
   return center.f - gradient.cwiseAbs().dot(shape.half.cast<double>()) - kAccuracy;
 }
 

@@ -65,9 +65,9 @@ class DepthSearch {
 
   // How far the box reaches from x.
   double Reach(int box, const Vector3d& x) const {
-    const OrientedBox shape = from_.tree().BoxOf(box);
-    const Vector3d away = pose_ * shape.center.cast<double>() - x;
-    const Vector3d local = shape.axes.cast<double>().transpose() * (pose_.R.transpose() * away);
+    const OrientedBox& shape = from_.tree().BoxOf(box);
+    const Vector3d away = pose_ * shape.Center().cast<double>() - x;
+    const Vector3d local = shape.Along(pose_.R.transpose() * away);
     return (local.cwiseAbs() + shape.half.cast<double>()).norm();
   }
 

@@ -30,28 +30,34 @@ struct NearestFirst {
   }
 };
 
+Matrix4f Homogeneous(const RelativePose& pose) {
+  Matrix4f matrix = Matrix4f::Identity();
+  matrix.topLeftCorner<3, 3>() = pose.R.cast<float>();
+  matrix.topRightCorner<3, 1>() = pose.t.cast<float>();
+  return matrix;
+}
+
 }  // namespace
 
 SolidPair::SolidPair(const Solid& a, const Solid& b, const RelativePose& b_in_a)
     : a_(a),
       b_(b),
       pose_(b_in_a),
-      R_(b_in_a.R.cast<float>()),
-      t_(b_in_a.t.cast<float>()),
-      rounding_(BoxTree::Rounding(a.tree().scale() + b.tree().scale() + t_.lpNorm<1>())) {}
+      b_in_a_(Homogeneous(b_in_a)),
+      a_in_b_(Homogeneous(b_in_a.Inverse())),
+      rounding_(BoxTree::Rounding(a.tree().scale() + b.tree().scale() +
+                                  static_cast<float>(b_in_a.t.lpNorm<1>()))) {}
 
 // Which children of one of the boxes may be nearer than `cutoff` to the other.
 BoundedBoxes SolidPair::ChildrenNear(Boxes boxes, bool of_a, double cutoff) const {
   const float below = static_cast<float>(cutoff);
   if (of_a) {
     OrientedBox other = b_.tree().BoxOf(boxes.b);
-    other.center = R_ * other.center + t_;
-    other.axes = R_ * other.axes;
+    other.frame = b_in_a_ * other.frame;
     return a_.tree().ChildrenNear(boxes.a, other, below, rounding_);
   }
   OrientedBox other = a_.tree().BoxOf(boxes.a);
-  other.center = R_.transpose() * (other.center - t_);
-  other.axes = R_.transpose() * other.axes;
+  other.frame = a_in_b_ * other.frame;
   return b_.tree().ChildrenNear(boxes.b, other, below, rounding_);
 }
 

@@ -81,9 +81,8 @@ class SolidPair {
   const Solid& a_;
   const Solid& b_;
   RelativePose pose_;
-  Matrix3f R_;  // pose_
-  Vector3f t_;
-  float rounding_;  // of bounds
+  Matrix4f b_in_a_, a_in_b_;  // the same, rounded
+  float rounding_;            // of bounds
 };
 
 }  // namespace mjcf_pdg

@@ -52,8 +52,7 @@ TEST_F(BoxTreeTest, EveryTriangleIsInOneLeafAndInTheBoxesAboveIt) {
       if (!tree_.Holds(box, t)) continue;
       ++held;
       for (int k = 0; k < 3; ++k) {
-        const Vector3d local =
-            shape.axes.cast<double>().transpose() * (Corner(t, k) - shape.center.cast<double>());
+        const Vector3d local = shape.Along(Corner(t, k) - shape.Center().cast<double>());
         EXPECT_LE((local.cwiseAbs() - shape.half.cast<double>()).maxCoeff(), 1e-4);
       }
     }
@@ -76,8 +75,9 @@ TEST_F(BoxTreeTest, BoundsAreNeverAboveADistance) {
   for (const int box : Boxes()) {
     if (tree_.IsLeaf(box)) continue;
     OrientedBox other;
-    other.axes = rng_.UnitQuat().matrix().cast<float>();
-    other.center = rng_.InBox(900.0).cast<float>();
+    other.frame.setIdentity();
+    other.frame.topLeftCorner<3, 3>() = rng_.UnitQuat().matrix().cast<float>();
+    other.frame.topRightCorner<3, 1>() = rng_.InBox(900.0).cast<float>();
     other.half = Vector3f(30.0f, 60.0f, 5.0f);
     const Vector3d point = rng_.InBox(900.0);
     const BoundedBoxes near =
@@ -89,8 +89,7 @@ TEST_F(BoxTreeTest, BoundsAreNeverAboveADistance) {
       double least = 1e9;
       for (int t = 0; t < NumTriangles(); ++t) {
         if (!tree_.Holds(child.box, t)) continue;
-        const Vector3d x =
-            other.axes.cast<double>().transpose() * (RandomPoint(t) - other.center.cast<double>());
+        const Vector3d x = other.Along(RandomPoint(t) - other.Center().cast<double>());
         least = std::min(least, (x.cwiseAbs() - other.half.cast<double>()).cwiseMax(0.0).norm());
       }
       EXPECT_LE(child.bound, least);
