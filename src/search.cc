@@ -179,11 +179,13 @@ bool Search::StillNear(const Plan& plan) {
   return near;
 }
 
-// How deep two triangle meshes overlap says little: they are moved on until they are apart.
+// How deep two triangle meshes overlap says little: the way there, and beyond, is followed to where
+// they are apart first.
 void Search::TryOnRay(const VectorXd& q, const std::string& start) {
   if (!exact_) return Try(q, start, Loose());
-  if (const std::optional<VectorXd> apart = CarriedOut(problem_, center_, q)) {
-    Try(*apart, start, Loose());
+  const VectorXd far = Beyond(problem_, center_, q);
+  for (const FreeOnRay& free : FirstFree(problem_, center_, {far}, kWorthARun)) {
+    Try(free.q, start, Loose());
   }
 }
 
@@ -252,7 +254,10 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
   exact_ = std::any_of(overlaps.begin(), overlaps.end(), [this](const NearPair& near) {
     return problem_.tables.pairs[near.pair].exact;
   });
-  if (exact_) plan.evaluations = kInfinity;  // its queries cost more
+  if (exact_) {  // most queries only ask whether a configuration is free, the others cost more
+    plan.queries *= 2;
+    plan.evaluations = kInfinity;
+  }
   if (exact_ && hint) Try(hint->q, hint->start, Loose());
   if (exact_) {
     TryExact(plan, overlaps);

@@ -42,9 +42,8 @@ struct FreeOnRay {
 std::vector<FreeOnRay> FirstFree(Problem& problem, const VectorXd& center,
                                  const std::vector<VectorXd>& far, double worth);
 
-// `q`, or the first free configuration beyond it, as seen from `center`; none if there is none
-// within a few times its distance.
-std::optional<VectorXd> CarriedOut(Problem& problem, const VectorXd& center, const VectorXd& q);
+// On the way from `center` through `q`, a few times as far.
+VectorXd Beyond(const Problem& problem, const VectorXd& center, const VectorXd& q);
 
 // Every joint anywhere: uniform within limits, hinges without limits and rotations all around,
 // slides and free bodies within a few sizes of the scene about `center`.
