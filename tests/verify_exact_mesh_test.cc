@@ -60,6 +60,33 @@ TEST_F(VerifyExactMeshTest, AgreesWithTheSolversQueriesAgainstEveryType) {
   }
 }
 
+// What is free does not depend on whether depths are asked for; how deep and how far does.
+TEST_F(VerifyExactMeshTest, SkippedDepthsLeaveTheVerdictAsItIs) {
+  Random rng(33);
+  const MeshShape cup = test::Cup(0.12, 0.2, 0.03, 16);
+  for (const char* geom : {kGeoms[0], kGeoms[4], kGeoms[5]}) {
+    const Scene scene = MeshScene(cup, geom, test::Torus(0.08, 0.02, 20, 8));
+    Options clear;
+    clear.clearance = 0.01;
+    for (const Options& options : {Options(), clear}) {
+      Verifier verifier(scene.tables(), options);
+      int free = 0;
+      for (int i = 0; i < 40; ++i) {
+        const std::vector<double> q = FreePose(rng.InBox(0.2), rng.UnitQuat());
+        const Verdict measured = verifier.Check(q);
+        const Verdict& skipped = verifier.Check(q, nullptr, Depths::kSkipped);
+        EXPECT_EQ(skipped.free, measured.free) << geom << " " << i;
+        EXPECT_EQ(skipped.contacts.size(), measured.contacts.size());
+        EXPECT_GE(skipped.min_distance, measured.min_distance - 1e-9) << geom << " " << i;
+        EXPECT_EQ(skipped.min_distance < 0.0, measured.min_distance < 0.0);
+        free += measured.free;
+      }
+      EXPECT_GT(free, 5) << geom;
+      EXPECT_LT(free, 35) << geom;
+    }
+  }
+}
+
 TEST_F(VerifyExactMeshTest, ToleranceIsKeptOnBothSides) {
   const MeshShape block = test::BoxMesh({0.1, 0.1, 0.1});
   for (const char* geom : kGeoms) {
