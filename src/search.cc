@@ -254,18 +254,16 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
   exact_ = std::any_of(overlaps.begin(), overlaps.end(), [this](const NearPair& near) {
     return problem_.tables.pairs[near.pair].exact;
   });
-  if (exact_) {  // most queries only ask whether a configuration is free, the others cost more
-    plan.queries *= 2;
-    plan.evaluations = kInfinity;
-  }
-  if (exact_ && hint) Try(hint->q, hint->start, Loose());
   if (exact_) {
+    plan.queries *= 2;  // most only ask whether a configuration is free, the others cost more
+    plan.evaluations = kInfinity;
+    if (hint) Try(hint->q, hint->start, Loose());
     TryExact(plan, overlaps);
     first_query_ = problem_.finder.queries();  // the budget is for what varies from there
-  } else if (problem_.Uses(kDirect)) {
-    Try(center_, kDirect, LocalOptions{});
+  } else {
+    if (problem_.Uses(kDirect)) Try(center_, kDirect, LocalOptions{});
+    if (hint) Try(hint->q, hint->start, LocalOptions{});
   }
-  if (!exact_ && hint) Try(hint->q, hint->start, LocalOptions{});
   const double depth = RelativeDepth(overlaps);
   if (HasFree() && depth < plan.direct_only) return std::move(outcome_);
   const double agree = std::floor(1.5 + plan.agree_per_depth * depth);

@@ -10,20 +10,24 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Σ (a_i x_i / (a_i² - min a² + s))² = 1 has one root s > 0; the nearest point follows from it.
+// Σ (a_i x_i / (a_i² - min a² + s))² = 1 has one root s > 0; the nearest point follows from it. The
+// sum falls and is convex: from where one of its terms is 1, Newton's steps only grow towards the
+// root.
 double EllipsoidDistance(const Vector3d& size, Vector3d x) {
   x = x.cwiseAbs() + 1e-13 * size;  // off the planes of symmetry
   const double least = size.minCoeff();
   const Eigen::Array3d above = (size.array() - least) * (size.array() + least);
-  auto nearest = [&](double s) {
-    return Vector3d((size.array().square() * x.array() / (above + s)).matrix());
-  };
-  double low = 0.0, high = least * least + size.maxCoeff() * x.norm();
-  for (int i = 0; i < 120; ++i) {
-    const double s = 0.5 * (low + high);
-    (nearest(s).cwiseQuotient(size).squaredNorm() > 1.0 ? low : high) = s;
+  const Eigen::Array3d scaled = size.array() * x.array();
+  double s = (scaled - above).maxCoeff();
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Array3d root = scaled / (above + s);
+    const double excess = root.square().sum() - 1.0;
+    const double next = s + 0.5 * excess / (root.square() / (above + s)).sum();
+    if (!(next > s)) break;
+    s = next;
   }
-  const double distance = (x - nearest(high)).norm();
+  const Vector3d nearest = (size.array() * scaled / (above + s)).matrix();
+  const double distance = (x - nearest).norm();
   return x.cwiseQuotient(size).squaredNorm() < 1.0 ? -distance : distance;
 }
 
