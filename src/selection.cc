@@ -212,14 +212,15 @@ std::vector<FreeOnRay> FirstFree(Problem& problem, const VectorXd& center,
   double largest = std::numeric_limits<double>::infinity(), before = 0.0;
   // The ray's first free configuration between `before` and t, if that at t is free.
   auto ends = [&](const Ray& ray, double t) {
-    if (problem.Expired() || problem.norm.Sigma(ray.At(t)) > largest) return true;
-    if (!problem.Free(ray.At(t))) return false;
+    VectorXd q = ray.At(t);
+    if (problem.Expired() || problem.norm.Sigma(q) > largest) return true;
+    if (!problem.Free(q)) return false;
     double overlapping = before;
     for (int halvings = 0; halvings < kRayHalvings; ++halvings) {
       const double middle = 0.5 * (t + overlapping);
       (problem.Free(ray.At(middle)) ? t : overlapping) = middle;
     }
-    const VectorXd q = ray.At(t);
+    q = ray.At(t);
     found.push_back({q, problem.norm.Sigma(q)});
     largest = std::min(largest, worth * found.back().sigma);
     return true;

@@ -11,7 +11,7 @@ namespace {
 constexpr double kNoDepth = 1e-7;    // depths below this have no direction (2e-11 m)
 constexpr double kDeepEnough = 1.1;  // stop when nothing is deeper than this factor
 constexpr double kWorthARow = 0.3;   // of the deepest found so far
-constexpr int kMaxParts = 40;        // asked for the depth of their middle, in each direction
+constexpr int kMaxParts = 40;        // asked for the depth of some vertex, in each direction
 constexpr double kShallow = 1e-3;    // of the smaller mesh's radius
 constexpr int kMaxWays = 8;          // rows of one overlap
 constexpr double kSameDirection = 0.9;

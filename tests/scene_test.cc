@@ -1,9 +1,7 @@
 #include "mjcf_pdg/scene.h"
 
 #include <gmock/gmock.h>
-#include <unistd.h>
 
-#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <utility>
@@ -11,6 +9,7 @@
 #include "contacts.h"
 #include "mjcf_pdg/object_norm.h"
 #include "scene_tables.h"
+#include "temporary_folder.h"
 #include "test_support.h"
 
 namespace mjcf_pdg::test {
@@ -21,18 +20,16 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-class SceneTest : public MujocoTest {};
+class SceneTest : public MujocoTest {
+ protected:
+  std::string WriteFile(const std::string& name, const std::string& text) const {
+    const std::string path = folder_ / name;
+    std::ofstream(path, std::ios::binary) << text;
+    return path;
+  }
 
-// Not shared with another run of the tests at the same time.
-std::string TempPath(const std::string& name) {
-  return ::testing::TempDir() + "pdg" + std::to_string(getpid()) + name;
-}
-
-std::string WriteFile(const std::string& name, const std::string& text) {
-  const std::string path = TempPath(name);
-  std::ofstream(path, std::ios::binary) << text;
-  return path;
-}
+  const TemporaryFolder folder_;
+};
 
 std::vector<std::string> JointNames(const Scene& scene) {
   std::vector<std::string> names;
@@ -43,8 +40,8 @@ std::vector<std::string> JointNames(const Scene& scene) {
 TEST_F(SceneTest, FileStringBinaryAndModelGiveTheSameTables) {
   const std::string xml = ArmXml();
   const Scene text = Scene::FromString(xml);
-  const Scene file = Scene::FromFile(WriteFile("_scene.xml", xml));
-  const std::string mjb = TempPath("_scene.mjb");
+  const Scene file = Scene::FromFile(WriteFile("scene.xml", xml));
+  const std::string mjb = folder_ / "scene.mjb";
   mj_saveModel(text.model(), mjb.c_str(), nullptr, 0);
   const Scene binary = Scene::FromFile(mjb);
   const ModelPtr model = LoadModel(xml);
@@ -63,14 +60,12 @@ TEST_F(SceneTest, FileStringBinaryAndModelGiveTheSameTables) {
 }
 
 TEST_F(SceneTest, AFileMayReferToMeshesBesideIt) {
-  const std::string mesh = WriteFile("_tetra.obj",
-                                     "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\n"
-                                     "f 1 4 3\nf 2 3 4\n");
+  WriteFile("tetra.obj",
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
   const std::string path = WriteFile(
-      "_mesh.xml", "<mujoco><asset><mesh name='t' file='" +
-                       std::filesystem::path(mesh).filename().string() +
-                       "'/></asset><worldbody><body><freejoint/><geom type='mesh' mesh='t'/>"
-                       "</body></worldbody></mujoco>");
+      "mesh.xml",
+      "<mujoco><asset><mesh name='t' file='tetra.obj'/></asset><worldbody><body><freejoint/>"
+      "<geom type='mesh' mesh='t'/></body></worldbody></mujoco>");
   EXPECT_EQ(Scene::FromFile(path).dof(), 6);
 }
 
@@ -166,7 +161,7 @@ TEST_F(SceneTest, BrokenXmlIsReportedOnOneLineWithItsPlace) {
   EXPECT_THAT(unknown, AllOf(HasSubstr("geomm"), HasSubstr("line 3"), Not(HasSubstr("\n"))));
   const std::string syntax = ErrorOf([] { Scene::FromString("<mujoco><worldbody>"); });
   EXPECT_THAT(syntax, AllOf(Not(HasSubstr("no Error")), Not(HasSubstr("\n"))));
-  const std::string path = WriteFile("_bad.xml",
+  const std::string path = WriteFile("bad.xml",
                                      "<mujoco><worldbody><body><joint/></body>"
                                      "</worldbody></mujoco>");  // no mass
   EXPECT_THAT(ErrorOf([&] { Scene::FromFile(path); }),
@@ -177,7 +172,7 @@ TEST_F(SceneTest, MissingFilesAndFoldersAreReportedWithTheirPath) {
   EXPECT_THAT(ErrorOf([] { Scene::FromFile("/nowhere/robot.xml"); }),
               AllOf(HasSubstr("/nowhere/robot.xml"), HasSubstr("no such file")));
   EXPECT_THAT(ErrorOf([] { Scene::FromFile(::testing::TempDir()); }), HasSubstr("directory"));
-  const std::string path = WriteFile("_nomesh.xml", R"(<mujoco><asset><mesh name="t"
+  const std::string path = WriteFile("nomesh.xml", R"(<mujoco><asset><mesh name="t"
       file="pdg_not_there.obj"/></asset><worldbody><body><freejoint/><geom type="mesh" mesh="t"/>
       </body></worldbody></mujoco>)");
   EXPECT_THAT(ErrorOf([&] { Scene::FromFile(path); }), HasSubstr("pdg_not_there.obj"));

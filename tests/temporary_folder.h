@@ -2,6 +2,7 @@
 #ifndef MJCF_PDG_TESTS_TEMPORARY_FOLDER_H_
 #define MJCF_PDG_TESTS_TEMPORARY_FOLDER_H_
 
+#include <gtest/gtest.h>
 #include <stdlib.h>
 
 #include <cerrno>
@@ -11,11 +12,11 @@
 
 namespace mjcf_pdg::test {
 
-// Of its own, below the system's folder for temporary files; gone with the object.
+// Of its own, below GoogleTest's TempDir(); gone with the object.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "mjcf_pdg_XXXXXX").string();
+    std::string pattern = ::testing::TempDir() + "mjcf_pdg_XXXXXX";  // as mkdtemp wants it
     if (!mkdtemp(pattern.data())) throw std::system_error(errno, std::generic_category(), pattern);
     path_ = pattern;
   }
