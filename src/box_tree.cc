@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace mjcf_pdg {
 namespace {
@@ -129,7 +130,8 @@ float Squared(float cutoff, float rounding) {
 }  // namespace
 
 // Along the axes of either box the other is an interval; what lies between, along all three, is a
-// distance that no two points are nearer than.
+// distance that no two points are nearer than. Of boxes that overlap the bound is the least overlap
+// of these intervals, negative: what is deep in each other crosses first.
 BoundedBoxes BoxTree::ChildrenNear(int box, const OrientedBox& other, float cutoff,
                                    float rounding) const {
   const int index = GroupOf(box).child[box % 4];
@@ -137,6 +139,7 @@ BoundedBoxes BoxTree::ChildrenNear(int box, const OrientedBox& other, float cuto
   const float farthest = Squared(cutoff, rounding);
   BoundedBoxes out;
   Lanes d[3], reach_on_other[3], squared = Lanes::Zero(), squared_other = Lanes::Zero();
+  Lanes widest = Lanes::Constant(-std::numeric_limits<float>::infinity());
   for (int k = 0; k < 3; ++k) {
     d[k] = group.center[k] - other.Center()[k];
     reach_on_other[k] = Lanes::Constant(other.half[k]);
@@ -150,15 +153,19 @@ BoundedBoxes BoxTree::ChildrenNear(int box, const OrientedBox& other, float cuto
       reach_on_other[k] += cosine * group.half[i];
     }
     const Lanes apart = (axis[0] * d[0] + axis[1] * d[1] + axis[2] * d[2]).abs() - reach;
+    widest = widest.max(apart);
     squared += apart.max(0.0f).square();
   }
   if ((squared >= farthest).all()) return out;
   for (int k = 0; k < 3; ++k) {
-    squared_other += (Dot(d, other.Axis(k)).abs() - reach_on_other[k]).max(0.0f).square();
+    const Lanes apart = Dot(d, other.Axis(k)).abs() - reach_on_other[k];
+    widest = widest.max(apart);
+    squared_other += apart.max(0.0f).square();
   }
   squared = squared.max(squared_other);
+  const Lanes bound = (widest > 0.0f).select(squared.sqrt(), widest) - rounding;
   for (int k = 0; k < group.size; ++k) {
-    if (squared[k] < farthest) out.Insert({std::sqrt(squared[k]) - rounding, 4 * index + k});
+    if (squared[k] < farthest) out.Insert({bound[k], 4 * index + k});
   }
   return out;
 }

@@ -32,11 +32,14 @@ constexpr double kLimitReach = 0.5;      // joint limits farther than this get n
 
 LocalOptimization::LocalOptimization(Problem& problem) : problem_(problem) {}
 
-void LocalOptimization::Evaluate(const VectorXd& q, double margin, Iterate& out) {
+void LocalOptimization::Look(const VectorXd& q, double margin, Iterate& out) {
   out.q = q;
-  out.sigma = problem_.norm.Sigma(q);
   problem_.finder.Pose(q);
   out.near = problem_.finder.Find(margin + problem_.options.clearance, Depths::kSkipped);
+}
+
+void LocalOptimization::Evaluate(double margin, Iterate& out) {
+  out.sigma = problem_.norm.Sigma(out.q);
   features_.Keep(problem_.tables, problem_.finder.posed(), out.near);
   features_.AppendLearnt(problem_.tables, problem_.finder.posed(), margin, out.near);
   out.violation = 0.0;
@@ -191,8 +194,8 @@ void LocalOptimization::Keep(const Iterate& it, LocalResult& result) const {
 // Exact meshes: a step from a free configuration that ends in an overlap is cut to its longest free
 // part, if that is worth a step, as in contact-space projection (Alg. 2). Triangles that cross tell
 // little, those that nearly touch there bound the next step.
-void LocalOptimization::StayFree(const Iterate& current) {
-  if (problem_.Free(next_)) return;
+void LocalOptimization::StayFree(const Iterate& current, double margin, Iterate& trial) {
+  if (problem_.IsFree(trial.near)) return;
   double free = 0.0, overlapping = 1.0;
   VectorXd q;
   for (int k = 0; k < kBisections; ++k) {
@@ -201,9 +204,10 @@ void LocalOptimization::StayFree(const Iterate& current) {
     ClampToLimits(problem_.tables, q);
     (problem_.Free(q) ? free : overlapping) = t;
   }
-  if (free < kWorthAStep) return;
+  if (free < kWorthAStep) return problem_.finder.Pose(trial.q);
   problem_.norm.Retract(current.q, free * dq_, next_);
   ClampToLimits(problem_.tables, next_);
+  Look(next_, margin, trial);
 }
 
 // One linearization at `current`, one step, judged: `trial` is the new iterate.
@@ -216,8 +220,9 @@ double LocalOptimization::Step(const Iterate& current, double radius, double mar
   ClampToLimits(problem_.tables, next_);
   const double reach =
       std::clamp(1.5 * length, kLeastMargin * problem_.size, kLargestMargin * problem_.size);
-  if (features_.learning() && Free(current)) StayFree(current);
-  Evaluate(next_, reach, trial);
+  Look(next_, reach, trial);
+  if (features_.learning() && Free(current)) StayFree(current, reach, trial);
+  Evaluate(reach, trial);
   posed_ = &trial;
   return length;
 }
@@ -242,7 +247,8 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
   Iterate best, current, trial;
   next_ = q;
   ClampToLimits(problem_.tables, next_);
-  Evaluate(next_, kFirstMargin * problem_.size, best);
+  Look(next_, kFirstMargin * problem_.size, best);
+  Evaluate(kFirstMargin * problem_.size, best);
   Keep(best, result);
   current = best;
   posed_ = &current;

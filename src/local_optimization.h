@@ -61,8 +61,10 @@ class LocalOptimization {
     std::vector<NearPair> near;
   };
 
-  void Evaluate(const VectorXd& q, double margin, Iterate& out);
-  void StayFree(const Iterate& current);
+  // Poses q and asks what is near; Evaluate judges it, at that pose.
+  void Look(const VectorXd& q, double margin, Iterate& out);
+  void Evaluate(double margin, Iterate& out);
+  void StayFree(const Iterate& current, double margin, Iterate& trial);
   void MeasureOverlap(std::size_t k, double margin, Iterate& out);
   void Linearize(const Iterate& at, double margin);
   bool NearKnown(const VectorXd& q, const LocalOptions& options);

@@ -19,17 +19,6 @@ constexpr int kMaxParts = 3000;          // pairs of nodes looked at
 constexpr double kLargestMargin = 0.1;   // of the smaller mesh, beyond the nearest feature
 constexpr double kPatchPerMargin = 0.5, kPatchPerSize = 0.125;
 
-struct Part {
-  double bound = 0.0;  // no triangles of it are nearer
-  int a = BoxTree::kRoot, b = BoxTree::kRoot;
-};
-
-struct NearestFirst {
-  bool operator()(const Part& x, const Part& y) const {
-    return std::tuple(x.bound, x.a, x.b) > std::tuple(y.bound, y.a, y.b);
-  }
-};
-
 Matrix4f Homogeneous(const RelativePose& pose) {
   Matrix4f matrix = Matrix4f::Identity();
   matrix.topLeftCorner<3, 3>() = pose.R.cast<float>();
@@ -37,7 +26,20 @@ Matrix4f Homogeneous(const RelativePose& pose) {
   return matrix;
 }
 
+// Between the projections of two triangles.
+double GapAlong(const Vector3d& n, const Vector3d a[3], const Vector3d b[3]) {
+  const Eigen::Array3d on_a(n.dot(a[0]), n.dot(a[1]), n.dot(a[2]));
+  const Eigen::Array3d on_b(n.dot(b[0]), n.dot(b[1]), n.dot(b[2]));
+  return std::max(on_b.minCoeff() - on_a.maxCoeff(), on_a.minCoeff() - on_b.maxCoeff());
+}
+
 }  // namespace
+
+struct SolidPair::NearestFirst {
+  bool operator()(const Part& x, const Part& y) const {
+    return std::tuple(x.bound, x.boxes.a, x.boxes.b) > std::tuple(y.bound, y.boxes.a, y.boxes.b);
+  }
+};
 
 SolidPair::SolidPair(const Solid& a, const Solid& b, const RelativePose& b_in_a)
     : a_(a),
@@ -61,16 +63,33 @@ BoundedBoxes SolidPair::ChildrenNear(Boxes boxes, bool of_a, double cutoff) cons
   return b_.tree().ChildrenNear(boxes.b, other, below, rounding_);
 }
 
+SolidPair::Corners SolidPair::CornersOf(int a, int b) const {
+  Corners at;
+  for (int k = 0; k < 3; ++k) {
+    at.a[k] = a_.Corner(a, k);
+    at.b[k] = pose_ * b_.Corner(b, k);
+  }
+  return at;
+}
+
 NearestTriangles SolidPair::OfTriangles(int a, int b) const {
-  const Vector3d first[3] = {a_.Corner(a, 0), a_.Corner(a, 1), a_.Corner(a, 2)};
-  const Vector3d second[3] = {pose_ * b_.Corner(b, 0), pose_ * b_.Corner(b, 1),
-                              pose_ * b_.Corner(b, 2)};
+  return OfTriangles(a, b, CornersOf(a, b));
+}
+
+NearestTriangles SolidPair::OfTriangles(int a, int b, const Corners& at) {
   NearestTriangles near;
   near.a = a;
   near.b = b;
-  near.distance =
-      fcl::detail::TriangleDistance<double>::triDistance(first, second, near.pa, near.pb);
+  near.distance = fcl::detail::TriangleDistance<double>::triDistance(at.a, at.b, near.pa, near.pb);
   return near;
+}
+
+// By the directions of the two planes and of the nearest points so far.
+bool SolidPair::Apart(int a, int b, const Corners& at, double cutoff,
+                      const NearestTriangles& best) const {
+  if (GapAlong(a_.Normal(a), at.a, at.b) >= cutoff) return true;
+  if (GapAlong(pose_.R * b_.Normal(b), at.a, at.b) >= cutoff) return true;
+  return best.a >= 0 && GapAlong(best.pb - best.pa, at.a, at.b) >= cutoff * best.distance;
 }
 
 NearestTriangles SolidPair::Nearest(Boxes boxes, double cutoff, const NearestTriangles* warm,
@@ -101,8 +120,10 @@ NearestTriangles SolidPair::Guess() const {
 void SolidPair::Descend(Boxes boxes, double share, NearestTriangles& best) const {
   const bool leaf_a = a_.tree().IsLeaf(boxes.a), leaf_b = b_.tree().IsLeaf(boxes.b);
   if (leaf_a && leaf_b) {
-    const NearestTriangles near =
-        OfTriangles(a_.tree().TriangleOf(boxes.a), b_.tree().TriangleOf(boxes.b));
+    const int a = a_.tree().TriangleOf(boxes.a), b = b_.tree().TriangleOf(boxes.b);
+    const Corners at = CornersOf(a, b);
+    if (Apart(a, b, at, share * best.distance, best)) return;
+    const NearestTriangles near = OfTriangles(a, b, at);
     if (near.distance < best.distance) best = near;
     return;
   }
@@ -138,21 +159,21 @@ void SolidPair::Patches(double margin, double patch, std::vector<NearestTriangle
     if (parts.empty()) return;
     const Part part = parts.top();
     parts.pop();
-    const bool patch_a = is_patch(a_.tree(), part.a), patch_b = is_patch(b_.tree(), part.b);
+    const bool patch_a = is_patch(a_.tree(), part.boxes.a), patch_b = is_patch(b_.tree(), part.boxes.b);
     if (patch_a && patch_b) {
-      if (known(asked_a, part.a) && known(asked_b, part.b)) continue;
-      asked_a.push_back(part.a);
-      asked_b.push_back(part.b);
-      const NearestTriangles near = Nearest({part.a, part.b}, margin, nullptr, kNearly);
+      if (known(asked_a, part.boxes.a) && known(asked_b, part.boxes.b)) continue;
+      asked_a.push_back(part.boxes.a);
+      asked_b.push_back(part.boxes.b);
+      const NearestTriangles near = Nearest(part.boxes, margin, nullptr, kNearly);
       if (near.a >= 0 && near.distance > kTouching) out.push_back(near);
       continue;
     }
     const bool split_a =
-        patch_b || (!patch_a && a_.tree().HalfDiagonal(part.a) > b_.tree().HalfDiagonal(part.b));
-    for (const BoundedBox& child : ChildrenNear({part.a, part.b}, split_a, margin)) {
+        patch_b || (!patch_a && a_.tree().HalfDiagonal(part.boxes.a) > b_.tree().HalfDiagonal(part.boxes.b));
+    for (const BoundedBox& child : ChildrenNear(part.boxes, split_a, margin)) {
       Part half = part;
-      (split_a ? half.a : half.b) = child.box;
-      half.bound = child.bound;
+      (split_a ? half.boxes.a : half.boxes.b) = child.box;
+      half.bound = std::max(child.bound, 0.0);
       parts.push(half);
     }
   }
