@@ -22,8 +22,8 @@ constexpr double kLeastRadius = 1e-7;  // [m]
 // Margins within which pairs get rows, in units of the scene's size; later 1.5 times the step.
 constexpr double kFirstMargin = 0.25, kLeastMargin = 0.02, kLargestMargin = 0.5;
 constexpr double kUnseenOverlap = 1e-3;  // counted for an overlap of unknown depth [size]
-constexpr int kBisections = 4;           // of a step that ends in an overlap
-constexpr double kWorthAStep = 0.1;      // the least free part of it that is taken
+constexpr int kBisections = 4;           // of a step that ends in an overlap, the first at
+constexpr double kWorthAStep = 0.125;    // ... the least free part of it that is taken
 constexpr int kLastChances = 4;          // steps without a lower σ of exact meshes
 constexpr int kKeysPerPair = 32;         // for rows of one pair
 constexpr double kLimitReach = 0.5;      // joint limits farther than this get no row [rad or m]
@@ -191,20 +191,20 @@ void LocalOptimization::Keep(const Iterate& it, LocalResult& result) const {
   }
 }
 
-// Exact meshes: a step from a free configuration that ends in an overlap is cut to its longest free
-// part, if that is worth a step, as in contact-space projection (Alg. 2). Triangles that cross tell
-// little, those that nearly touch there bound the next step.
+// Exact meshes: a step from a free configuration that ends in an overlap is cut to a free part, the
+// longest that bisection finds, if that is worth a step, as in contact-space projection (Alg. 2).
+// Triangles that cross tell little, those that nearly touch there bound the next step.
 void LocalOptimization::StayFree(const Iterate& current, double margin, Iterate& trial) {
   if (problem_.IsFree(trial.near)) return;
   double free = 0.0, overlapping = 1.0;
   VectorXd q;
   for (int k = 0; k < kBisections; ++k) {
-    const double t = 0.5 * (free + overlapping);
+    const double t = k == 0 ? kWorthAStep : 0.5 * (free + overlapping);
     problem_.norm.Retract(current.q, t * dq_, q);
     ClampToLimits(problem_.tables, q);
     (problem_.Free(q) ? free : overlapping) = t;
+    if (free == 0.0) return problem_.finder.Pose(trial.q);
   }
-  if (free < kWorthAStep) return problem_.finder.Pose(trial.q);
   problem_.norm.Retract(current.q, free * dq_, next_);
   ClampToLimits(problem_.tables, next_);
   Look(next_, margin, trial);
