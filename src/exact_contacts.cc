@@ -9,6 +9,8 @@
 namespace mjcf_pdg {
 namespace {
 
+constexpr double kBeside = 1e-2;  // of the smaller mesh
+
 SignedGap Unmeasured(SignedGap gap) {
   gap.distance = -std::numeric_limits<double>::infinity();
   return gap;
@@ -30,6 +32,8 @@ void AskSolids(const SolidPair& pair, double margin, const Depths* features, Nea
     if (!features) return;
   }
   if (near.a < 0 || near.distance >= margin) return;
+  // Beside surfaces that cross, all are near.
+  if (crossing && margin < kBeside * std::min(pair.a().radius(), pair.b().radius())) return;
   if (features) return pair.Features(margin, near, out);
   out.push_back({near.distance, near.pa, near.pb, pair.Normal(near)});
 }

@@ -99,11 +99,15 @@ std::optional<FreeConfiguration> FreeConfigurationSelection::SelectInPaperOrder(
 void FreeConfigurationSelection::Remember(const VectorXd& q) {
   if (LimitExcess(problem_.tables, q) > 0.0) return;
   if (problem_.Free(q)) {
-    free_.Add(q);
-    self_collision_free_.Add(q);
+    RememberFree(q);
   } else if (perturbation_.SelfCollisionFree(q)) {
     self_collision_free_.Add(q);
   }
+}
+
+void FreeConfigurationSelection::RememberFree(const VectorXd& q) {
+  free_.Add(q);
+  self_collision_free_.Add(q);
 }
 
 void FreeConfigurationSelection::Forget() {

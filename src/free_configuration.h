@@ -64,6 +64,7 @@ class FreeConfigurationSelection {
 
   // Motion coherence: remembers q if it is free, or free of self-collision at least.
   void Remember(const VectorXd& q);
+  void RememberFree(const VectorXd& q);  // known to be
   void Forget();
 
   bool has_coherence() const { return !free_.empty(); }

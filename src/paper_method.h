@@ -45,6 +45,7 @@ class PaperMethod {
 
   // Motion coherence: an answer, or a frame, for later runs to start from.
   void Remember(const VectorXd& q) { selection_.Remember(q); }
+  void RememberFree(const VectorXd& q) { selection_.RememberFree(q); }
   // The remembered configuration nearest to q_in that is free.
   std::optional<FreeConfiguration> Recall();
 

@@ -13,11 +13,22 @@ namespace {
 constexpr double kFaceLike = 0.9;         // cosine between a row's normal and a face's
 constexpr double kSameDirection = 0.999;  // cosine; nearer ones are merged
 constexpr int kGuesses = 3;
-constexpr std::size_t kMaxPatches = 48;  // pairs of patches asked
+constexpr std::size_t kMaxPatches = 32;  // pairs of patches asked
 constexpr int kPerPatch = 2;             // ... of which as many of the same patches
 constexpr int kMaxParts = 3000;          // pairs of nodes looked at
 constexpr double kLargestMargin = 0.1;   // of the smaller mesh, beyond the nearest feature
 constexpr double kPatchPerMargin = 0.5, kPatchPerSize = 0.125;
+
+struct Part {
+  double bound = 0.0;  // no triangles of it are nearer
+  int a = BoxTree::kRoot, b = BoxTree::kRoot;
+};
+
+struct NearestFirst {
+  bool operator()(const Part& x, const Part& y) const {
+    return std::tuple(x.bound, x.a, x.b) > std::tuple(y.bound, y.a, y.b);
+  }
+};
 
 Matrix4f Homogeneous(const RelativePose& pose) {
   Matrix4f matrix = Matrix4f::Identity();
@@ -34,12 +45,6 @@ double GapAlong(const Vector3d& n, const Vector3d a[3], const Vector3d b[3]) {
 }
 
 }  // namespace
-
-struct SolidPair::NearestFirst {
-  bool operator()(const Part& x, const Part& y) const {
-    return std::tuple(x.bound, x.boxes.a, x.boxes.b) > std::tuple(y.bound, y.boxes.a, y.boxes.b);
-  }
-};
 
 SolidPair::SolidPair(const Solid& a, const Solid& b, const RelativePose& b_in_a)
     : a_(a),
@@ -159,21 +164,21 @@ void SolidPair::Patches(double margin, double patch, std::vector<NearestTriangle
     if (parts.empty()) return;
     const Part part = parts.top();
     parts.pop();
-    const bool patch_a = is_patch(a_.tree(), part.boxes.a), patch_b = is_patch(b_.tree(), part.boxes.b);
+    const bool patch_a = is_patch(a_.tree(), part.a), patch_b = is_patch(b_.tree(), part.b);
     if (patch_a && patch_b) {
-      if (known(asked_a, part.boxes.a) && known(asked_b, part.boxes.b)) continue;
-      asked_a.push_back(part.boxes.a);
-      asked_b.push_back(part.boxes.b);
-      const NearestTriangles near = Nearest(part.boxes, margin, nullptr, kNearly);
+      if (known(asked_a, part.a) && known(asked_b, part.b)) continue;
+      asked_a.push_back(part.a);
+      asked_b.push_back(part.b);
+      const NearestTriangles near = Nearest({part.a, part.b}, margin, nullptr, kNearly);
       if (near.a >= 0 && near.distance > kTouching) out.push_back(near);
       continue;
     }
     const bool split_a =
-        patch_b || (!patch_a && a_.tree().HalfDiagonal(part.boxes.a) > b_.tree().HalfDiagonal(part.boxes.b));
-    for (const BoundedBox& child : ChildrenNear(part.boxes, split_a, margin)) {
+        patch_b || (!patch_a && a_.tree().HalfDiagonal(part.a) > b_.tree().HalfDiagonal(part.b));
+    for (const BoundedBox& child : ChildrenNear({part.a, part.b}, split_a, margin)) {
       Part half = part;
-      (split_a ? half.boxes.a : half.boxes.b) = child.box;
-      half.bound = std::max(child.bound, 0.0);
+      (split_a ? half.a : half.b) = child.box;
+      half.bound = child.bound;
       parts.push(half);
     }
   }

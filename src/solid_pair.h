@@ -76,11 +76,6 @@ class SolidPair {
   static NearestTriangles OfTriangles(int a, int b, const Corners& at);
   // Some direction tells that the triangles are no nearer than `cutoff`.
   bool Apart(int a, int b, const Corners& at, double cutoff, const NearestTriangles& best) const;
-  struct Part {
-    double bound = 0.0;  // no triangles of it are nearer
-    Boxes boxes;
-  };
-  struct NearestFirst;
   // `share`: others as near as that share of the distance found may be missed.
   NearestTriangles Nearest(Boxes boxes, double cutoff, const NearestTriangles* warm,
                            double share) const;

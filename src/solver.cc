@@ -100,6 +100,7 @@ struct Solver::Impl {
   void Repair(const std::vector<double>& q_in, std::optional<VectorXd> hint, Result& result);
   double MinDistance(const VectorXd& q, const Verdict& verdict);
   void FillContacts(Result& result);
+  void Remember(const Result& result);
   void DeepenContactsIn(const std::vector<NearPair>& overlaps, Result& result) const;
 
   Scene scene;
@@ -287,6 +288,18 @@ void Solver::Impl::FillContacts(Result& result) {
   std::stable_sort(result.contacts.begin(), result.contacts.end(), Deeper);
 }
 
+// Only the paper's method has a use for frames that overlap.
+void Solver::Impl::Remember(const Result& result) {
+  const VectorXd q = ToEigen(result.q);
+  if (result.status == Status::kUnsolved) {
+    paper.Remember(q);
+  } else {
+    paper.RememberFree(q);
+  }
+  const bool overlaps = result.status != Status::kAlreadyFree;
+  if (overlaps && options.method == Method::kPaper) paper.Remember(problem.q_in);
+}
+
 Solver::Solver(const Scene& scene, const Options& options) {
   CheckOptions(options, scene.tables());
   const std::vector<std::string> equalities = scene.ActiveEqualities();
@@ -331,10 +344,7 @@ Result Solver::Solve(const std::vector<double>& q_in,
     impl_->Repair(q_in, std::move(hint), result);
   }
   impl_->FillContacts(result);
-  if (impl_->options.trajectory) {
-    impl_->paper.Remember(ToEigen(result.q));
-    if (result.status != Status::kAlreadyFree) impl_->paper.Remember(problem.q_in);
-  }
+  if (impl_->options.trajectory) impl_->Remember(result);
   // Each verification is one more query of the whole configuration.
   result.stats.collision_queries = problem.finder.queries() - queries_before + 2;
   result.stats.lcp_sweeps = impl_->search.lcp_steps() + impl_->paper.sweeps() - lcp_before;
