@@ -82,7 +82,8 @@ class BoxTree {
   static float Rounding(float largest) { return 1e-6f * largest; }
 
   // The children of `box` whose triangles may be nearer than `cutoff` to the other box, given in
-  // the same frame; bounds of the distance, less `rounding`.
+  // the same frame; bounds of the distance, less `rounding`, or negative: how deep the boxes are in
+  // each other.
   BoundedBoxes ChildrenNear(int box, const OrientedBox& other, float cutoff, float rounding) const;
   // The same to a point.
   BoundedBoxes ChildrenNear(int box, const Vector3d& x, double cutoff) const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "selection.h"
@@ -42,6 +43,18 @@ std::vector<VectorXd> ConfigurationCache::NearestFirst(Problem& problem) const {
   std::vector<VectorXd> sorted;
   for (const std::size_t k : order) sorted.push_back(entries_[k]);
   return sorted;
+}
+
+const VectorXd& ConfigurationCache::Nearest(Problem& problem) const {
+  std::size_t nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < entries_.size(); ++k) {
+    const double sigma = problem.norm.Sigma(entries_[k]);
+    if (sigma >= least) continue;
+    least = sigma;
+    nearest = k;
+  }
+  return entries_[nearest];
 }
 
 FreeConfigurationSelection::FreeConfigurationSelection(Problem& problem)
@@ -108,6 +121,10 @@ void FreeConfigurationSelection::Remember(const VectorXd& q) {
 void FreeConfigurationSelection::RememberFree(const VectorXd& q) {
   free_.Add(q);
   self_collision_free_.Add(q);
+}
+
+std::optional<VectorXd> FreeConfigurationSelection::NearestRemembered() {
+  return free_.empty() ? Selected() : free_.Nearest(problem_);
 }
 
 void FreeConfigurationSelection::Forget() {

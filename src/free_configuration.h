@@ -39,6 +39,7 @@ class ConfigurationCache {
   bool empty() const { return entries_.empty(); }
   // Nearest to q_in first, by σ.
   std::vector<VectorXd> NearestFirst(Problem& problem) const;
+  const VectorXd& Nearest(Problem& problem) const;  // of at least one
 
  private:
   std::size_t capacity_;
@@ -65,6 +66,8 @@ class FreeConfigurationSelection {
   // Motion coherence: remembers q if it is free, or free of self-collision at least.
   void Remember(const VectorXd& q);
   void RememberFree(const VectorXd& q);  // known to be
+  // The nearest to q_in of those that were free; not asked again.
+  std::optional<VectorXd> NearestRemembered();
   void Forget();
 
   bool has_coherence() const { return !free_.empty(); }

@@ -41,7 +41,7 @@ PaperResult PaperMethod::Run(const std::optional<VectorXd>& hint, const PaperOpt
 }
 
 std::optional<FreeConfiguration> PaperMethod::Recall() {
-  std::optional<VectorXd> q = selection_.Select(kCoherence);
+  std::optional<VectorXd> q = selection_.NearestRemembered();
   return q ? std::optional(FreeConfiguration{*std::move(q), kCoherence}) : std::nullopt;
 }
 

@@ -46,7 +46,7 @@ class PaperMethod {
   // Motion coherence: an answer, or a frame, for later runs to start from.
   void Remember(const VectorXd& q) { selection_.Remember(q); }
   void RememberFree(const VectorXd& q) { selection_.RememberFree(q); }
-  // The remembered configuration nearest to q_in that is free.
+  // Of the configurations remembered as free the nearest to q_in.
   std::optional<FreeConfiguration> Recall();
 
   int sweeps() const { return sweeps_; }  // of Gauss-Seidel, all runs together
