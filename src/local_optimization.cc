@@ -24,7 +24,6 @@ constexpr double kFirstMargin = 0.25, kLeastMargin = 0.02, kLargestMargin = 0.5;
 constexpr double kUnseenOverlap = 1e-3;  // counted for an overlap of unknown depth [size]
 constexpr int kBisections = 4;           // of a step that ends in an overlap, the first at
 constexpr double kWorthAStep = 0.125;    // ... the least free part of it that is taken
-constexpr int kLastChances = 4;          // steps without a lower σ of exact meshes
 constexpr int kKeysPerPair = 32;         // for rows of one pair
 constexpr double kLimitReach = 0.5;      // joint limits farther than this get no row [rad or m]
 
@@ -268,7 +267,7 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
     if (result.reached_known) break;
     const bool lower = !(result.sigma > (1.0 - options.convergence) * sigma_before);
     idle = features_.learning() && result.free && !lower ? idle + 1 : 0;
-    if (idle == kLastChances) break;
+    if (idle == options.last_chances) break;
     const bool small = length < 1e-7 + 1e-4 * std::sqrt(trial.sigma);
     const bool better = Merit(trial) < Merit(best);
     if (impatience == 0) first_length = length;

@@ -27,6 +27,7 @@ struct LocalOptions {
   int max_iterations = 60;
   double trust_radius = 0.3;  // largest step, √σ units [m]; grows with large scenes
   double convergence = 1e-4;  // relative decrease of σ that still counts
+  int last_chances = 4;       // steps without a lower σ of exact meshes that end it
   double give_up_sigma =
       std::numeric_limits<double>::infinity();  // a worse prediction ends it [m²]
   const VectorXd* known = nullptr;  // an optimum already found: coming close to it ends it

@@ -26,8 +26,9 @@ constexpr double kGiveUp = 1.15;    // a start whose prediction is worse than th
 constexpr double kWorthARun = 2.0;  // σ over that of the nearest ray
 constexpr double kDragged = 1.2;    // σ over that of the frame whose rays were tried last
 constexpr int kFramesPerRays = 4;
-constexpr int kBlind = 20;                          // noisy starts while nothing is free
-constexpr int kAnywhere = 20;                       // uniform starts, if nothing else came free
+constexpr int kHintChances = 3;  // LocalOptions::last_chances of a start near its answer
+constexpr int kBlind = 20;       // noisy starts while nothing is free
+constexpr int kAnywhere = 20;    // uniform starts, if nothing else came free
 constexpr double kNoise[] = {7.5, 3.0, 4.5, 12.0};  // spreads of the noisy starts, in turn
 // Time of a query and of a pair distance [evaluations], the latter over those at q_in but no fewer
 // than kFewDistances: fits what bench/ measures within about a third.
@@ -257,7 +258,9 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
   if (exact_) {
     plan.queries *= 2;  // most only ask whether a configuration is free, the others cost more
     plan.evaluations = kInfinity;
-    if (hint) Try(hint->q, hint->start, Loose());
+    LocalOptions near = Loose();
+    near.last_chances = kHintChances;
+    if (hint) Try(hint->q, hint->start, near);
     TryExact(plan, overlaps);
     first_query_ = problem_.finder.queries();  // the budget is for what varies from there
   } else {
