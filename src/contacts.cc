@@ -11,7 +11,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Below this, witness points are too close to give a normal, and we look from a little further.
 constexpr double kTouching = 1e-8;
-constexpr double kNudge = 1e-6;
+constexpr double kNudge = 1e-6, kDeep = 1e-5;
 
 SignedGap CapsuleBoxInWorld(const PosedModel& posed, int capsule, int box) {
   const mjModel& m = *posed.model();
@@ -177,6 +177,11 @@ bool ContactFinder::GeomGap(int geom1, int geom2, double cutoff, SignedGap& gap)
   const Vector3d direction = AsVector(fromto + 3) - AsVector(fromto);
   gap.n = direction.norm() > 1e-12 ? direction.normalized() * (nudged > 0.0 ? 1.0 : -1.0)
                                    : away.normalized();
+  if (nudged > -kDeep) return true;
+  // MuJoCo calls it zero, too, where the middles of two solids coincide.
+  gap.distance = nudged;
+  gap.p1 = AsVector(fromto);
+  gap.p2 = AsVector(fromto + 3);
   return true;
 }
 

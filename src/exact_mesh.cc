@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "convex_mesh.h"
 #include "solid.h"
 
 namespace mjcf_pdg {
@@ -35,20 +36,24 @@ Matrix3Xd MeshVertices(const mjModel& m, int mesh) {
       .cast<double>();
 }
 
-Solid TrianglesOf(const mjModel& m, int mesh) {
-  const Matrix3Xi faces =
-      Eigen::Map<const Matrix3Xi>(m.mesh_face + 3 * m.mesh_faceadr[mesh], 3, m.mesh_facenum[mesh]);
-  return Solid(MeshVertices(m, mesh), faces);
+Matrix3Xi MeshFaces(const mjModel& m, int mesh) {
+  return Eigen::Map<const Matrix3Xi>(m.mesh_face + 3 * m.mesh_faceadr[mesh], 3,
+                                     m.mesh_facenum[mesh]);
 }
 
 // mesh_graph: numvert, numface, vert_edgeadr[numvert], vert_globalid[numvert],
 // edge_localid[numvert + 3 numface], face_globalid[3 numface].
-Solid HullOf(const mjModel& m, int mesh) {
+Matrix3Xi HullFaces(const mjModel& m, int mesh) {
   if (m.mesh_graphadr[mesh] < 0) throw Error("the mesh has no convex hull");
   const int* graph = m.mesh_graph + m.mesh_graphadr[mesh];
   const int num_vertices = graph[0], num_faces = graph[1];
   const int* faces = graph + 2 + 3 * num_vertices + 3 * num_faces;
-  return Solid(MeshVertices(m, mesh), Eigen::Map<const Matrix3Xi>(faces, 3, num_faces));
+  return Eigen::Map<const Matrix3Xi>(faces, 3, num_faces);
+}
+
+bool IsConvex(const mjModel& m, int mesh) {
+  if (m.mesh_graphadr[mesh] < 0) return false;
+  return IsItsOwnHull({MeshVertices(m, mesh), MeshFaces(m, mesh)}, HullFaces(m, mesh));
 }
 
 Solid BoxOf(const Vector3d& half) {
@@ -64,15 +69,31 @@ Solid BoxOf(const Vector3d& half) {
   return Solid(corners, faces);
 }
 
+void MarkConvex(SceneTables& tables) {
+  const mjModel& m = *tables.model;
+  std::map<int, bool> known;  // by asset
+  for (int g = 0; g < m.ngeom; ++g) {
+    if (!tables.exact[g]) continue;
+    const auto [entry, is_new] = known.try_emplace(m.geom_dataid[g], false);
+    if (is_new) entry->second = IsConvex(m, entry->first);
+    tables.convex[g] = entry->second;
+  }
+}
+
 }  // namespace
 
 void MarkExactGeoms(const SceneOptions& options, SceneTables& tables) {
   const mjModel& m = *tables.model;
   tables.exact.assign(m.ngeom, 0);
+  tables.convex.assign(m.ngeom, 0);
   if (!options.exact_mesh) return;
   const int text = mj_name2id(&m, mjOBJ_TEXT, kMark);
-  if (text >= 0) return MarkNamed(m.text_data + m.text_adr[text], tables);
-  for (int g = 0; g < m.ngeom; ++g) tables.exact[g] = m.geom_type[g] == mjGEOM_MESH;
+  if (text >= 0) {
+    MarkNamed(m.text_data + m.text_adr[text], tables);
+  } else {
+    for (int g = 0; g < m.ngeom; ++g) tables.exact[g] = m.geom_type[g] == mjGEOM_MESH;
+  }
+  MarkConvex(tables);
 }
 
 void BuildSolids(SceneTables& tables) {
@@ -93,7 +114,8 @@ void BuildSolids(SceneTables& tables) {
       std::shared_ptr<const Solid>& solid = built[{mesh, exact}];
       try {
         if (!solid) {
-          solid = std::make_shared<const Solid>(exact ? TrianglesOf(m, mesh) : HullOf(m, mesh));
+          solid = std::make_shared<const Solid>(MeshVertices(m, mesh),
+                                                exact ? MeshFaces(m, mesh) : HullFaces(m, mesh));
         }
       } catch (const Error& e) {
         throw Error("geom " + GeomLabel(m, g) + ": " + e.what());

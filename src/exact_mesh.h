@@ -11,7 +11,7 @@ namespace mjcf_pdg {
 
 // Fills tables.exact: the geoms that the model's text "mjcf_pdg.exact_mesh" names (blanks between
 // them), all mesh geoms if it has no such text, none unless options.exact_mesh is set. Throws Error
-// for a name that is no mesh geom's.
+// for a name that is no mesh geom's. Fills tables.convex: those of them that are convex.
 void MarkExactGeoms(const SceneOptions& options, SceneTables& tables);
 
 // Fills tables.solids for the geoms of exact pairs, once the pairs are known: exact meshes, convex

@@ -58,7 +58,8 @@ KeptPair MakePair(const SceneTables& tables, int g1, int g2, double margin_and_g
   auto contact_only = [](int type) { return type == mjGEOM_SDF || type == mjGEOM_HFIELD; };
   pair.has_distance = !contact_only(type1) && !contact_only(type2);
   // Against SDF and height fields MuJoCo sees the mesh's convex hull.
-  pair.exact = pair.has_distance && (tables.exact[g1] || tables.exact[g2]);
+  auto not_a_hull = [&](int g) { return tables.exact[g] && !tables.convex[g]; };
+  pair.exact = pair.has_distance && (not_a_hull(g1) || not_a_hull(g2));
   pair.moves = JointBetween(tables, m.geom_bodyid[g1], m.geom_bodyid[g2]);
   return pair;
 }

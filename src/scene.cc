@@ -198,8 +198,10 @@ int Scene::dof() const { return tables_->n; }
 int Scene::num_kept_pairs() const { return static_cast<int>(tables_->pairs.size()); }
 
 bool Scene::HasExactMeshes() const {
-  return std::any_of(tables_->pairs.begin(), tables_->pairs.end(),
-                     [](const KeptPair& pair) { return pair.exact; });
+  auto exact = [this](const KeptPair& pair) {
+    return pair.has_distance && (tables_->exact[pair.geom1] || tables_->exact[pair.geom2]);
+  };
+  return std::any_of(tables_->pairs.begin(), tables_->pairs.end(), exact);
 }
 
 std::string Scene::GeomName(int geom) const { return NameOrId(model(), mjOBJ_GEOM, geom); }

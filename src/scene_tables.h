@@ -31,7 +31,7 @@ struct KeptPair {
   int geom1 = 0, geom2 = 0;
   double allowed = 0.0;      // overlap the model allows by a negative margin + gap [m], >= 0
   bool has_distance = true;  // false for SDF and height fields: contacts only
-  bool exact = false;        // one geom or both collide as their triangles
+  bool exact = false;        // one geom or both collide as their triangles, not as hulls
   bool moves = true;         // some movable joint lies between the two geoms
 };
 
@@ -73,7 +73,8 @@ struct SceneTables {
   std::vector<BoundingSphere> body_spheres;  // nbody
   bool has_contact_only_pairs = false;
 
-  std::vector<char> exact;                           // ngeom: collides as its triangles
+  std::vector<char> exact;                           // ngeom: collides as its triangles ...
+  std::vector<char> convex;                          // ... which are those of its convex hull
   std::vector<std::shared_ptr<const Solid>> solids;  // ngeom; null where no exact pair needs it
   std::shared_ptr<const VerifierShapes> verifier_shapes;  // the verifier's own of the same
   std::vector<std::string> warnings;

@@ -345,6 +345,28 @@ MeshTopology FindTopology(const TriangleMesh& mesh) {
   return topology;
 }
 
+bool LocallyConvex(const TriangleMesh& mesh, double rounding) {
+  constexpr double kOffPlane = 4.0;  // roundings, for a corner as far from the edge as the other's
+  const double outwards = FindSolidProperties(mesh).volume < 0.0 ? -1.0 : 1.0;
+  const auto corner = [&](int t, int k) { return mesh.vertices.col(mesh.triangles(k % 3, t)); };
+  // How the corner that `use` has opposite the edge stands above the other triangle's plane.
+  const auto reflex = [&](const EdgeUse& plane, const EdgeUse& use) {
+    const Vector3d a = corner(plane.triangle, plane.corner);
+    const Vector3d edge = corner(plane.triangle, plane.corner + 1) - a;
+    const Vector3d normal = edge.cross(corner(plane.triangle, plane.corner + 2) - a);
+    const Vector3d to_corner = corner(use.triangle, use.corner + 2) - a;
+    const double height = outwards * normal.dot(to_corner) / normal.norm();
+    const double levers = to_corner.norm() * edge.norm() / normal.norm();
+    return height > kOffPlane * rounding * (1.0 + levers);
+  };
+  bool convex = true;
+  const std::vector<EdgeUse> uses = SortedEdgeUses(mesh.triangles);
+  ForEachEdge(uses, [&](const EdgeUse* edge, int count) {
+    convex = convex && count == 2 && !reflex(edge[0], edge[1]) && !reflex(edge[1], edge[0]);
+  });
+  return convex;
+}
+
 double SurfaceArea(const TriangleMesh& mesh) {
   double area = 0.0;
   for (const auto& corners : mesh.triangles.colwise()) {

@@ -52,6 +52,10 @@ TriangleMesh RepairMesh(const TriangleMesh& welded, MeshRepairs* repairs);
 // Of a repaired mesh; components are connected by edges of two triangles.
 MeshTopology FindTopology(const TriangleMesh& mesh);
 
+// No edge of a closed mesh is reflex by more than corners that are off by `rounding` [m] can make
+// it, facing outwards or inwards as a whole.
+bool LocallyConvex(const TriangleMesh& mesh, double rounding);
+
 double SurfaceArea(const TriangleMesh& mesh);  // [m²]
 
 // Of the solid that a closed mesh bounds, by signed tetrahedra; negative if it faces inwards.

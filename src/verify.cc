@@ -235,7 +235,21 @@ double Verifier::SignedDistance(int index, double cutoff, Depths depths, double 
       model_.geom_type[pair.geom2] == mjGEOM_BOX) {
     return CapsuleBoxDistance(model_, *posed_.data(), pair.geom1, pair.geom2, fromto);
   }
-  return mj_geomDistance(&distance_model_, posed_.data(), pair.geom1, pair.geom2, cutoff, fromto);
+  const double distance =
+      mj_geomDistance(&distance_model_, posed_.data(), pair.geom1, pair.geom2, cutoff, fromto);
+  return distance == 0.0 ? DistanceBeside(pair, cutoff, fromto) : distance;
+}
+
+// Zero is what MuJoCo says of things that touch, and of solids whose middles coincide.
+double Verifier::DistanceBeside(const KeptPair& pair, double cutoff, double fromto[6]) {
+  constexpr double kBeside = 1e-6, kDeep = 1e-5;  // [m]
+  Eigen::Map<Vector3d> center(posed_.data()->geom_xpos + 3 * pair.geom2);
+  const Vector3d kept = center;
+  center += kBeside * Vector3d(0.36, 0.48, 0.8);
+  const double distance =
+      mj_geomDistance(&distance_model_, posed_.data(), pair.geom1, pair.geom2, cutoff, fromto);
+  center = kept;
+  return distance < -kDeep ? distance : 0.0;
 }
 
 // Either witness is enough. One exception: where some overlap is permitted and the signed distance

@@ -58,6 +58,7 @@ class Verifier {
   double SphereBound(const KeptPair& pair) const;
   double BoxBound(const KeptPair& pair) const;
   double SignedDistance(int pair, double cutoff, Depths depths, double fromto[6]);
+  double DistanceBeside(const KeptPair& pair, double cutoff, double fromto[6]);
   void JudgePair(int pair);
   void JudgeStrangers();
   void CheckLimits(const std::vector<double>& q);

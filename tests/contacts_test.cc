@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 
+#include "mjcf_pdg/pdg.h"
 #include "test_support.h"
 
 namespace mjcf_pdg::test {
@@ -65,6 +66,32 @@ Vector3d WayToTouch(const Scene& scene, const NearPair& near, double factor) {
   const KeptPair& pair = scene.tables().pairs[near.pair];
   const bool first_moves = scene.tables().body_moves[scene.model()->geom_bodyid[pair.geom1]];
   return near.n_W * near.distance * factor * (first_moves ? 1.0 : -1.0);
+}
+
+// MuJoCo's distance of some of them is zero there.
+TEST_F(ContactsTest, SolidsWhoseMiddlesCoincideOverlap) {
+  for (const int type1 : ConvexTypes()) {
+    for (const int type2 : ConvexTypes()) {
+      if (type1 == mjGEOM_PLANE || type2 == mjGEOM_PLANE) continue;
+      SCOPED_TRACE(TypeName(type1) + " on " + TypeName(type2));
+      Shape first{.type = type1, .size = {0.1, 0.2, 0.3}},
+          second{.type = type2, .size = {0.1, 0.2, 0.3}};
+      for (Shape* shape : {&first, &second}) {
+        for (int k = 0; k < 8; ++k) {
+          shape->vertices.emplace_back(k & 1 ? 0.1 : -0.1, k & 2 ? 0.2 : -0.2, k & 4 ? 0.3 : -0.3);
+        }
+      }
+      const Scene scene = Scene::FromString(TwoGeomXml({.first = first, .second = second}));
+      ContactFinder finder(scene.tables());
+      finder.Pose(ToEigen(scene.DefaultQpos()));
+      NearPair near;
+      ASSERT_TRUE(finder.Distance(0, 1.0, near));
+      EXPECT_LT(near.distance, -0.1);
+      EXPECT_NEAR(near.n_W.dot(near.p2_W - near.p1_W), near.distance, 2e-6);
+      EXPECT_FALSE(Verify(scene, scene.DefaultQpos()).free);
+      EXPECT_LT(Verify(scene, scene.DefaultQpos()).min_distance, -0.1);
+    }
+  }
 }
 
 TEST_F(ContactsTest, DistancesNormalsAndWitnessesFitTheOracleForAllTypes) {

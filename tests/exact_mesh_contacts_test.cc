@@ -4,6 +4,7 @@
 
 #include "brute_mesh.h"
 #include "contacts.h"
+#include "exact_mesh.h"
 #include "mesh_shapes.h"
 #include "test_support.h"
 
@@ -32,10 +33,20 @@ VectorXd At(const Vector3d& position, const Eigen::Quaterniond& turn = {1, 0, 0,
   return q;
 }
 
+// Of meshes that are their own hulls, too, the triangles: here they are what is asked.
+SceneTables WithTriangles(const Scene& scene) {
+  SceneTables tables = scene.tables();
+  for (KeptPair& pair : tables.pairs) {
+    pair.exact = pair.has_distance && (tables.exact[pair.geom1] || tables.exact[pair.geom2]);
+  }
+  BuildSolids(tables);
+  return tables;
+}
+
 class Finder {
  public:
   explicit Finder(const std::string& xml, const SceneOptions& options = Exact())
-      : scene_(Scene::FromString(xml, options)), finder_(scene_.tables()) {}
+      : scene_(Scene::FromString(xml, options)), tables_(WithTriangles(scene_)), finder_(tables_) {}
 
   const Scene& scene() const { return scene_; }
   NearPair Nearest(const VectorXd& q, double cutoff = kFar) {
@@ -55,6 +66,7 @@ class Finder {
 
  private:
   Scene scene_;
+  SceneTables tables_;
   ContactFinder finder_;
   bool found_ = false;
 };

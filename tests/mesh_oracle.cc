@@ -164,13 +164,19 @@ struct MeshOracle::Impl {
   explicit Impl(const Scene& s) : scene(s), data(mj_makeData(s.model())), bodies(s.model()->ngeom) {
     const mjModel& m = *scene.model();
     for (const KeptPair& pair : scene.tables().pairs) {
-      if (!pair.exact) continue;
+      if (!Asks(pair)) continue;
       for (const int g : {pair.geom1, pair.geom2}) {
         if (!bodies[g]) Add(m, g);
       }
     }
   }
   ~Impl() { mj_deleteData(data); }
+
+  // Convex meshes, too, which the scene leaves to MuJoCo.
+  bool Asks(const KeptPair& pair) const {
+    const std::vector<char>& exact = scene.tables().exact;
+    return pair.has_distance && (exact[pair.geom1] || exact[pair.geom2]);
+  }
 
   void Add(const mjModel& m, int g) {
     const bool mesh = m.geom_type[g] == mjGEOM_MESH;
@@ -206,7 +212,7 @@ std::vector<OracleOverlap> MeshOracle::Overlaps(const std::vector<double>& q) {
   impl_->Pose(q);
   std::vector<OracleOverlap> overlaps;
   for (const KeptPair& pair : impl_->scene.tables().pairs) {
-    if (!pair.exact) continue;
+    if (!impl_->Asks(pair)) continue;
     const Body &a = *impl_->bodies[pair.geom1], &b = *impl_->bodies[pair.geom2];
     const auto hits = impl_->collision.get_all_intersections_and_inclusions(a.id, std::array{b.id});
     if (hits.empty()) continue;
