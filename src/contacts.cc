@@ -11,7 +11,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Below this, witness points are too close to give a normal, and we look from a little further.
 constexpr double kTouching = 1e-8;
-constexpr double kNudge = 1e-6, kDeep = 1e-5;
+constexpr double kNudge = 1e-6, kDeep = 2e-6;
 
 SignedGap CapsuleBoxInWorld(const PosedModel& posed, int capsule, int box) {
   const mjModel& m = *posed.model();

@@ -8,8 +8,8 @@ namespace mjcf_pdg {
 
 // Does the surface enclose the convex hull, given as triangles of the same vertices, and nothing
 // less? Up to a few roundings of the largest coordinate to float. Every vertex must lie on the
-// hull, the surface must be closed and in one piece, and no edge may be reflex. Meshes with slivers
-// that rounding could fold over are not trusted.
+// hull, the surface must be closed and in one piece, no edge may be reflex, and the volume must be
+// the hull's (star polyhedra pass the rest). False, too, where the answer would take too long.
 bool IsItsOwnHull(const TriangleMesh& mesh, const Eigen::Matrix3Xi& hull);
 
 }  // namespace mjcf_pdg

@@ -130,10 +130,12 @@ void Solver::Impl::SetUp(const std::vector<double>& q_in) {
   }
   problem.finder.Pose(problem.q_in);
   if (options.rest > 0.0) {
+    // How deep an exact pair is, the verifier measures better.
     for (const NearPair& near : problem.finder.Find(0.0)) {
-      if (near.distance >= -options.rest) {
-        problem.required[near.pair] = std::min(problem.required[near.pair], near.distance);
-      }
+      const bool exact = tables.pairs[near.pair].exact;
+      const double depth = exact ? verifier.DepthAtRest(near.pair) : near.distance;
+      if (depth < -options.rest || depth >= 0.0) continue;
+      problem.required[near.pair] = std::min(problem.required[near.pair], depth);
     }
   }
 }

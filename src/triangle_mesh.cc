@@ -346,7 +346,7 @@ MeshTopology FindTopology(const TriangleMesh& mesh) {
 }
 
 bool LocallyConvex(const TriangleMesh& mesh, double rounding) {
-  constexpr double kOffPlane = 4.0;  // roundings, for a corner as far from the edge as the other's
+  constexpr double kOffPlane = 4.0;  // roundings
   const double outwards = FindSolidProperties(mesh).volume < 0.0 ? -1.0 : 1.0;
   const auto corner = [&](int t, int k) { return mesh.vertices.col(mesh.triangles(k % 3, t)); };
   // How the corner that `use` has opposite the edge stands above the other triangle's plane.
@@ -356,8 +356,11 @@ bool LocallyConvex(const TriangleMesh& mesh, double rounding) {
     const Vector3d normal = edge.cross(corner(plane.triangle, plane.corner + 2) - a);
     const Vector3d to_corner = corner(use.triangle, use.corner + 2) - a;
     const double height = outwards * normal.dot(to_corner) / normal.norm();
-    const double levers = to_corner.norm() * edge.norm() / normal.norm();
-    return height > kOffPlane * rounding * (1.0 + levers);
+    // How much a corner's error is enlarged: across the edge by the plane's tilt, along it beyond.
+    const double along = edge.dot(to_corner) / edge.squaredNorm();
+    const double across = edge.cross(to_corner).norm() / normal.norm();
+    const double beyond = std::max({0.0, -along, along - 1.0});
+    return height > kOffPlane * rounding * (1.0 + across + 2.0 * beyond);
   };
   bool convex = true;
   const std::vector<EdgeUse> uses = SortedEdgeUses(mesh.triangles);

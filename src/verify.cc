@@ -12,6 +12,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kFar = 1.0;                 // min_distance is cut off here [m]
 constexpr double kLimitTolerance = 1e-6;     // joint limits [rad or m]
+constexpr double kTouching = 1e-9;           // [m]
 constexpr double kRestRounding = 1e-9;       // a contact of exactly `rest` still rests [m]
 constexpr double kDistanceTolerance = 1e-9;  // of the convex solver: 1e-6 jitters by 5e-7 m
 
@@ -237,12 +238,13 @@ double Verifier::SignedDistance(int index, double cutoff, Depths depths, double 
   }
   const double distance =
       mj_geomDistance(&distance_model_, posed_.data(), pair.geom1, pair.geom2, cutoff, fromto);
-  return distance == 0.0 ? DistanceBeside(pair, cutoff, fromto) : distance;
+  if (std::abs(distance) > kTouching) return distance;
+  return std::min(distance, DistanceBeside(pair, cutoff, fromto));
 }
 
-// Zero is what MuJoCo says of things that touch, and of solids whose middles coincide.
+// Zero, or nearly, is what MuJoCo says of things that touch, and of solids whose middles coincide.
 double Verifier::DistanceBeside(const KeptPair& pair, double cutoff, double fromto[6]) {
-  constexpr double kBeside = 1e-6, kDeep = 1e-5;  // [m]
+  constexpr double kBeside = 1e-6, kDeep = 2e-6;  // [m]
   Eigen::Map<Vector3d> center(posed_.data()->geom_xpos + 3 * pair.geom2);
   const Vector3d kept = center;
   center += kBeside * Vector3d(0.36, 0.48, 0.8);

@@ -32,6 +32,12 @@ class Verifier {
   Verifier(const Verifier&) = delete;
   Verifier& operator=(const Verifier&) = delete;
 
+  // Of a pair that the last Check let keep its overlap, that overlap, negative [m]; 0 of others.
+  double DepthAtRest(int pair) const {
+    const double allowed = tables_.pairs[pair].allowed;
+    const double usual = (tables_.pairs[pair].moves ? clearance_ : 0.0) - allowed;
+    return required_[pair] < usual ? required_[pair] : 0.0;
+  }
   // Empty vectors: as in the model.
   void SetMocap(const MocapPoses& poses);
 

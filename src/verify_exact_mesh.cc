@@ -1,7 +1,5 @@
 #include "verify_exact_mesh.h"
 
-#include <fcl/geometry/bvh/BVH_model.h>
-#include <fcl/math/bv/OBBRSS.h>
 #include <fcl/narrowphase/collision.h>
 #include <fcl/narrowphase/distance.h>
 
@@ -14,15 +12,14 @@
 
 #include "solid.h"
 #include "verify_round.h"
+#include "verify_shape.h"
 #include "verify_triangles.h"
 
 namespace mjcf_pdg {
 namespace {
 
-using Bvh = fcl::BVHModel<fcl::OBBRSS<double>>;
-
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kMillimetres = 1e3;  // FCL's thresholds are absolute: it works in millimetres
+constexpr double kMillimetres = VerifierShape::kMillimetres;
 constexpr int kMaxTrianglePairs = 100000;
 constexpr int kFewPairs = 4;          // of triangles, to tell an overlap
 constexpr double kUnmeasured = 1e-3;  // depth of more crossings than that, at least [m]
@@ -43,53 +40,6 @@ double LinearBound(int type, const Vector3d& size, const Vector3d corners[3]) {
     reach = std::max(reach, (corners[k] - middle).norm());
   }
   return at_middle + fall - kDifferences * reach;
-}
-
-// Directions of rays: the corners and faces of a cube, turned a little.
-std::vector<Vector3d> RayDirections() {
-  const Matrix3d turn = Eigen::AngleAxisd(0.3, Vector3d(0.2, 0.5, 0.84).normalized()).matrix();
-  std::vector<Vector3d> list;
-  for (int i = 0; i < 3; ++i) {
-    for (const double sign : {-1.0, 1.0}) list.push_back(turn * (sign * Vector3d::Unit(i)));
-  }
-  for (int k = 0; k < 8; ++k) {
-    const Vector3d corner(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1);
-    list.push_back(turn * corner.normalized());
-  }
-  return list;
-}
-
-}  // namespace
-
-struct VerifierShape {
-  Triangles triangles;  // geom frame [m]; empty for planes and round primitives
-  std::vector<Vector3d> pieces;
-  bool closed = false;
-  bool convex = false;  // box or hull: inside is below every face
-  std::shared_ptr<Bvh> tree;
-
-  // How deep p is inside, and the way out; 0 outside. Geom frame.
-  double DepthOf(const PosedModel& posed, int geom, const Vector3d& p, Vector3d& out) const;
-
- private:
-  double ConvexDepth(const Vector3d& p, Vector3d& out) const;
-};
-
-namespace {
-
-std::shared_ptr<const VerifierShape> MakeShape(Triangles triangles, bool closed, bool convex) {
-  auto shape = std::make_shared<VerifierShape>();
-  shape->triangles = std::move(triangles);
-  shape->closed = closed;
-  shape->convex = convex;
-  shape->pieces = Pieces(shape->triangles);
-  shape->tree = std::make_shared<Bvh>();
-  shape->tree->beginModel();
-  for (const auto& t : shape->triangles) {
-    shape->tree->addTriangle(kMillimetres * t[0], kMillimetres * t[1], kMillimetres * t[2]);
-  }
-  shape->tree->endModel();
-  return shape;
 }
 
 }  // namespace
@@ -134,7 +84,7 @@ struct ExactVerifier::Side {
   double DepthOf(const Vector3d& p, Vector3d& out_W) const {
     Vector3d out = Vector3d::Zero();
     const Vector3d there = asked.R(in).transpose() * (InWorld(p) - asked.Origin(in));
-    const double depth = target.DepthOf(asked.posed, in, there, out);
+    const double depth = target.DepthOf(there, out);
     out_W = asked.R(in) * out;
     return depth;
   }
@@ -161,68 +111,20 @@ std::shared_ptr<const VerifierShapes> MakeVerifierShapes(const SceneTables& tabl
       if (shape) continue;
       const bool closed = tables.solids[g] && tables.solids[g]->closed(), exact = tables.exact[g];
       if (m.geom_type[g] == mjGEOM_BOX) {
-        shape = MakeShape(BoxTriangles(AsVector(m.geom_size + 3 * g)), closed, true);
+        shape = std::make_shared<const VerifierShape>(BoxTriangles(AsVector(m.geom_size + 3 * g)),
+                                                      closed, true);
       } else if (m.geom_type[g] == mjGEOM_MESH) {
         const int mesh = m.geom_dataid[g];
         std::shared_ptr<const VerifierShape>& known = built[{mesh, exact}];
-        if (!known) known = MakeShape(MeshTriangles(m, mesh, exact), closed, !exact);
+        if (!known) {
+          known =
+              std::make_shared<const VerifierShape>(MeshTriangles(m, mesh, exact), closed, !exact);
+        }
         shape = known;
       }
     }
   }
   return shapes;
-}
-
-double VerifierShape::ConvexDepth(const Vector3d& p, Vector3d& out) const {
-  Vector3d middle = Vector3d::Zero();
-  for (const auto& t : triangles) middle += t[0] / static_cast<double>(triangles.size());
-  double depth = kInfinity;
-  for (const auto& t : triangles) {
-    Vector3d n = (t[1] - t[0]).cross(t[2] - t[0]);
-    if (!(n.norm() > 0.0)) continue;
-    n.normalize();
-    if (n.dot(t[0] - middle) < 0.0) n = -n;
-    const double below = n.dot(t[0] - p);
-    if (below < depth) {
-      depth = below;
-      out = n;
-    }
-  }
-  return std::max(depth, 0.0);
-}
-
-double VerifierShape::DepthOf(const PosedModel& posed, int geom, const Vector3d& p,
-                              Vector3d& out) const {
-  if (!closed) return 0.0;
-  if (convex) return ConvexDepth(p, out);
-  constexpr double kStep = 1e-9;
-  const Matrix3d R = AsMatrix(posed.data()->geom_xmat + 9 * geom);
-  const Vector3d p_W = AsVector(posed.data()->geom_xpos + 3 * geom) + R * p;
-  int votes = 0, count = 0;
-  double depth = kInfinity;
-  static const std::vector<Vector3d> directions = RayDirections();
-  for (const Vector3d& direction : directions) {
-    const Vector3d along = R * direction;
-    Vector3d from = p_W;
-    double travelled = 0.0, first = kInfinity;
-    int crossings = 0;
-    for (; crossings < 1000; ++crossings) {
-      const double hit =
-          mj_rayMesh(posed.model(), posed.data(), geom, from.data(), along.data(), nullptr);
-      if (hit < 0.0) break;
-      travelled += hit;
-      first = std::min(first, travelled);
-      from += (hit + kStep) * along;
-    }
-    votes += crossings % 2;
-    if (++count == 1 && crossings == 0) return 0.0;  // nothing that way: outside, whatever follows
-    if (first < depth) {
-      depth = first;
-      out = direction;
-    }
-    if (count == 5 && votes < 3) return 0.0;
-  }
-  return std::isfinite(depth) ? depth : 0.0;
 }
 
 double ExactVerifier::Distance(const PosedModel& posed, const KeptPair& pair, double cutoff,
@@ -233,21 +135,22 @@ double ExactVerifier::Distance(const PosedModel& posed, const KeptPair& pair, do
   return asked.first ? SolidDistance(asked, cutoff) : RoundDistance(asked, cutoff);
 }
 
-// The depth, negative [m], of the deepest inside the other body: a vertex of each piece, and a
-// vertex and the middle of `triangles` triangles of each mesh.
+// The depth, negative [m], of the deepest inside the other body: the probes, and a vertex and the
+// middle of `triangles` triangles of each mesh.
 double ExactVerifier::Deepest(const Asked& asked, int triangles) const {
   double deepest = 0.0;
   for (const bool of_first : {true, false}) {
     const Side side(asked, of_first);
-    std::vector<Vector3d> points = side.source.pieces;
+    std::vector<VerifierShape::Probe> points = side.source.probes;
     for (int k = 0; k < triangles; ++k) {
       const auto& t = side.source.triangles[k * side.source.triangles.size() / triangles];
-      points.push_back(t[0]);
-      points.push_back((t[0] + t[1] + t[2]) / 3.0);
+      points.push_back({t[0]});
+      points.push_back({(t[0] + t[1] + t[2]) / 3.0});
     }
-    for (const Vector3d& p : points) {
+    for (const auto& [p, inside] : points) {
       Vector3d out_W;
-      const double depth = side.DepthOf(p, out_W);
+      double depth = side.DepthOf(p, out_W);
+      if (inside > 0.0) depth = std::min(depth, inside);
       if (depth <= -deepest) continue;
       deepest = -depth;
       side.Witness(side.InWorld(p), side.InWorld(p) + depth * out_W);
@@ -270,7 +173,7 @@ double ExactVerifier::CommonPoint(const Asked& asked) const {
       for (const double h : {1e-2, -1e-2, 1e-3, -1e-3, 1e-4, -1e-4}) {
         const Vector3d x = (t[0] + t[1] + t[2]) / 3.0 - h * n;
         Vector3d out, out_W;
-        const double own = side.source.DepthOf(asked.posed, side.from, x, out);
+        const double own = side.source.DepthOf(x, out);
         if (own <= -deepest) continue;
         const double depth = std::min(own, side.DepthOf(x, out_W));
         if (depth <= -deepest) continue;
@@ -313,17 +216,20 @@ double ExactVerifier::CrossingTriangles(const Asked& asked, int most) const {
 
 // Triangles intersect: how deep, negative [m].
 double ExactVerifier::SolidOverlap(const Asked& asked) const {
-  const double by_triangles = CrossingTriangles(asked, kMaxTrianglePairs);
+  double least = CrossingTriangles(asked, kMaxTrianglePairs);
   double witness[6];
   std::copy(asked.fromto, asked.fromto + 6, witness);
-  const double at_a_few = Deepest(asked, kFewAsked);
-  if (at_a_few < std::min(by_triangles, -asked.enough)) return at_a_few;
-  const double deepest = Deepest(asked, kAllAsked);
-  if (deepest < by_triangles) return deepest;
-  const double common = CommonPoint(asked);
-  if (common < by_triangles) return common;
+  auto take = [&](double depth) {
+    if (depth >= least) return false;
+    least = depth;
+    std::copy(asked.fromto, asked.fromto + 6, witness);
+    return true;
+  };
+  const bool enough = take(Deepest(asked, kFewAsked)) && least < -asked.enough;
+  if (!enough) take(Deepest(asked, kAllAsked));
+  if (!enough && least >= -asked.enough) take(CommonPoint(asked));
   std::copy(witness, witness + 6, asked.fromto);
-  return by_triangles;
+  return least;
 }
 
 double ExactVerifier::SolidDistance(const Asked& asked, double cutoff) const {
@@ -375,8 +281,7 @@ double ExactVerifier::RoundDistance(const Asked& asked, double cutoff) const {
   }
   Vector3d out;
   const Vector3d center = -(R.transpose() * origin);
-  const double inside =
-      type == mjGEOM_PLANE ? 0.0 : asked.second->DepthOf(asked.posed, mesh, center, out);
+  const double inside = type == mjGEOM_PLANE ? 0.0 : asked.second->DepthOf(center, out);
   const Matrix3d R_W = asked.R(round);
   if (inside > std::max(0.0, -least)) {  // the surfaces may hardly touch
     const Vector3d center_W = asked.Origin(round);

@@ -2,7 +2,7 @@
 //
 // Shares nothing with the solver's queries. Meshes, boxes and convex hulls: FCL's own collide (its
 // triangle intersection) and distance. Planes and round primitives: every triangle in turn, with
-// signed distances of their own. What is inside a mesh: MuJoCo's rays, by parity.
+// signed distances of their own. What is inside a mesh: rays through FCL's tree, by winding.
 //
 // Triangles that intersect may only touch: what counts is the least move that parts two of them,
 // the largest over the pairs of triangles, or the depth of a vertex inside. That depth is the

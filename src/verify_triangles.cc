@@ -78,7 +78,7 @@ double LeastMove(const std::array<Vector3d, 3>& s, const std::array<Vector3d, 3>
   return std::isfinite(least) ? std::max(least, 0.0) : 0.0;
 }
 
-std::vector<Vector3d> Pieces(const Triangles& triangles) {
+std::vector<std::vector<int>> Pieces(const Triangles& triangles) {
   std::vector<std::pair<std::array<double, 3>, int>> corners;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     for (const Vector3d& p : triangles[t]) corners.push_back({{p[0], p[1], p[2]}, int(t)});
@@ -95,11 +95,17 @@ std::vector<Vector3d> Pieces(const Triangles& triangles) {
       piece[find(corners[i].second)] = find(corners[i - 1].second);
     }
   }
-  std::vector<Vector3d> points;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    if (find(static_cast<int>(t)) == static_cast<int>(t)) points.push_back(triangles[t][0]);
+  std::vector<int> place(triangles.size(), -1);  // of each root's piece
+  std::vector<std::vector<int>> pieces;
+  for (int t = 0; t < static_cast<int>(triangles.size()); ++t) {
+    int& of_root = place[find(t)];
+    if (of_root < 0) {
+      of_root = static_cast<int>(pieces.size());
+      pieces.emplace_back();
+    }
+    pieces[of_root].push_back(t);
   }
-  return points;
+  return pieces;
 }
 
 }  // namespace mjcf_pdg

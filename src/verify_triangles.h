@@ -20,8 +20,8 @@ Triangles MeshTriangles(const mjModel& m, int mesh, bool exact);
 double LeastMove(const std::array<Vector3d, 3>& s, const std::array<Vector3d, 3>& t,
                  Vector3d& direction);
 
-// A vertex of every connected piece.
-std::vector<Vector3d> Pieces(const Triangles& triangles);
+// The connected pieces, by the indices of their triangles.
+std::vector<std::vector<int>> Pieces(const Triangles& triangles);
 
 }  // namespace mjcf_pdg
 

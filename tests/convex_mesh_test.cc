@@ -1,6 +1,8 @@
 // Which meshes are their own convex hulls.
 #include "convex_mesh.h"
 
+#include <cmath>
+
 #include "mesh_shapes.h"
 #include "mjcf_pdg/scene.h"
 #include "scene_tables.h"
@@ -89,6 +91,66 @@ TEST_F(ConvexMeshTest, DentsHolesAndPiecesAreSeen) {
   MeshShape void_inside = test::BoxMesh({0.1, 0.1, 0.1});
   void_inside.Append(test::BoxMesh({0.01, 0.01, 0.01}).TurnInsideOut());
   EXPECT_FALSE(Convex(void_inside));
+}
+
+// A thin rod whose upper end is turned: its waist is narrower, and each side is cut along the
+// reflex diagonal, for one sense of turning.
+MeshShape TwistedRod(int n, double height, double radius, double turn) {
+  MeshShape rod;
+  for (const double z : {-0.5 * height, 0.5 * height}) {
+    for (int k = 0; k < n; ++k) {
+      const double angle = 2.0 * M_PI * k / n + (z > 0.0 ? turn : 0.0);
+      rod.vertices.emplace_back(radius * std::cos(angle), radius * std::sin(angle), z);
+    }
+  }
+  for (int i = 0; i < n; ++i) {
+    const int j = (i + 1) % n;
+    rod.faces.emplace_back(i, j, n + i);
+    rod.faces.emplace_back(j, n + j, n + i);
+    if (i == 0 || j == 0) continue;
+    rod.faces.emplace_back(0, j, i);
+    rod.faces.emplace_back(n, n + i, n + j);
+  }
+  return rod;
+}
+
+TEST_F(ConvexMeshTest, TwistedRodsHaveAWaist) {
+  EXPECT_TRUE(Convex(TwistedRod(16, 1.0, 0.1, 0.0)));
+  for (const double sense : {-1.0, 1.0}) {
+    EXPECT_FALSE(Convex(TwistedRod(16, 1.0, 0.001, 0.5 * sense)));
+    EXPECT_FALSE(Convex(TwistedRod(64, 1.0, 0.005, 0.3 * sense)));
+    EXPECT_FALSE(Convex(TwistedRod(200, 1.0, 0.02, 0.3 * sense)));
+    EXPECT_FALSE(Convex(TwistedRod(400, 1.0, 0.02, 1.0 * sense)));
+  }
+}
+
+// Twelve corners of an icosahedron, faces of five neighbours of a neighbour each: locally convex
+// everywhere, but it passes through itself.
+TEST_F(ConvexMeshTest, AStarPolyhedronIsNotItsHull) {
+  const double g = 0.5 * (1.0 + std::sqrt(5.0));
+  MeshShape star;
+  for (const double a : {-1.0, 1.0}) {
+    for (const double b : {-g, g}) {
+      star.vertices.push_back(0.1 * Vector3d(0, a, b));
+      star.vertices.push_back(0.1 * Vector3d(a, b, 0));
+      star.vertices.push_back(0.1 * Vector3d(b, 0, a));
+    }
+  }
+  auto far = [&](int i, int j) {  // the edges of the great icosahedron
+    return std::abs((star.vertices[i] - star.vertices[j]).norm() - 0.2 * g) < 1e-6;
+  };
+  for (int i = 0; i < 12; ++i) {
+    for (int j = i + 1; j < 12; ++j) {
+      for (int k = j + 1; k < 12; ++k) {
+        if (!far(i, j) || !far(j, k) || !far(k, i)) continue;
+        const Vector3d a = star.vertices[i], b = star.vertices[j], c = star.vertices[k];
+        const bool outward = (b - a).cross(c - a).dot(a + b + c) > 0.0;
+        star.faces.emplace_back(i, outward ? j : k, outward ? k : j);
+      }
+    }
+  }
+  ASSERT_EQ(star.faces.size(), 20u);
+  EXPECT_FALSE(Convex(star, "inertia='convex'"));
 }
 
 // MuJoCo stops adding vertices to its hull: then the hull is less than the mesh.

@@ -51,6 +51,25 @@ std::string SceneXml(const std::string& assets, const std::string& world, const 
 
 const Method kMethods[] = {Method::kAuto, Method::kPaper};
 
+// Two cups that cross in many places, most of them shallow: the deepest says whether they rest.
+TEST_F(ExactMeshSolveTest, RestIsAPairsDeepestPlace) {
+  const MeshShape cup = test::Cup(0.05, 0.1, 0.005, 24);
+  const Scene scene = test::MeshScene(cup, "type='mesh' mesh='moving'", cup);
+  const std::vector<double> q_in = FreePose({0.03, 0.0, 0.02});
+  const double depth = -Verify(scene, q_in).min_distance;
+  ASSERT_GT(depth, 0.004);
+  for (const double rest : {0.0, 0.001, 0.002, 0.004}) {
+    Options options;
+    options.rest = rest;
+    const Result result = Solver(scene, options).Solve(q_in);
+    EXPECT_EQ(result.status, Status::kSolved) << rest << ": " << result.reason;
+    EXPECT_TRUE(test::FreeByBoth(scene, result.q)) << rest;
+  }
+  Options options;
+  options.rest = 1.01 * depth;
+  EXPECT_EQ(Solver(scene, options).Solve(q_in).status, Status::kAlreadyFree);
+}
+
 // The ring hangs on the post, 5 mm into it: it has to move by no more, and stays on the post.
 TEST_F(ExactMeshSolveTest, ARingStaysOnItsPost) {
   const Scene scene =

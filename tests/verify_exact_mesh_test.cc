@@ -1,5 +1,7 @@
 // The independent check where meshes collide as their triangles.
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "contacts.h"
 #include "mesh_shapes.h"
@@ -121,6 +123,70 @@ TEST_F(VerifyExactMeshTest, BodiesWhollyInsideCollideAndHollowsAreFree) {
   }
   const Scene around = MeshScene(test::Torus(0.05, 0.01, 16, 8), "type='box' size='0.3 0.3 0.3'");
   EXPECT_FALSE(Verify(around, FreePose({0.0, 0.0, 0.1})).free);
+}
+
+// An L, extruded along z; `inset` moves every wall inwards [m].
+MeshShape Angle(double inset = 0.0) {
+  const double low = inset, far = 0.2 - inset, mid = 0.1 - inset;
+  MeshShape shape;
+  for (const double z : {low, 0.1 - inset}) {
+    for (const auto& [x, y] : {std::pair(low, low), std::pair(far, low), std::pair(far, mid),
+                               std::pair(mid, mid), std::pair(mid, far), std::pair(low, far)}) {
+      shape.vertices.emplace_back(x, y, z);
+    }
+  }
+  for (int k = 0; k < 6; ++k) {
+    const int next = (k + 1) % 6;
+    shape.faces.emplace_back(k, next, next + 6);
+    shape.faces.emplace_back(k, next + 6, k + 6);
+  }
+  for (const auto& [a, b, c] :
+       {std::array{0, 3, 1}, std::array{1, 3, 2}, std::array{0, 5, 4}, std::array{0, 4, 3}}) {
+    shape.faces.emplace_back(a, b, c);
+    shape.faces.emplace_back(a + 6, c + 6, b + 6);
+  }
+  return shape;
+}
+
+TEST_F(VerifyExactMeshTest, SolidsWhoseSurfacesCoincideOverlap) {
+  const Vector3d way = Vector3d(0.36, -0.48, 0.8);
+  for (const MeshShape& shape :
+       {Angle(), test::Torus(0.1, 0.03, 24, 12), test::Cup(0.05, 0.1, 0.01, 24)}) {
+    const Scene scene = MeshScene(shape, "type='mesh' mesh='moving'", shape);
+    for (const double offset : {0.0, 1e-13, 1e-9, 1e-7, 5e-7, 7e-7, 2e-6}) {
+      EXPECT_FALSE(Verify(scene, FreePose(offset * way)).free) << offset;
+      EXPECT_FALSE(Verify(scene, FreePose(Vector3d(0, 0, offset))).free) << offset;
+    }
+  }
+}
+
+TEST_F(VerifyExactMeshTest, ABodyInACavityOfItsOwnShapeOverlapsHoweverSmallTheGap) {
+  for (const double gap : {1e-7, 5e-7, 8e-7, 2e-6, 1e-4}) {
+    const Scene scene = MeshScene(Angle(), "type='mesh' mesh='moving'", Angle(gap));
+    EXPECT_FALSE(Verify(scene, FreePose({0, 0, 0})).free) << gap;
+    MeshShape cavity = test::BoxMesh({0.5, 0.5, 0.5});
+    cavity.Append(Angle().TurnInsideOut());
+    const Scene hollow = MeshScene(cavity, "type='mesh' mesh='moving'", Angle(gap));
+    EXPECT_TRUE(Verify(hollow, FreePose({0, 0, 0})).free) << gap;
+  }
+}
+
+// Where parts of a mesh overlap or touch, inside is still inside.
+TEST_F(VerifyExactMeshTest, PartsOfAMeshMayOverlapOrTouch) {
+  MeshShape cross = test::BoxMesh({0.4, 0.12, 0.12}), touching = test::BoxMesh({0.2, 0.2, 0.2}),
+            nested = test::BoxMesh({0.4, 0.4, 0.4});
+  cross.Append(test::BoxMesh({0.121, 0.4, 0.119}));
+  touching.Append(test::BoxMesh({0.2, 0.2, 0.2}).Move(Eigen::Matrix3d::Identity(), {0.4, 0, 0}));
+  nested.Append(test::BoxMesh({0.3, 0.3, 0.3}));
+  for (const char* geom : kGeoms) {
+    for (const Vector3d& at : {Vector3d(0.01, 0.02, 0.03), Vector3d(-0.03, 0.04, 0.0)}) {
+      EXPECT_FALSE(Verify(MeshScene(cross, geom), FreePose(at)).free) << geom;
+      EXPECT_FALSE(Verify(MeshScene(touching, geom), FreePose(at)).free) << geom;
+      EXPECT_FALSE(Verify(MeshScene(nested, geom), FreePose(at)).free) << geom;
+    }
+    EXPECT_FALSE(Verify(MeshScene(touching, geom), FreePose({0.2, 0.01, 0.02})).free) << geom;
+    EXPECT_TRUE(Verify(MeshScene(cross, geom), FreePose({0.3, 0.3, 0.3})).free) << geom;
+  }
 }
 
 TEST_F(VerifyExactMeshTest, LinkedRingsAreFree) {
