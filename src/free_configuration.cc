@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "selection.h"
@@ -43,18 +42,6 @@ std::vector<VectorXd> ConfigurationCache::NearestFirst(Problem& problem) const {
   std::vector<VectorXd> sorted;
   for (const std::size_t k : order) sorted.push_back(entries_[k]);
   return sorted;
-}
-
-const VectorXd& ConfigurationCache::Nearest(Problem& problem) const {
-  std::size_t nearest = 0;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < entries_.size(); ++k) {
-    const double sigma = problem.norm.Sigma(entries_[k]);
-    if (sigma >= least) continue;
-    least = sigma;
-    nearest = k;
-  }
-  return entries_[nearest];
 }
 
 FreeConfigurationSelection::FreeConfigurationSelection(Problem& problem)
@@ -124,7 +111,7 @@ void FreeConfigurationSelection::RememberFree(const VectorXd& q) {
 }
 
 std::optional<VectorXd> FreeConfigurationSelection::NearestRemembered() {
-  return free_.empty() ? Selected() : free_.Nearest(problem_);
+  return free_.empty() ? Selected() : free_.NearestFirst(problem_).front();
 }
 
 void FreeConfigurationSelection::Forget() {

@@ -39,7 +39,6 @@ class ConfigurationCache {
   bool empty() const { return entries_.empty(); }
   // Nearest to q_in first, by σ.
   std::vector<VectorXd> NearestFirst(Problem& problem) const;
-  const VectorXd& Nearest(Problem& problem) const;  // of at least one
 
  private:
   std::size_t capacity_;

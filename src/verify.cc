@@ -111,11 +111,18 @@ void Verifier::SetMocap(const MocapPoses& poses) {
   UpdateRest({});
 }
 
+double Verifier::Usual(const KeptPair& pair) const {
+  return (pair.moves ? clearance_ : 0.0) - pair.allowed;
+}
+
+double Verifier::DepthAtRest(int pair) const {
+  return required_[pair] < Usual(tables_.pairs[pair]) ? required_[pair] : 0.0;
+}
+
 // What each pair must keep. Empty q_in: nothing rests.
 void Verifier::UpdateRest(const std::vector<double>& q_in) {
   for (std::size_t i = 0; i < required_.size(); ++i) {
-    const KeptPair& pair = tables_.pairs[i];
-    required_[i] = (pair.moves ? clearance_ : 0.0) - pair.allowed;
+    required_[i] = Usual(tables_.pairs[i]);
   }
   rest_q_in_ = q_in;
   if (q_in.empty()) return;

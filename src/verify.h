@@ -32,12 +32,6 @@ class Verifier {
   Verifier(const Verifier&) = delete;
   Verifier& operator=(const Verifier&) = delete;
 
-  // Of a pair that the last Check let keep its overlap, that overlap, negative [m]; 0 of others.
-  double DepthAtRest(int pair) const {
-    const double allowed = tables_.pairs[pair].allowed;
-    const double usual = (tables_.pairs[pair].moves ? clearance_ : 0.0) - allowed;
-    return required_[pair] < usual ? required_[pair] : 0.0;
-  }
   // Empty vectors: as in the model.
   void SetMocap(const MocapPoses& poses);
 
@@ -46,6 +40,9 @@ class Verifier {
   // more. The verdict is ours until the next call. Allocates only to name contacts and reasons.
   const Verdict& Check(const std::vector<double>& q, const std::vector<double>* q_in = nullptr,
                        Depths depths = Depths::kMeasured);
+
+  // Of a pair that the last Check let keep its overlap, that overlap, negative [m]; 0 of others.
+  double DepthAtRest(int pair) const;
 
  private:
   struct Reading {                 // per kept pair
@@ -64,6 +61,7 @@ class Verifier {
   double SphereBound(const KeptPair& pair) const;
   double BoxBound(const KeptPair& pair) const;
   double SignedDistance(int pair, double cutoff, Depths depths, double fromto[6]);
+  double Usual(const KeptPair& pair) const;  // distance that a pair must keep [m]
   double DistanceBeside(const KeptPair& pair, double cutoff, double fromto[6]);
   void JudgePair(int pair);
   void JudgeStrangers();

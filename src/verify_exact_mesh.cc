@@ -141,19 +141,18 @@ double ExactVerifier::Deepest(const Asked& asked, int triangles) const {
   double deepest = 0.0;
   for (const bool of_first : {true, false}) {
     const Side side(asked, of_first);
-    std::vector<VerifierShape::Probe> points = side.source.probes;
-    for (int k = 0; k < triangles; ++k) {
-      const auto& t = side.source.triangles[k * side.source.triangles.size() / triangles];
-      points.push_back({t[0]});
-      points.push_back({(t[0] + t[1] + t[2]) / 3.0});
-    }
-    for (const auto& [p, inside] : points) {
+    auto ask = [&](const Vector3d& p, double most) {
       Vector3d out_W;
-      double depth = side.DepthOf(p, out_W);
-      if (inside > 0.0) depth = std::min(depth, inside);
-      if (depth <= -deepest) continue;
+      const double depth = std::min(most, side.DepthOf(p, out_W));
+      if (depth <= -deepest) return;
       deepest = -depth;
       side.Witness(side.InWorld(p), side.InWorld(p) + depth * out_W);
+    };
+    for (const auto& [p, inside] : side.source.probes) ask(p, inside > 0.0 ? inside : kInfinity);
+    for (int k = 0; k < triangles; ++k) {
+      const auto& t = side.source.triangles[k * side.source.triangles.size() / triangles];
+      ask(t[0], kInfinity);
+      ask((t[0] + t[1] + t[2]) / 3.0, kInfinity);
     }
   }
   return deepest;
@@ -192,8 +191,8 @@ double ExactVerifier::CrossingTriangles(const Asked& asked, int most) const {
   const Matrix3d R1 = asked.R(g1), R2 = asked.R(g2);
   fcl::CollisionRequest<double> request(most);
   fcl::CollisionResult<double> hits;
-  fcl::collide(asked.first->tree.get(), asked.FclPose(g1), asked.second->tree.get(),
-               asked.FclPose(g2), request, hits);
+  fcl::collide(&asked.first->tree, asked.FclPose(g1), &asked.second->tree, asked.FclPose(g2),
+               request, hits);
   if (!hits.isCollision()) return 1.0;
   double overlap = 0.0;
   for (std::size_t k = 0; k < hits.numContacts(); ++k) {
@@ -244,7 +243,7 @@ double ExactVerifier::SolidDistance(const Asked& asked, double cutoff) const {
   fcl::DistanceRequest<double> wish(true);
   fcl::DistanceResult<double> nearest;
   nearest.min_distance = kMillimetres * cutoff;
-  fcl::distance(asked.first->tree.get(), asked.FclPose(asked.pair.geom1), asked.second->tree.get(),
+  fcl::distance(&asked.first->tree, asked.FclPose(asked.pair.geom1), &asked.second->tree,
                 asked.FclPose(asked.pair.geom2), wish, nearest);
   if (nearest.b1 < 0) return kInfinity;
   asked.Witness(nearest.nearest_points[0] / kMillimetres, nearest.nearest_points[1] / kMillimetres);

@@ -27,12 +27,11 @@ std::vector<Vector3d> RayDirections() {
 
 VerifierShape::VerifierShape(Triangles mesh, bool is_closed, bool is_convex)
     : triangles(std::move(mesh)), closed(is_closed), convex(is_convex) {
-  tree = std::make_shared<Bvh>();
-  tree->beginModel();
+  tree.beginModel();
   for (const auto& t : triangles) {
-    tree->addTriangle(kMillimetres * t[0], kMillimetres * t[1], kMillimetres * t[2]);
+    tree.addTriangle(kMillimetres * t[0], kMillimetres * t[1], kMillimetres * t[2]);
   }
-  tree->endModel();
+  tree.endModel();
   for (const std::vector<int>& piece : Pieces(triangles)) AddProbes(piece);
 }
 
@@ -56,7 +55,7 @@ double VerifierShape::ConvexDepth(const Vector3d& p, Vector3d& out) const {
 
 void VerifierShape::CastOn(int triangle, const Vector3d& p, const Vector3d& direction,
                            RayHits& hits) const {
-  constexpr double kEdge = 1e-9;  // share of the triangle
+  constexpr double kEdge = 1e-9;  // share of the triangle; of the way there [m]
   const auto& [a, b, c] = triangles[triangle];
   const Vector3d e1 = b - a, e2 = c - a, h = direction.cross(e2), s = p - a;
   const double det = e1.dot(h);
@@ -78,7 +77,7 @@ void VerifierShape::CastOn(int triangle, const Vector3d& p, const Vector3d& dire
 void VerifierShape::CastBelow(int node, const Vector3d& p, const Vector3d& direction,
                               RayHits& hits) const {
   constexpr double kRounding = 1e-9;  // of the lengths involved
-  const auto& bv = tree->getBV(node);
+  const auto& bv = tree.getBV(node);
   const Vector3d from = bv.bv.obb.axis.transpose() * (kMillimetres * p - bv.bv.obb.To);
   const Vector3d along = bv.bv.obb.axis.transpose() * direction;
   double enter = 0.0, leave = kInfinity;

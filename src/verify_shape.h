@@ -6,7 +6,6 @@
 #include <fcl/math/bv/OBBRSS.h>
 
 #include <limits>
-#include <memory>
 #include <vector>
 
 #include "verify_triangles.h"
@@ -29,7 +28,7 @@ struct VerifierShape {
   std::vector<Probe> probes;
   bool closed = false;
   bool convex = false;  // box or hull: inside is below every face
-  std::shared_ptr<Bvh> tree;
+  Bvh tree;
 
   // How deep p is inside, and the way out; 0 outside. Geom frame.
   double DepthOf(const Vector3d& p, Vector3d& out) const;

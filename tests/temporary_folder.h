@@ -16,7 +16,7 @@ namespace mjcf_pdg::test {
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string pattern = ::testing::TempDir() + "mjcf_pdg_XXXXXX";  // as mkdtemp wants it
+    std::string pattern = ::testing::TempDir() + "mjcf_pdg_" + std::string(6, 'X');  // for mkdtemp
     if (!mkdtemp(pattern.data())) throw std::system_error(errno, std::generic_category(), pattern);
     path_ = pattern;
   }

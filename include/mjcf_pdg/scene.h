@@ -44,7 +44,7 @@ class Scene {
 
   int nq() const;
   int dof() const;                       // n, the number of movable degrees of freedom
-  bool HasExactMeshes() const;           // some kept pair collides by triangles
+  bool HasExactMeshes() const;           // a mesh of some kept pair counts as its triangles
   int num_kept_pairs() const;            // pairs of geoms that MuJoCo's filters keep
   std::string GeomName(int geom) const;  // its name, else "#id"
   std::string JointName(int joint) const;
