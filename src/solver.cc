@@ -216,16 +216,25 @@ bool Solver::Impl::AcceptBest(SearchOutcome& outcome, const std::vector<double>&
   return false;
 }
 
+// The least overlap that the search saw, or q_in inside its limits if the verifier finds more
+// there.
 void Solver::Impl::FillUnsolved(const SearchOutcome& outcome, const std::vector<double>& q_in,
                                 Result& result) {
   const bool found = outcome.least_overlap.q.size() > 0;
-  const VectorXd& q = found                  ? outcome.least_overlap.q
-                      : outcome.free.empty() ? problem.q_in
-                                             : outcome.free.front().q;
+  VectorXd q = found                  ? outcome.least_overlap.q
+               : outcome.free.empty() ? problem.q_in
+                                      : outcome.free.front().q;
+  result.start = found ? outcome.least_overlap_start : "direct";
+  const double least = verifier.Check(ToStd(q), &q_in).min_distance;
+  VectorXd inside = problem.q_in;
+  ClampToLimits(scene.tables(), inside);
+  if (least < result.depth_in && least < verifier.Check(ToStd(inside), &q_in).min_distance) {
+    q = inside;
+    result.start = "none";
+  }
   result.status = Status::kUnsolved;
   result.q = ToStd(q);
   result.sigma = problem.norm.Sigma(q);
-  result.start = found ? outcome.least_overlap_start : "direct";
   const Verdict& verdict = verifier.Check(result.q, &q_in);
   result.min_distance = verdict.min_distance;
   result.certified = verdict.certified;
