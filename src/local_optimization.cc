@@ -10,17 +10,22 @@ namespace {
 constexpr int kMaxContactRows = 48;
 // μ [m], for scenes up to desk size; larger ones scale it. Joint limits give way to nothing.
 constexpr double kFirstPrice = 10.0, kHighestPrice = 1e4, kLimitPrice = 1e6;
-constexpr double kDeskSize = 0.1;     // [m]
-constexpr double kNearKnown = 0.1;    // √σ to a known optimum, in units of its own √σ
-constexpr double kBeatsKnown = 0.95;  // a prediction below that may lead elsewhere
+constexpr double kDeskSize = 0.1;        // [m]
+constexpr double kPriceOverForce = 3.0;  // by which steps are judged, over the largest force
+constexpr double kNearKnown = 0.1;       // √σ to a known optimum, in units of its own √σ
+constexpr double kBeatsKnown = 0.95;     // a prediction below that may lead elsewhere
 constexpr int kGiveUpFrom = 4;  // a start that still overlaps after so many steps is judged too
-constexpr int kPatience = 2;    // steps without progress before the trust radius shrinks
+constexpr int kPatience = 5;    // steps without progress before the trust radius shrinks
 constexpr int kPatienceWithPlanes = 1;  // ... where each step teaches where triangles cross
-// Levenberg-Marquardt: a tenth after each better step, tenfold after a streak of worse ones.
+// Levenberg-Marquardt: a tenth after steps that keep most of what they promise, tenfold after
+// others.
 constexpr double kFirstDamping = 0.1, kLeastDamping = 1e-5, kRenewedDamping = 1e-4;
-constexpr double kLeastRadius = 1e-7;  // [m]
+constexpr double kKept = 0.75, kBroken = 0.25;  // share of the promised decrease
+constexpr double kLeastRadius = 1e-7;           // [m]
+constexpr double kFullStep = 0.9;               // of the trust radius: it may be doubled
+constexpr double kLargestTurn = 1.0;  // of a joint in a step; no linearization holds beyond [rad]
 // Margins within which pairs get rows, in units of the scene's size; later 1.5 times the step.
-constexpr double kFirstMargin = 0.25, kLeastMargin = 0.02, kLargestMargin = 0.5;
+constexpr double kFirstMargin = 0.12, kLeastMargin = 0.01, kLargestMargin = 0.5;
 constexpr double kUnseenOverlap = 1e-3;  // counted for an overlap of unknown depth [size]
 constexpr int kBisections = 4;           // of a step that ends in an overlap, the first at
 constexpr double kWorthAStep = 0.125;    // ... the least free part of it that is taken
@@ -120,6 +125,7 @@ void LocalOptimization::Linearize(const Iterate& at, double margin) {
     memory_.ForEach(tables, posed, *near, merge, append_remembered);
     memory_.Add(tables, posed, *near, merge);
   }
+  contact_rows_ = rows_.m;
   AppendLimitRows(tables, at.q, kLimitReach, rows_);
   problem_.norm.Linearize(at.q, r_, J_);
 }
@@ -150,12 +156,26 @@ double LocalOptimization::SolveStep(double trust_radius) {
   dq_ = z_;
   whitening_.SolveUpper(dq_);
   moved_ = J_ * dq_;
+  promised_sigma_ = (r_ + moved_).squaredNorm();
   const double length = moved_.norm();
-  const double scale = length > trust_radius ? trust_radius / length : 1.0;
+  const double scale = std::min({1.0, trust_radius / length, kLargestTurn / LargestTurn()});
   dq_ *= scale;
   moved_ *= scale;
-  predicted_sigma_ = (r_ + moved_).squaredNorm();
+  predicted_.sigma = (r_ + moved_).squaredNorm();
+  b_ = -rows_.gap.head(contact_rows_);
+  b_.noalias() -= rows_.C.topRows(contact_rows_) * dq_;
+  predicted_.violation = b_.cwiseMax(0.0).sum();
   return scale * length;
+}
+
+double LocalOptimization::LargestTurn() const {
+  double largest = 0.0;
+  for (const JointEntry& joint : problem_.tables.joints) {
+    for (int k = 0; k < joint.ndof; ++k) {
+      if (!joint.Slides(k)) largest = std::max(largest, std::abs(dq_[joint.col + k]));
+    }
+  }
+  return largest;
 }
 
 // The rows that the last step pressed on, wherever they stand now.
@@ -175,8 +195,7 @@ void LocalOptimization::AddDamping() {
   const double rotation = damping_ * problem_.size * problem_.size;
   for (const JointEntry& joint : problem_.tables.joints) {
     for (int k = 0; k < joint.ndof; ++k) {
-      const bool slides = joint.type == mjJNT_SLIDE || (joint.type == mjJNT_FREE && k < 3);
-      H_(joint.col + k, joint.col + k) += slides ? damping_ : rotation;
+      H_(joint.col + k, joint.col + k) += joint.Slides(k) ? damping_ : rotation;
     }
   }
 }
@@ -226,9 +245,27 @@ double LocalOptimization::Step(const Iterate& current, double radius, double mar
   return length;
 }
 
+// Steps are judged by a price a few times the largest force: by μ, which is far above, a micrometre
+// of overlap would outweigh all that σ can gain.
+void LocalOptimization::SetMeritPrice() {
+  if (contact_rows_ == 0) return;
+  const double largest = lambda_.head(contact_rows_).maxCoeff();
+  merit_price_ = std::min(mu_, std::max(merit_price_, kPriceOverForce * largest));
+}
+
+void LocalOptimization::AdaptDamping(const Iterate& current, const Iterate& trial) {
+  const double promised = Merit(current) - Merit(predicted_);
+  const double kept = Merit(current) - Merit(trial);
+  if (kept > kKept * promised) {
+    damping_ = damping_ > kLeastDamping ? 0.1 * damping_ : 0.0;
+  } else if (kept < kBroken * promised) {
+    damping_ = 10.0 * std::max(damping_, kRenewedDamping);
+  }
+}
+
 // By the norm's local metric: close enough to the known optimum to end there.
 bool LocalOptimization::NearKnown(const VectorXd& q, const LocalOptions& options) {
-  if (!options.known || predicted_sigma_ < kBeatsKnown * options.known_sigma) return false;
+  if (!options.known || predicted_.sigma < kBeatsKnown * options.known_sigma) return false;
   Difference(problem_.tables, q, *options.known, apart_);
   return (J_ * apart_).squaredNorm() < kNearKnown * kNearKnown * options.known_sigma;
 }
@@ -242,6 +279,7 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
   guesses_ = problem_.Uses("warm_start");
   scale_ = std::max(1.0, problem_.size / kDeskSize);
   mu_ = kFirstPrice * scale_;
+  merit_price_ = 0.0;
   LocalResult result;
   Iterate best, current, trial;
   next_ = q;
@@ -251,7 +289,8 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
   Keep(best, result);
   current = best;
   posed_ = &current;
-  double radius = options.trust_radius * scale_;
+  const double largest_radius = options.trust_radius * scale_;
+  double radius = largest_radius;
   damping_ = kFirstDamping;
   int impatience = 0, settled = 0, hopeless = 0, idle = 0;
   double first_length = 0.0;  // of the steps since the best
@@ -261,7 +300,7 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
     const double sigma_before = result.sigma;
     Keep(trial, result);
     const bool settling = Free(trial) || result.iterations >= kGiveUpFrom;
-    hopeless = settling && predicted_sigma_ > options.give_up_sigma ? hopeless + 1 : 0;
+    hopeless = settling && promised_sigma_ > options.give_up_sigma ? hopeless + 1 : 0;
     if (hopeless >= 2) break;
     result.reached_known = NearKnown(trial.q, options);
     if (result.reached_known) break;
@@ -269,13 +308,14 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
     idle = features_.learning() && result.free && !lower ? idle + 1 : 0;
     if (idle == options.last_chances) break;
     const bool small = length < 1e-7 + 1e-4 * std::sqrt(trial.sigma);
+    SetMeritPrice();
+    AdaptDamping(current, trial);
     const bool better = Merit(trial) < Merit(best);
     if (impatience == 0) first_length = length;
     impatience = better ? 0 : impatience + 1;
     if (better) {
       best = trial;
-      damping_ = damping_ > kLeastDamping ? 0.1 * damping_ : 0.0;
-      if (features_.learning() && length > 0.9 * radius) radius *= 2.0;
+      if (length > kFullStep * radius) radius = std::min(2.0 * radius, largest_radius);
     }
     std::swap(current, trial);
     posed_ = &current;
@@ -293,7 +333,6 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
     }
     if (impatience > (features_.learning() ? kPatienceWithPlanes : kPatience)) {
       radius = 0.5 * std::min(radius, features_.learning() ? first_length : length);
-      damping_ = 10.0 * std::max(damping_, kRenewedDamping);
       if (radius < kLeastRadius) break;
       current = best;
       posed_ = nullptr;

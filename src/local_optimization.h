@@ -6,7 +6,8 @@
 // Differs from it:
 //   1. The start may penetrate; rows are kept for all pairs within a margin (contact_matrix.h).
 //   2. Rows are elastic: a violated contact costs μ per metre, so conflicting contacts have an
-//      answer. Steps are judged by ½σ + μ Σ violation, with a trust radius in object-norm units.
+//      answer. Steps are judged by ½σ + ν Σ violation, ν a few times the largest contact force,
+//      with a trust radius in object-norm units and Levenberg-Marquardt damping.
 //   3. The LCP is solved by an active-set method (lcp.h); Gauss-Seidel fails on pinched cases.
 #ifndef MJCF_PDG_SRC_LOCAL_OPTIMIZATION_H_
 #define MJCF_PDG_SRC_LOCAL_OPTIMIZATION_H_
@@ -53,12 +54,14 @@ class LocalOptimization {
   int lcp_steps() const { return lcp_steps_; }
 
  private:
-  // A configuration with all that its linearization needs.
-  struct Iterate {
-    VectorXd q;
+  struct Cost {
     double sigma = 0.0;
-    double violation = 0.0;  // Σ overlap beyond `aim`, and limit excess
-    double worst = 0.0;      // largest overlap beyond `accept`
+    double violation = 0.0;  // Σ overlap beyond `aim`
+  };
+  // A configuration with all that its linearization needs.
+  struct Iterate : Cost {
+    VectorXd q;
+    double worst = 0.0;  // largest overlap beyond `accept`
     std::vector<NearPair> near;
   };
 
@@ -71,24 +74,30 @@ class LocalOptimization {
   bool NearKnown(const VectorXd& q, const LocalOptions& options);
   void GuessActiveRows();
   void AddDamping();
+  void AdaptDamping(const Iterate& current, const Iterate& trial);
+  void SetMeritPrice();
+  double LargestTurn() const;  // of dq_ [rad]
   // Solves for the step at the current linearization; returns its length ‖J dq‖ [m].
   double SolveStep(double trust_radius);
   double Step(const Iterate& current, double radius, double margin, Iterate& trial);
   void Keep(const Iterate& it, LocalResult& result) const;
-  double Merit(const Iterate& it) const { return 0.5 * it.sigma + mu_ * it.violation; }
+  double Merit(const Cost& cost) const { return 0.5 * cost.sigma + merit_price_ * cost.violation; }
   bool Free(const Iterate& it) const { return it.worst <= 0.0; }
 
   Problem& problem_;
   WitnessMemory memory_;
   FeatureMemory features_;  // of exact pairs
   ContactRows rows_;
+  int contact_rows_ = 0;  // the first of them; the others are joint limits
   ActiveSetLcp lcp_;
   std::vector<int> active_;  // keys of the rows that the last step pressed on
   std::vector<int> guess_;
   int lcp_steps_ = 0;
   double scale_ = 1.0;  // of lengths in large scenes
   double mu_ = 0.0;
-  double predicted_sigma_ = 0.0;
+  double merit_price_ = 0.0;     // [m]
+  Cost predicted_;               // after the last step, by its linearization
+  double promised_sigma_ = 0.0;  // had it not been cut
   double damping_ = 0.0;
   bool remembers_ = true, damps_ = true, guesses_ = true;  // false: left out (Options::without)
   const Iterate* posed_ = nullptr;                         // whose pose the contact finder holds

@@ -24,6 +24,9 @@ struct JointEntry {
   int ndof = 0;
   bool limited = false;
   double lo = 0.0, hi = 0.0;  // a ball's total angle is at most hi
+
+  // Is its k-th dof a translation [m]? The others turn [rad].
+  bool Slides(int k) const { return type == mjJNT_SLIDE || (type == mjJNT_FREE && k < 3); }
 };
 
 // Two geoms whose overlap counts, in MuJoCo's order (by type, then by body).

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace mjcf_pdg {
 
 // How far to go, by effort. Measured in bench/: success first, then σ, then time.
 struct Search::Plan {
   int agree = 6;                 // independent starts at the best answer that end the search ...
-  double agree_per_depth = 1.0;  // ... or fewer: about one, and this many per relative depth
+  double agree_per_depth = 1.0;  // ... or fewer: about one, this many per relative depth, and Crowd
   int queries = 600;             // collision queries after which no further start is made
   double evaluations = 700.0;    // ... and estimated time since something was free [evaluations]
   double direct_only = 1.0;      // relative depth up to which the direct start alone is trusted
@@ -34,6 +35,7 @@ constexpr double kNoise[] = {7.5, 3.0, 4.5, 12.0};  // spreads of the noisy star
 // than kFewDistances: fits what bench/ measures within about a third.
 constexpr double kPerQuery = 0.3, kPerDistance = 0.8;
 constexpr int kFewDistances = 4;
+constexpr double kFewBodies = 8.0, kLargestCrowd = 2.0;
 constexpr Hop kHops[] = {Hop::kFromBest, Hop::kFromInput, Hop::kMirrored};
 
 LocalOptions Loose() {
@@ -104,6 +106,20 @@ double Search::RelativeDepth(const std::vector<NearPair>& overlaps) const {
     deepest = std::max(deepest, -near.distance / std::max(half, 1e-9));
   }
   return deepest;
+}
+
+// Each body that must move may do so in several ways: many of them have many minima.
+double Search::Crowd(const std::vector<NearPair>& overlaps) const {
+  const mjModel& m = *problem_.tables.model;
+  std::set<int> bodies;
+  for (const NearPair& near : overlaps) {
+    const KeptPair& pair = problem_.tables.pairs[near.pair];
+    for (const int geom : {pair.geom1, pair.geom2})
+      bodies.insert(m.body_weldid[m.geom_bodyid[geom]]);
+  }
+  bodies.erase(0);
+  const double beyond = static_cast<double>(bodies.size()) - kFewBodies;
+  return std::clamp(beyond / kFewBodies, 0.0, kLargestCrowd);
 }
 
 void Search::Try(const VectorXd& q, const std::string& start, const LocalOptions& options) {
@@ -269,7 +285,8 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
   }
   const double depth = RelativeDepth(overlaps);
   if (HasFree() && depth < plan.direct_only) return std::move(outcome_);
-  const double agree = std::floor(1.5 + plan.agree_per_depth * depth);
+  const double crowd = Crowd(overlaps);
+  const double agree = std::floor(1.5 + crowd + plan.agree_per_depth * depth);
   plan.agree = static_cast<int>(std::min<double>(plan.agree, agree));
   if (HasFree() && !Done(plan) && problem_.Uses(kMirror)) {
     TryOnRay(MirroredStart(problem_, outcome_.free.front().q), kMirror);

@@ -75,6 +75,8 @@ class Search {
   // Time since the first free answer, estimated from counts so that answers repeat [evaluations].
   double Evaluations() const;
   bool Done(const Plan& plan) const;
+  // By how many starts more than one those should agree that part so many bodies.
+  double Crowd(const std::vector<NearPair>& overlaps) const;
   // Deepest overlap in units of the thinner geom's half-thickness: below 1 there is one way out.
   double RelativeDepth(const std::vector<NearPair>& overlaps) const;
 

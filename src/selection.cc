@@ -248,8 +248,7 @@ VectorXd UniformStart(const Problem& problem, const VectorXd& center, Random& ra
   for (const JointEntry& joint : problem.tables.joints) {
     const bool scalar = joint.type == mjJNT_HINGE || joint.type == mjJNT_SLIDE;
     for (int k = 0; k < joint.ndof; ++k) {
-      const bool slides = joint.type == mjJNT_SLIDE || (joint.type == mjJNT_FREE && k < 3);
-      const double range = slides ? reach : mjPI;
+      const double range = joint.Slides(k) ? reach : mjPI;
       dq[joint.col + k] = between(-range, range);
     }
     if (!scalar || !joint.limited) continue;
