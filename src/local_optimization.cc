@@ -15,7 +15,7 @@ constexpr double kPriceOverForce = 3.0;  // by which steps are judged, over the 
 constexpr double kNearKnown = 0.1;       // √σ to a known optimum, in units of its own √σ
 constexpr double kBeatsKnown = 0.95;     // a prediction below that may lead elsewhere
 constexpr int kGiveUpFrom = 4;  // a start that still overlaps after so many steps is judged too
-constexpr int kPatience = 5;    // steps without progress before the trust radius shrinks
+constexpr int kPatience = 7;    // steps without progress before the trust radius shrinks
 constexpr int kPatienceWithPlanes = 1;  // ... where each step teaches where triangles cross
 // Levenberg-Marquardt: a tenth after steps that keep most of what they promise, tenfold after
 // others.

@@ -12,7 +12,7 @@ struct Search::Plan {
   double agree_per_depth = 1.0;  // ... or fewer: about one, this many per relative depth, and Crowd
   int queries = 600;             // collision queries after which no further start is made
   double evaluations = 700.0;    // ... and estimated time since something was free [evaluations]
-  double direct_only = 1.0;      // relative depth up to which the direct start alone is trusted
+  double direct_only = 1.0;      // relative depth up to which a short direct start alone is trusted
 };
 
 namespace {
@@ -30,11 +30,12 @@ constexpr int kFramesPerRays = 4;
 constexpr int kHintChances = 3;  // LocalOptions::last_chances of a start near its answer
 constexpr int kBlind = 20;       // noisy starts while nothing is free
 constexpr int kAnywhere = 20;    // uniform starts, if nothing else came free
-constexpr double kNoise[] = {7.5, 3.0, 4.5, 12.0};  // spreads of the noisy starts, in turn
+constexpr double kNoise[] = {5.0, 2.0, 3.0, 8.0};  // spreads of the noisy starts, in turn
 // Time of a query and of a pair distance [evaluations], the latter over those at q_in but no fewer
 // than kFewDistances: fits what bench/ measures within about a third.
 constexpr double kPerQuery = 0.3, kPerDistance = 0.8;
 constexpr int kFewDistances = 4;
+constexpr int kSlid = 15;  // steps of a direct start beyond which it may rest on a facet of a curve
 constexpr double kFewBodies = 8.0, kLargestCrowd = 2.0;
 constexpr Hop kHops[] = {Hop::kFromBest, Hop::kFromInput, Hop::kMirrored};
 
@@ -284,9 +285,10 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
     if (hint) Try(hint->q, hint->start, LocalOptions{});
   }
   const double depth = RelativeDepth(overlaps);
-  if (HasFree() && depth < plan.direct_only) return std::move(outcome_);
+  const bool slid = outcome_.iterations > kSlid;
+  if (HasFree() && depth < plan.direct_only && !slid) return std::move(outcome_);
   const double crowd = Crowd(overlaps);
-  const double agree = std::floor(1.5 + crowd + plan.agree_per_depth * depth);
+  const double agree = std::floor(1.5 + slid + crowd + plan.agree_per_depth * depth);
   plan.agree = static_cast<int>(std::min<double>(plan.agree, agree));
   if (HasFree() && !Done(plan) && problem_.Uses(kMirror)) {
     TryOnRay(MirroredStart(problem_, outcome_.free.front().q), kMirror);
