@@ -27,9 +27,10 @@ constexpr double kGiveUp = 1.15;    // a start whose prediction is worse than th
 constexpr double kWorthARun = 2.0;  // σ over that of the nearest ray
 constexpr double kDragged = 1.2;    // σ over that of the frame whose rays were tried last
 constexpr int kFramesPerRays = 4;
-constexpr int kHintChances = 3;  // LocalOptions::last_chances of a start near its answer
-constexpr int kBlind = 20;       // noisy starts while nothing is free
-constexpr int kAnywhere = 20;    // uniform starts, if nothing else came free
+constexpr double kFarthest = 4.0;  // times the distance of a start: where its ray ends
+constexpr int kHintChances = 3;    // LocalOptions::last_chances of a start near its answer
+constexpr int kBlind = 20;         // noisy starts while nothing is free
+constexpr int kAnywhere = 20;      // uniform starts, if nothing else came free
 constexpr double kNoise[] = {5.0, 2.0, 3.0, 8.0};  // spreads of the noisy starts, in turn
 // Time of a query and of a pair distance [evaluations], the latter over those at q_in but no fewer
 // than kFewDistances: fits what bench/ measures within about a third.
@@ -201,7 +202,7 @@ bool Search::StillNear(const Plan& plan) {
 // they are apart first.
 void Search::TryOnRay(const VectorXd& q, const std::string& start) {
   if (!exact_) return Try(q, start, Loose());
-  const VectorXd far = Beyond(problem_, center_, q);
+  const VectorXd far = Beyond(problem_, center_, q, kFarthest);
   for (const FreeOnRay& free : FirstFree(problem_, center_, {far}, kWorthARun)) {
     Try(free.q, start, Loose());
   }

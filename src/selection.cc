@@ -11,7 +11,6 @@ namespace {
 constexpr double kTouching = 20.0;                             // of the tolerance
 constexpr double kFirstOnRay = 1.0 / 256.0, kNextOnRay = 1.2;  // shares of the way
 constexpr int kRayHalvings = 2;
-constexpr double kFarthest = 4.0;                  // times the distance of a start
 constexpr double kHopSpreads[] = {3.0, 7.5, 1.5};  // as in GaussianStart, one at random
 
 struct Sphere {
@@ -235,8 +234,8 @@ std::vector<FreeOnRay> FirstFree(Problem& problem, const VectorXd& center,
   return found;
 }
 
-VectorXd Beyond(const Problem& problem, const VectorXd& center, const VectorXd& q) {
-  return Ray(problem, center, q).At(kFarthest);
+VectorXd Beyond(const Problem& problem, const VectorXd& center, const VectorXd& q, double times) {
+  return Ray(problem, center, q).At(times);
 }
 
 VectorXd UniformStart(const Problem& problem, const VectorXd& center, Random& random) {

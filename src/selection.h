@@ -42,8 +42,8 @@ struct FreeOnRay {
 std::vector<FreeOnRay> FirstFree(Problem& problem, const VectorXd& center,
                                  const std::vector<VectorXd>& far, double worth);
 
-// On the way from `center` through `q`, a few times as far.
-VectorXd Beyond(const Problem& problem, const VectorXd& center, const VectorXd& q);
+// On the way from `center` through `q`, `times` as far.
+VectorXd Beyond(const Problem& problem, const VectorXd& center, const VectorXd& q, double times);
 
 // Every joint anywhere: uniform within limits, hinges without limits and rotations all around,
 // slides and free bodies within a few sizes of the scene about `center`.

@@ -10,6 +10,7 @@
 #include "paper_method.h"
 #include "problem.h"
 #include "search.h"
+#include "selection.h"
 #include "verify.h"
 
 namespace mjcf_pdg {
@@ -22,6 +23,8 @@ constexpr double kTouching = 10.0;
 // What the local optimization leaves between triangles [m]: their normals are those of the nearest
 // points as long as they are apart, and guesses when they overlap.
 constexpr double kStandOff = 2e-7;
+// How much farther from q_in than a refused candidate, doubled until the verifier agrees [share].
+constexpr double kFirstBeyond = 1e-4, kLastBeyond = 0.1;
 
 VectorXd ToEigen(const std::vector<double>& q) {
   return Eigen::Map<const VectorXd>(q.data(), static_cast<Eigen::Index>(q.size()));
@@ -191,7 +194,7 @@ bool Solver::Impl::Accept(const Candidate& candidate, const std::vector<double>&
 }
 
 // Polishes and verifies the candidates, best first. One that the verifier refuses is moved a little
-// further out and asked about again.
+// further out and asked about again: by a descent that keeps a distance, or else straight on.
 bool Solver::Impl::AcceptBest(SearchOutcome& outcome, const std::vector<double>& q_in,
                               Result& result) {
   for (Candidate& candidate : outcome.free) {
@@ -210,8 +213,11 @@ bool Solver::Impl::AcceptBest(SearchOutcome& outcome, const std::vector<double>&
     const LocalResult retreated = search.Polish(candidate.q);
     problem.tolerances = usual;
     outcome.iterations += retreated.iterations;
-    if (!retreated.free) continue;
-    if (Accept({retreated.q, retreated.sigma, candidate.start}, q_in, result)) return true;
+    if (retreated.free && Accept({retreated.q, 0.0, candidate.start}, q_in, result)) return true;
+    for (double beyond = kFirstBeyond; beyond < kLastBeyond; beyond *= 2.0) {
+      const VectorXd q = Beyond(problem, problem.q_in, candidate.q, 1.0 + beyond);
+      if (Accept({q, 0.0, candidate.start}, q_in, result)) return true;
+    }
   }
   return false;
 }
