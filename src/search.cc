@@ -8,11 +8,13 @@ namespace mjcf_pdg {
 
 // How far to go, by effort. Measured in bench/: success first, then σ, then time.
 struct Search::Plan {
-  int agree = 6;                 // independent starts at the best answer that end the search ...
-  double agree_per_depth = 1.0;  // ... or fewer: about one, this many per relative depth, and Crowd
-  int queries = 600;             // collision queries after which no further start is made
-  double evaluations = 700.0;    // ... and estimated time since something was free [evaluations]
-  double direct_only = 1.0;      // relative depth up to which a short direct start alone is trusted
+  // Independent starts at the best answer that end the search: about one, this many per relative
+  // depth of the input, and Crowd; between these bounds.
+  double agree_per_depth = 1.0;
+  int agree_least = 3, agree_most = 6;
+  int queries = 600;           // collision queries after which no further start is made
+  double evaluations = 700.0;  // ... and estimated time since something was free [evaluations]
+  int agree = agree_most;      // as it comes out
 };
 
 namespace {
@@ -36,7 +38,6 @@ constexpr double kNoise[] = {5.0, 2.0, 3.0, 8.0};  // spreads of the noisy start
 // than kFewDistances: fits what bench/ measures within about a third.
 constexpr double kPerQuery = 0.3, kPerDistance = 0.8;
 constexpr int kFewDistances = 4;
-constexpr int kSlid = 15;  // steps of a direct start beyond which it may rest on a facet of a curve
 constexpr double kFewBodies = 8.0, kLargestCrowd = 2.0;
 constexpr Hop kHops[] = {Hop::kFromBest, Hop::kFromInput, Hop::kMirrored};
 
@@ -74,11 +75,11 @@ Search::Search(Problem& problem)
 Search::Plan Search::PlanFor(Effort effort) {
   switch (effort) {
     case Effort::kFast:
-      return {1, 1.0, 0, kInfinity, kInfinity};
+      return {1.0, 1, 1, 0, kInfinity};
     case Effort::kDefault:
-      return {6, 1.0, 600, 700.0, 1.0};
+      return {1.0, 3, 6, 600, 700.0};
     case Effort::kMax:
-      return {12, 4.0, 3000, kInfinity, 0.3};
+      return {4.0, 3, 12, 3000, kInfinity};
   }
   return {};
 }
@@ -285,12 +286,8 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
     if (problem_.Uses(kDirect)) Try(center_, kDirect, LocalOptions{});
     if (hint) Try(hint->q, hint->start, LocalOptions{});
   }
-  const double depth = RelativeDepth(overlaps);
-  const bool slid = outcome_.iterations > kSlid;
-  if (HasFree() && depth < plan.direct_only && !slid) return std::move(outcome_);
-  const double crowd = Crowd(overlaps);
-  const double agree = std::floor(1.5 + slid + crowd + plan.agree_per_depth * depth);
-  plan.agree = static_cast<int>(std::min<double>(plan.agree, agree));
+  const double agree = 1.5 + Crowd(overlaps) + plan.agree_per_depth * RelativeDepth(overlaps);
+  plan.agree = static_cast<int>(std::clamp<double>(agree, plan.agree_least, plan.agree_most));
   if (HasFree() && !Done(plan) && problem_.Uses(kMirror)) {
     TryOnRay(MirroredStart(problem_, outcome_.free.front().q), kMirror);
   }

@@ -77,7 +77,7 @@ class Search {
   bool Done(const Plan& plan) const;
   // By how many starts more than one those should agree that part so many bodies.
   double Crowd(const std::vector<NearPair>& overlaps) const;
-  // Deepest overlap in units of the thinner geom's half-thickness: below 1 there is one way out.
+  // Deepest overlap in units of the thinner geom's half-thickness.
   double RelativeDepth(const std::vector<NearPair>& overlaps) const;
 
   Problem& problem_;
