@@ -38,7 +38,7 @@ constexpr double kNoise[] = {5.0, 2.0, 3.0, 8.0};  // spreads of the noisy start
 // than kFewDistances: fits what bench/ measures within about a third.
 constexpr double kPerQuery = 0.3, kPerDistance = 0.8;
 constexpr int kFewDistances = 4;
-constexpr double kFewBodies = 8.0, kLargestCrowd = 2.0;
+constexpr double kFewBodies = 8.0, kLargestCrowd = 2.0;  // of those that overlap
 constexpr Hop kHops[] = {Hop::kFromBest, Hop::kFromInput, Hop::kMirrored};
 
 LocalOptions Loose() {
@@ -117,8 +117,8 @@ double Search::Crowd(const std::vector<NearPair>& overlaps) const {
   std::set<int> bodies;
   for (const NearPair& near : overlaps) {
     const KeptPair& pair = problem_.tables.pairs[near.pair];
-    for (const int geom : {pair.geom1, pair.geom2})
-      bodies.insert(m.body_weldid[m.geom_bodyid[geom]]);
+    bodies.insert(m.body_weldid[m.geom_bodyid[pair.geom1]]);
+    bodies.insert(m.body_weldid[m.geom_bodyid[pair.geom2]]);
   }
   bodies.erase(0);
   const double beyond = static_cast<double>(bodies.size()) - kFewBodies;

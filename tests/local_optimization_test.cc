@@ -177,6 +177,41 @@ TEST_F(LocalOptimizationTest, MorePairsThanRowsAreAllSeparated) {
 const std::string kBoxOnPlane = World(R"(<geom type="plane" size="0 0 1"/>
     <body><freejoint/><geom type="box" size=".1 .07 .05"/></body>)");
 
+// Rounded light limbs of a heavy trunk turn far for next to no σ and roll over the floor as they
+// do.
+TEST_F(LocalOptimizationTest, LightRoundLimbsDoNotKeepTheDescentFromEnding) {
+  std::string limbs;
+  for (const char* at : {".2 .15 -.1", ".2 -.15 -.1", "-.2 .15 -.1", "-.2 -.15 -.1"}) {
+    limbs += "<body pos='" + std::string(at) +
+             "'><joint type='ball'/><geom type='ellipsoid' size='.04 .05 .15' pos='0 0 -.15' "
+             "mass='1'/><body pos='0 0 -.32'><joint type='ball'/><geom type='ellipsoid' "
+             "size='.12 .05 .03' pos='.06 0 -.02' mass='.1'/></body></body>";
+  }
+  Local local(
+      World("<geom type='plane' size='5 5 .1'/><body pos='0 0 1'><freejoint/><geom "
+            "type='ellipsoid' size='.25 .18 .1' mass='40'/>" +
+            limbs + "</body>"));
+  local.problem.size = 0.6;
+  Random rng(5);
+  std::vector<int> steps;
+  int free = 0;
+  for (int k = 0; k < 40; ++k) {
+    VectorXd q = VectorXd::Zero(local.scene.nq());
+    q[2] = 0.1 * rng.Uniform();
+    for (int turn = 3; turn < q.size(); turn += 4) {
+      const Quaterniond r = rng.UnitQuat();
+      q.segment<4>(turn) << r.w(), r.x(), r.y(), r.z();
+    }
+    const LocalResult result = local.Run(q);
+    free += result.free;
+    steps.push_back(result.iterations);
+  }
+  std::sort(steps.begin(), steps.end());
+  EXPECT_EQ(free, 40);
+  EXPECT_LT(steps[20], 35);  // 26; with a radius that only shrinks and steps judged by μ, 43
+  EXPECT_LT(steps[30], 50);
+}
+
 TEST_F(LocalOptimizationTest, AFreeStartThatIsTheReferenceStaysWhereItIs) {
   Local p(kBoxOnPlane);
   const VectorXd q = FreePose(Vector3d(0, 0, 0.06));
