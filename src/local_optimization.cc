@@ -162,9 +162,9 @@ double LocalOptimization::SolveStep(double trust_radius) {
   dq_ *= scale;
   moved_ *= scale;
   predicted_.sigma = (r_ + moved_).squaredNorm();
-  b_ = -rows_.gap.head(contact_rows_);
-  b_.noalias() -= rows_.C.topRows(contact_rows_) * dq_;
-  predicted_.violation = b_.cwiseMax(0.0).sum();
+  slack_ = rows_.gap.head(contact_rows_);
+  slack_.noalias() += rows_.C.topRows(contact_rows_) * dq_;
+  predicted_.violation = -slack_.cwiseMin(0.0).sum();
   return scale * length;
 }
 

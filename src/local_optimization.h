@@ -102,7 +102,7 @@ class LocalOptimization {
   bool remembers_ = true, damps_ = true, guesses_ = true;  // false: left out (Options::without)
   const Iterate* posed_ = nullptr;                         // whose pose the contact finder holds
 
-  VectorXd apart_, moved_, next_, r_, z_, dq_, y_, lambda_, b_, bounds_;
+  VectorXd apart_, moved_, next_, r_, z_, dq_, y_, lambda_, b_, bounds_, slack_;
   MatrixXd J_, H_, G_;
   BlockCholesky whitening_;
 };

@@ -75,11 +75,11 @@ Search::Search(Problem& problem)
 Search::Plan Search::PlanFor(Effort effort) {
   switch (effort) {
     case Effort::kFast:
-      return {1.0, 1, 1, 0, kInfinity};
+      return {.agree_least = 1, .agree_most = 1, .queries = 0, .evaluations = kInfinity};
     case Effort::kDefault:
-      return {1.0, 3, 6, 600, 700.0};
+      return {};
     case Effort::kMax:
-      return {4.0, 3, 12, 3000, kInfinity};
+      return {.agree_per_depth = 4.0, .agree_most = 12, .queries = 3000, .evaluations = kInfinity};
   }
   return {};
 }

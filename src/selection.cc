@@ -162,11 +162,7 @@ class Ray {
 }  // namespace
 
 VectorXd MirroredStart(const Problem& problem, const VectorXd& q) {
-  VectorXd dq, out;
-  Difference(problem.tables, problem.q_in, q, dq);
-  Integrate(problem.tables, problem.q_in, -dq, out);
-  ClampToLimits(problem.tables, out);
-  return out;
+  return Ray(problem, problem.q_in, q).At(-1.0);
 }
 
 VectorXd GaussianStart(Problem& problem, const VectorXd& center, double sigma, double spread,

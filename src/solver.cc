@@ -231,17 +231,20 @@ void Solver::Impl::FillUnsolved(const SearchOutcome& outcome, const std::vector<
                : outcome.free.empty() ? problem.q_in
                                       : outcome.free.front().q;
   result.start = found ? outcome.least_overlap_start : "direct";
-  const double least = verifier.Check(ToStd(q), &q_in).min_distance;
-  VectorXd inside = problem.q_in;
-  ClampToLimits(scene.tables(), inside);
-  if (least < result.depth_in && least < verifier.Check(ToStd(inside), &q_in).min_distance) {
-    q = inside;
-    result.start = "none";
+  Verdict verdict = verifier.Check(ToStd(q), &q_in);
+  if (verdict.min_distance < result.depth_in) {
+    VectorXd inside = problem.q_in;
+    ClampToLimits(scene.tables(), inside);
+    const Verdict& at_start = verifier.Check(ToStd(inside), &q_in);
+    if (at_start.min_distance > verdict.min_distance) {
+      verdict = at_start;
+      q = inside;
+      result.start = "none";
+    }
   }
   result.status = Status::kUnsolved;
   result.q = ToStd(q);
   result.sigma = problem.norm.Sigma(q);
-  const Verdict& verdict = verifier.Check(result.q, &q_in);
   result.min_distance = verdict.min_distance;
   result.certified = verdict.certified;
   result.reason = problem.Expired() ? "time limit reached; " : "";
