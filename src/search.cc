@@ -26,7 +26,7 @@ constexpr char kTranslation[] = "constrained_translation", kAnywhereStart[] = "a
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kAgreement = 1.01;
 constexpr double kGiveUp = 1.15;    // a start whose prediction is worse than this is dropped
-constexpr double kWorthARun = 2.0;  // σ over that of the nearest ray
+constexpr double kWorthARun = 5.0;  // σ over the best, where a varied start comes free
 constexpr double kDragged = 1.2;    // σ over that of the frame whose rays were tried last
 constexpr int kFramesPerRays = 4;
 constexpr double kFarthest = 4.0;  // times the distance of a start: where its ray ends
@@ -184,7 +184,7 @@ void Search::TryTranslations(const std::vector<NearPair>& overlaps) {
 // Exact meshes: the nearest free poses on the translations of Eq. 20, on the way out.
 void Search::TryRays(const std::vector<NearPair>& overlaps) {
   const std::vector<VectorXd> far = ConstrainedTranslation(problem_, overlaps, center_);
-  for (const FreeOnRay& free : FirstFree(problem_, center_, far, kWorthARun)) {
+  for (const FreeOnRay& free : FirstFree(problem_, center_, far, kInfinity)) {
     Try(free.q, kTranslation, Loose());
   }
   sigma_of_rays_ = BestSigma();
@@ -204,7 +204,7 @@ bool Search::StillNear(const Plan& plan) {
 void Search::TryOnRay(const VectorXd& q, const std::string& start) {
   if (!exact_) return Try(q, start, Loose());
   const VectorXd far = Beyond(problem_, center_, q, kFarthest);
-  for (const FreeOnRay& free : FirstFree(problem_, center_, {far}, kWorthARun)) {
+  for (const FreeOnRay& free : FirstFree(problem_, center_, {far}, kWorthARun * BestSigma())) {
     Try(free.q, start, Loose());
   }
 }

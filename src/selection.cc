@@ -11,6 +11,7 @@ namespace {
 constexpr double kTouching = 20.0;                             // of the tolerance
 constexpr double kFirstOnRay = 1.0 / 256.0, kNextOnRay = 1.2;  // shares of the way
 constexpr int kRayHalvings = 2;
+constexpr double kWorthARay = 2.0;  // σ over that of the nearest found
 constexpr double kHopSpreads[] = {3.0, 7.5, 1.5};  // as in GaussianStart, one at random
 
 struct Sphere {
@@ -200,15 +201,15 @@ VectorXd ContactHop(Problem& problem, const VectorXd& best, double sigma, Hop ho
 }
 
 std::vector<FreeOnRay> FirstFree(Problem& problem, const VectorXd& center,
-                                 const std::vector<VectorXd>& far, double worth) {
+                                 const std::vector<VectorXd>& far, double largest_sigma) {
   std::vector<Ray> rays;
   for (const VectorXd& q : far) rays.emplace_back(problem, center, q);
   std::vector<FreeOnRay> found;
-  double largest = std::numeric_limits<double>::infinity(), before = 0.0;
+  double before = 0.0;
   // The ray's first free configuration between `before` and t, if that at t is free.
   auto ends = [&](const Ray& ray, double t) {
     VectorXd q = ray.At(t);
-    if (problem.Expired() || problem.norm.Sigma(q) > largest) return true;
+    if (problem.Expired() || problem.norm.Sigma(q) > largest_sigma) return true;
     if (!problem.Free(q)) return false;
     double overlapping = before;
     for (int halvings = 0; halvings < kRayHalvings; ++halvings) {
@@ -217,14 +218,14 @@ std::vector<FreeOnRay> FirstFree(Problem& problem, const VectorXd& center,
     }
     q = ray.At(t);
     found.push_back({q, problem.norm.Sigma(q)});
-    largest = std::min(largest, worth * found.back().sigma);
+    largest_sigma = std::min(largest_sigma, kWorthARay * found.back().sigma);
     return true;
   };
   for (double t = kFirstOnRay; before < 1.0 && !rays.empty(); t = std::min(1.0, kNextOnRay * t)) {
     std::erase_if(rays, [&](const Ray& ray) { return ends(ray, t); });
     before = t;
   }
-  std::erase_if(found, [&](const FreeOnRay& free) { return free.sigma > largest; });
+  std::erase_if(found, [&](const FreeOnRay& free) { return free.sigma > largest_sigma; });
   std::stable_sort(found.begin(), found.end(),
                    [](const FreeOnRay& x, const FreeOnRay& y) { return x.sigma < y.sigma; });
   return found;

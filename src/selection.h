@@ -33,14 +33,14 @@ enum class Hop {
 VectorXd ContactHop(Problem& problem, const VectorXd& best, double sigma, Hop hop, Random& random);
 
 // Straight from `center` towards each of `far`, all at one pace: the first free configuration found
-// on each way, the least σ first. Ways on which it would be more than `worth` times the least are
-// given up.
+// on each way, the least σ first. Ways on which σ would be more than `largest_sigma` [m²], or more
+// than twice the least found, are given up.
 struct FreeOnRay {
   VectorXd q;
   double sigma = 0.0;  // [m²]
 };
 std::vector<FreeOnRay> FirstFree(Problem& problem, const VectorXd& center,
-                                 const std::vector<VectorXd>& far, double worth);
+                                 const std::vector<VectorXd>& far, double largest_sigma);
 
 // On the way from `center` through `q`, `times` as far.
 VectorXd Beyond(const Problem& problem, const VectorXd& center, const VectorXd& q, double times);

@@ -366,28 +366,37 @@ TEST_F(SelectionTest, TheSameSeedGivesTheSameHop) {
   }
 }
 
-// Of x, -x and z the last way out is half as long; y does not lead out.
+// Of x, -x and z the last way out is shorter; y does not lead out.
 TEST_F(SelectionTest, TheFirstFreeConfigurationsOfSeveralRaysAreTheNearestOnThem) {
-  Selector p(World(R"(<geom type="box" size=".4 9 .2"/>
-      <body><freejoint/><geom type="box" size=".1 .1 .1"/></body>)"));
-  p.problem.required = VectorXd::Zero(1);
-  auto at = [&](const Vector3d& x) {
-    VectorXd q = p.problem.q_in;
-    q.head<3>() = x;
-    return q;
+  auto box = [](const char* half_size) {
+    return World(std::string("<geom type='box' size='") + half_size + R"('/>
+      <body><freejoint/><geom type="box" size=".1 .1 .1"/></body>)");
   };
-  const std::vector<VectorXd> far = {at({2, 0, 0}), at({-2, 0, 0}), at({0, 0, 2}), at({0, 2, 0})};
-  const std::vector<FreeOnRay> all = FirstFree(p.problem, p.problem.q_in, far, 100.0);
+  auto on_rays = [](Selector& p, double largest_sigma, std::vector<Vector3d> ends) {
+    p.problem.required = VectorXd::Zero(1);
+    std::vector<VectorXd> far;
+    for (const Vector3d& end : ends) {
+      far.push_back(p.problem.q_in);
+      far.back().head<3>() = end;
+    }
+    return FirstFree(p.problem, p.problem.q_in, far, largest_sigma);
+  };
+  const std::vector<Vector3d> ends = {{2, 0, 0}, {-2, 0, 0}, {0, 0, 2}, {0, 2, 0}};
+  Selector p(box(".3 9 .2"));
+  const std::vector<FreeOnRay> all = on_rays(p, 100.0, ends);
   ASSERT_EQ(all.size(), 3u);
   EXPECT_NEAR(all[0].q[2], 0.3, 0.3 * 0.05);
-  for (int k : {1, 2}) EXPECT_NEAR(std::abs(all[k].q[0]), 0.5, 0.5 * 0.05);
+  for (int k : {1, 2}) EXPECT_NEAR(std::abs(all[k].q[0]), 0.4, 0.4 * 0.05);
   for (const FreeOnRay& free : all) {
     EXPECT_TRUE(p.problem.Free(free.q));
     EXPECT_EQ(free.sigma, p.problem.norm.Sigma(free.q));
-    EXPECT_LT(free.q.head<3>().norm(), 0.55);
+    EXPECT_LT(free.q.head<3>().norm(), 0.45);
   }
-  EXPECT_EQ(FirstFree(p.problem, p.problem.q_in, far, 2.0).size(), 1u) << "σ (5/3)² times as large";
-  EXPECT_TRUE(FirstFree(p.problem, p.problem.q_in, {far[3]}, 2.0).empty());
+  EXPECT_EQ(on_rays(p, 0.38 * 0.38, ends).size(), 1u) << "the others are beyond the largest σ";
+  EXPECT_TRUE(on_rays(p, 0.25 * 0.25, ends).empty());
+  EXPECT_TRUE(on_rays(p, 100.0, {ends[3]}).empty());
+  Selector wide(box(".4 9 .2"));
+  EXPECT_EQ(on_rays(wide, 100.0, ends).size(), 1u) << "σ (5/3)² times as large is no match";
 }
 
 }  // namespace
