@@ -10,36 +10,6 @@
 #include "apps/progress.h"
 
 namespace mjcf_pdg::app {
-namespace {
-
-// One thread's solver, made again only when a row puts the mocap bodies somewhere else.
-class Worker {
- public:
-  Worker(const Scene& scene, const Options& options) : scene_(scene), options_(options) {}
-
-  Result Solve(const Configuration& row) {
-    const bool moved = options_.mocap_pos != row.mocap_pos || options_.mocap_quat != row.mocap_quat;
-    if (!solver_ || moved) {
-      options_ = WithMocap(options_, row);
-      solver_ = std::make_unique<Solver>(scene_, options_);
-    }
-    return solver_->Solve(row.q);
-  }
-
- private:
-  const Scene& scene_;
-  Options options_;
-  std::unique_ptr<Solver> solver_;
-};
-
-}  // namespace
-
-Options WithMocap(const Options& options, const Configuration& row) {
-  Options with = options;
-  with.mocap_pos = row.mocap_pos;
-  with.mocap_quat = row.mocap_quat;
-  return with;
-}
 
 std::vector<Result> SolveRows(const Scene& scene, const Options& options,
                               const std::vector<Configuration>& rows, std::size_t threads) {
@@ -50,9 +20,10 @@ std::vector<Result> SolveRows(const Scene& scene, const Options& options,
   std::exception_ptr failure;
   auto work = [&] {
     try {
-      Worker worker(scene, options);
+      Solver solver(scene, options);
       for (std::size_t i = next++; i < rows.size(); i = next++) {
-        results[i] = worker.Solve(rows[i]);
+        solver.SetMocap(rows[i].mocap_pos, rows[i].mocap_quat);
+        results[i] = solver.Solve(rows[i].q);
         progress.Step();
       }
     } catch (...) {

@@ -15,9 +15,6 @@ namespace mjcf_pdg::app {
 std::vector<Result> SolveRows(const Scene& scene, const Options& options,
                               const std::vector<Configuration>& rows, std::size_t threads);
 
-// The options with the mocap poses of a keyframe.
-Options WithMocap(const Options& options, const Configuration& row);
-
 }  // namespace mjcf_pdg::app
 
 #endif  // MJCF_PDG_APPS_SOLVE_ROWS_H_

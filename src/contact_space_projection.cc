@@ -71,7 +71,11 @@ void ContactSpaceProjection::RotateFirst(const VectorXd& q_in) {
   const JointEntry& joint = tables_.joints[0];
   const int quat = joint.qadr + 3;
   if (result_.q.segment<4>(quat) == q_in.segment<4>(quat)) return;
-  const Vector3d com_B = AsVector(tables_.model->body_ipos + 3 * joint.body);
+  ccd_.finder().Pose(result_.q);
+  const mjData& d = *ccd_.finder().posed().data();
+  const Vector3d com_W = AsVector(d.subtree_com + 3 * joint.body);
+  const Vector3d com_B =
+      AsMatrix(d.xmat + 9 * joint.body).transpose() * (com_W - AsVector(d.xpos + 3 * joint.body));
   sample_ = result_.q;
   sample_.segment<4>(quat) = q_in.segment<4>(quat);
   sample_.segment<3>(joint.qadr) += QuatAt(result_.q, quat) * com_B - QuatAt(sample_, quat) * com_B;

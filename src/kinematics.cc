@@ -101,6 +101,12 @@ PosedModel::PosedModel(const mjModel* model) : model_(model), data_(mj_makeData(
 }
 
 void PosedModel::SetMocap(const MocapPoses& poses) {
+  for (int b = 1; b < model_->nbody; ++b) {
+    const int mocap = model_->body_mocapid[b];
+    if (mocap < 0) continue;
+    mju_copy3(data_->mocap_pos + 3 * mocap, model_->body_pos + 3 * b);
+    mju_copy4(data_->mocap_quat + 4 * mocap, model_->body_quat + 4 * b);
+  }
   if (!poses.pos.empty()) mju_copy(data_->mocap_pos, poses.pos.data(), 3 * model_->nmocap);
   if (!poses.quat.empty()) mju_copy(data_->mocap_quat, poses.quat.data(), 4 * model_->nmocap);
 }

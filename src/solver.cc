@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include "components.h"
 #include "lower_bound.h"
 #include "mjcf_pdg/pdg.h"
+#include "options.h"
 #include "paper_method.h"
 #include "problem.h"
 #include "search.h"
@@ -25,6 +25,7 @@ constexpr double kTouching = 10.0;
 constexpr double kStandOff = 2e-7;
 // How much farther from q_in than a refused candidate, doubled until the verifier agrees [share].
 constexpr double kFirstBeyond = 1e-4, kLastBeyond = 0.1;
+constexpr double kForever = 1e9;  // a time limit beyond, which a clock could not count, is none [s]
 
 VectorXd ToEigen(const std::vector<double>& q) {
   return Eigen::Map<const VectorXd>(q.data(), static_cast<Eigen::Index>(q.size()));
@@ -45,23 +46,6 @@ double TypicalSize(const SceneTables& tables) {
   if (radii.empty()) return 1.0;
   std::nth_element(radii.begin(), radii.begin() + radii.size() / 2, radii.end());
   return radii[radii.size() / 2];
-}
-
-void CheckOptions(const Options& options, const SceneTables& tables) {
-  auto require = [](bool holds, const char* message) {
-    if (!holds) throw Error(message);
-  };
-  auto within = [](double x, double low, double high) { return x >= low && x <= high; };
-  require(within(options.tolerance, 1e-9, 1.0), "tolerance must lie between 1e-9 and 1 m");
-  require(within(options.clearance, 0.0, 1e3), "clearance must lie between 0 and 1000 m");
-  require(within(options.rest, 0.0, 1e3), "rest must lie between 0 and 1000 m");
-  require(options.time_limit > 0.0, "the time limit must be positive");
-  CheckComponents(options);
-  const std::size_t mocap = tables.model->nmocap;
-  require(options.mocap_pos.empty() || options.mocap_pos.size() == 3 * mocap,
-          "mocap_pos needs 3 values per mocap body");
-  require(options.mocap_quat.empty() || options.mocap_quat.size() == 4 * mocap,
-          "mocap_quat needs 4 values per mocap body");
 }
 
 Contact ToContact(const SceneTables& tables, const NearPair& near) {
@@ -87,12 +71,10 @@ struct Solver::Impl {
         paper(problem),
         verifier(scene.tables(), options) {
     problem.size = TypicalSize(scene.tables());
-    const MocapPoses mocap{options.mocap_pos, options.mocap_quat};
-    problem.mocap = mocap;
-    problem.finder.SetMocap(mocap);
-    verifier.SetMocap(mocap);
+    SetMocap({options.mocap_pos, options.mocap_quat});
   }
 
+  void SetMocap(MocapPoses poses);
   void SetUp(const std::vector<double>& q_in);
   std::vector<NearPair> Overlaps();
   SearchOutcome Run(const std::vector<NearPair>& overlaps, std::optional<VectorXd> hint);
@@ -114,7 +96,13 @@ struct Solver::Impl {
   Verifier verifier;
 };
 
-// Everything that refers to q_in: the norm, the required distances, the deadline.
+void Solver::Impl::SetMocap(MocapPoses poses) {
+  problem.finder.SetMocap(poses);
+  verifier.SetMocap(poses);
+  problem.mocap = std::move(poses);
+}
+
+// Everything that refers to q_in: the norm, the required distances. The verifier has seen it.
 void Solver::Impl::SetUp(const std::vector<double>& q_in) {
   const SceneTables& tables = scene.tables();
   problem.finder.Forget();
@@ -123,23 +111,12 @@ void Solver::Impl::SetUp(const std::vector<double>& q_in) {
   problem.norm.SetReference(problem.q_in, problem.mocap);
   problem.required.resize(static_cast<Eigen::Index>(tables.pairs.size()));
   for (std::size_t k = 0; k < tables.pairs.size(); ++k) {
-    problem.required[static_cast<Eigen::Index>(k)] =
-        tables.pairs[k].moves ? options.clearance - tables.pairs[k].allowed
-                              : -tables.pairs[k].allowed;
-  }
-  for (std::size_t k = 0; k < tables.pairs.size(); ++k) {
-    if (!tables.pairs[k].exact) continue;
-    problem.required[static_cast<Eigen::Index>(k)] += problem.tolerances.aim + kStandOff;
-  }
-  problem.finder.Pose(problem.q_in);
-  if (options.rest > 0.0) {
-    // How deep an exact pair is, the verifier measures better.
-    for (const NearPair& near : problem.finder.Find(0.0)) {
-      const bool exact = tables.pairs[near.pair].exact;
-      const double depth = exact ? verifier.DepthAtRest(near.pair) : near.distance;
-      if (depth < -options.rest || depth >= 0.0) continue;
-      problem.required[near.pair] = std::min(problem.required[near.pair], depth);
-    }
+    const KeptPair& pair = tables.pairs[k];
+    double required = (pair.moves ? options.clearance : 0.0) - pair.allowed;
+    if (pair.exact) required += problem.tolerances.aim + kStandOff;
+    const double at_rest = verifier.DepthAtRest(static_cast<int>(k));
+    if (at_rest < 0.0) required = std::min(required, at_rest);
+    problem.required[static_cast<Eigen::Index>(k)] = required;
   }
 }
 
@@ -226,11 +203,15 @@ bool Solver::Impl::AcceptBest(SearchOutcome& outcome, const std::vector<double>&
 // there.
 void Solver::Impl::FillUnsolved(const SearchOutcome& outcome, const std::vector<double>& q_in,
                                 Result& result) {
-  const bool found = outcome.least_overlap.q.size() > 0;
-  VectorXd q = found                  ? outcome.least_overlap.q
-               : outcome.free.empty() ? problem.q_in
-                                      : outcome.free.front().q;
-  result.start = found ? outcome.least_overlap_start : "direct";
+  VectorXd q = problem.q_in;
+  result.start = "none";
+  if (outcome.least_overlap.q.size() > 0) {
+    q = outcome.least_overlap.q;
+    result.start = outcome.least_overlap_start;
+  } else if (!outcome.free.empty()) {
+    q = outcome.free.front().q;
+    result.start = outcome.free.front().start;
+  }
   Verdict verdict = verifier.Check(ToStd(q), &q_in);
   if (verdict.min_distance < result.depth_in) {
     VectorXd inside = problem.q_in;
@@ -321,7 +302,7 @@ void Solver::Impl::Remember(const Result& result) {
 }
 
 Solver::Solver(const Scene& scene, const Options& options) {
-  CheckOptions(options, scene.tables());
+  CheckOptions(options, *scene.model());
   const std::vector<std::string> equalities = scene.ActiveEqualities();
   if (!equalities.empty()) {
     throw Error("active equality constraint " + equalities.front() + " is not supported yet");
@@ -333,17 +314,22 @@ Solver::~Solver() = default;
 Solver::Solver(Solver&&) noexcept = default;
 Solver& Solver::operator=(Solver&&) noexcept = default;
 
+void Solver::SetMocap(const std::vector<double>& pos, const std::vector<double>& quat) {
+  CheckMocap(pos, quat, *impl_->scene.model());
+  impl_->SetMocap({pos, quat});
+}
+
 Result Solver::Solve(const std::vector<double>& q_in,
                      const std::optional<std::vector<double>>& free_hint) {
   impl_->scene.CheckConfiguration(q_in);
   if (free_hint) impl_->scene.CheckConfiguration(*free_hint);
   const Clock::time_point begin = Clock::now();
   Problem& problem = impl_->problem;
-  if (std::isfinite(impl_->options.time_limit)) {
+  if (impl_->options.time_limit < kForever) {
     const auto limit = std::chrono::duration<double>(impl_->options.time_limit);
     problem.deadline = begin + std::chrono::duration_cast<Clock::duration>(limit);
   }
-  const int queries_before = problem.finder.queries();
+  const int queries_before = problem.finder.queries() + impl_->verifier.queries();
   const int lcp_before = impl_->search.lcp_steps() + impl_->paper.sweeps();
 
   Result result;
@@ -365,8 +351,8 @@ Result Solver::Solve(const std::vector<double>& q_in,
   }
   impl_->FillContacts(result);
   if (impl_->options.trajectory) impl_->Remember(result);
-  // Each verification is one more query of the whole configuration.
-  result.stats.collision_queries = problem.finder.queries() - queries_before + 2;
+  result.stats.collision_queries =
+      problem.finder.queries() + impl_->verifier.queries() - queries_before;
   result.stats.lcp_sweeps = impl_->search.lcp_steps() + impl_->paper.sweeps() - lcp_before;
   result.stats.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   return result;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "options.h"
 #include "verify_capsule_box.h"
 
 namespace mjcf_pdg {
@@ -21,26 +22,6 @@ bool ContactOnly(int type) { return type == mjGEOM_SDF || type == mjGEOM_HFIELD;
 std::uint64_t PairKey(int geom1, int geom2) {
   const auto [low, high] = std::minmax(geom1, geom2);
   return (static_cast<std::uint64_t>(low) << 32) | static_cast<std::uint32_t>(high);
-}
-
-void RequireUsable(bool usable, const char* what) {
-  if (!usable) throw Error(std::string(what) + " is not a usable number");
-}
-
-void CheckOptions(const mjModel& m, const Options& options) {
-  RequireUsable(std::isfinite(options.tolerance) && options.tolerance > 0.0, "tolerance");
-  RequireUsable(std::isfinite(options.clearance) && options.clearance >= 0.0, "clearance");
-  RequireUsable(std::isfinite(options.rest) && options.rest >= 0.0, "rest");
-  auto check = [&](const std::vector<double>& values, int per_body, const char* what) {
-    if (values.empty()) return;
-    if (static_cast<std::ptrdiff_t>(values.size()) != per_body * m.nmocap) {
-      throw Error(std::string(what) + " has " + std::to_string(values.size()) +
-                  " values, the model needs " + std::to_string(per_body * m.nmocap));
-    }
-    for (const double v : values) RequireUsable(std::isfinite(v) && std::abs(v) < mjMAXVAL, what);
-  };
-  check(options.mocap_pos, 3, "mocap_pos");
-  check(options.mocap_quat, 4, "mocap_quat");
 }
 
 }  // namespace
@@ -106,7 +87,6 @@ int Verifier::PairIndex(int geom1, int geom2) const {
 }
 
 void Verifier::SetMocap(const MocapPoses& poses) {
-  mj_resetData(&model_, posed_.data());  // the model's own poses, where `poses` has none
   posed_.SetMocap(poses);
   UpdateRest({});
 }
@@ -138,6 +118,7 @@ void Verifier::UpdateRest(const std::vector<double>& q_in) {
 }
 
 void Verifier::Measure(const std::vector<double>& q, Depths depths) {
+  ++queries_;
   posed_.Pose(Eigen::Map<const VectorXd>(q.data(), static_cast<Eigen::Index>(q.size())));
   for (Reading& reading : readings_) {
     reading.signed_distance = kInfinity;
@@ -363,7 +344,7 @@ Verdict Verify(const Scene& scene, const std::vector<double>& q, const Options& 
                const std::vector<double>* q_in) {
   scene.CheckConfiguration(q);
   if (q_in) scene.CheckConfiguration(*q_in);
-  CheckOptions(*scene.model(), options);
+  CheckOptions(options, *scene.model());
   Verifier verifier(scene.tables(), options);
   verifier.SetMocap({options.mocap_pos, options.mocap_quat});
   return verifier.Check(q, q_in);

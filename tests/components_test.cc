@@ -1,4 +1,4 @@
-#include "components.h"
+#include "options.h"
 
 #include <gmock/gmock.h>
 

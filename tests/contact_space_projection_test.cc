@@ -221,6 +221,22 @@ TEST_F(ContactSpaceProjectionTest, ARigidModelIsRotatedFirstAndThenTranslated) {
   EXPECT_NEAR(p.Margin(result.q), 0.0, 1e-5);
 }
 
+// Turned about the middle of the two balls, which lies 0.5 m from the body's own mass, the dumbbell
+// comes straight down.
+TEST_F(ContactSpaceProjectionTest, WeldedBodiesTurnAboutTheirCommonCentreOfMass) {
+  Projector p(World(R"(
+      <geom name="wall" type="box" size="3 3 .1"/>
+      <body><freejoint/><geom size=".05" mass="1"/>
+        <body pos="1 0 0"><geom size=".05" mass="1"/></body></body>)"));
+  VectorXd q_f(7), q_in(7);
+  q_f << 0, 0, 1, 1, 0, 0, 0;
+  q_in << 1, 0, 0.05, 0, 0, 0, 1;
+  const ProjectionResult& result = p.projection.Project(q_f, q_in);
+  EXPECT_EQ(result.jumps, 1);
+  EXPECT_NEAR(result.q[0], 1.0, 1e-9);
+  EXPECT_NEAR(result.q[2], 0.15, 1e-5);
+}
+
 TEST_F(ContactSpaceProjectionTest, ARotationThatCollidesIsLeftToFullCcd) {
   Projector p(World(R"(
       <geom name="wall" type="box" size="1 1 .1"/>

@@ -99,6 +99,22 @@ TEST_F(SolverHardCasesTest, ClearanceIsKeptFromEverything) {
   EXPECT_GT(solved, 10);
 }
 
+// MuJoCo gives a height field many contacts with a box: the deepest says whether it rests.
+TEST_F(SolverHardCasesTest, ShallowContactsOfADeepPairDoNotRest) {
+  const Scene scene = Scene::FromString(R"(<mujoco>
+      <asset><hfield name="flat" nrow="9" ncol="9" size="1 1 .1 .5"/></asset><worldbody>
+      <geom type="hfield" hfield="flat"/>
+      <body><freejoint/><geom type="box" size=".2 .2 .1"/></body></worldbody></mujoco>)");
+  const double half_tilt = 0.005, z = 0.1 + 0.2 * std::sin(2 * half_tilt) - 0.0024;
+  const Q q_in = {0, 0, z, std::cos(half_tilt), 0, std::sin(half_tilt), 0};
+  for (const double rest : {0.0, 0.0005, 0.001}) {
+    Options options;
+    options.rest = rest;
+    const Result result = Solver(scene, options).Solve(q_in);
+    EXPECT_EQ(result.status, Status::kSolved) << rest << ": " << result.reason;
+  }
+}
+
 TEST_F(SolverHardCasesTest, FrozenJointsStayBitForBit) {
   SceneOptions wrist_and_reach;
   wrist_and_reach.movable = {"fore"};
@@ -145,6 +161,34 @@ TEST_F(SolverHardCasesTest, MocapBodiesAreObstaclesWhereTheOptionsPutThem) {
   raised.mocap_quat = {std::sqrt(0.5), 0, std::sqrt(0.5), 0};  // on edge, below the sphere
   raised.mocap_pos = {0, 0, -0.55};
   EXPECT_NEAR(Solver(scene, raised).Solve({0.0}).q[0], 0.05, 2e-6);
+
+  Solver moving(scene);
+  for (const double z : {-0.1, -0.05, -0.12}) {
+    moving.SetMocap({0.2, 0, z}, {});
+    EXPECT_NEAR(moving.Solve({0.0}).q[0], z + 0.15, 2e-6);
+  }
+  moving.SetMocap({}, {});
+  EXPECT_EQ(moving.Solve({0.0}).status, Status::kAlreadyFree) << "where the model has it";
+}
+
+// A trajectory whose obstacle moves, too: what was free stays a start, if it still is.
+TEST_F(SolverHardCasesTest, MotionCoherenceOutlivesMovingObstacles) {
+  const Scene scene = Scene::FromString(World(R"(
+      <body name="tray" mocap="true" pos="0 0 -1"><geom type="box" size=".5 .5 .05"/></body>
+      <body><freejoint/><geom type="box" size=".1 .1 .1"/></body>)"));
+  Options options;
+  options.method = Method::kPaper;
+  options.trajectory = true;
+  Solver solver(scene, options);
+  std::vector<std::string> starts;
+  for (const double z : {-0.100, -0.101, -0.102, 0.1}) {
+    solver.SetMocap({0, 0, z}, {});
+    const Result result = solver.Solve({0, 0, 0, 1, 0, 0, 0});
+    ASSERT_EQ(result.status, Status::kSolved) << result.reason;
+    starts.push_back(result.start);
+  }
+  EXPECT_EQ(starts, (std::vector<std::string>{"centroid_difference", "motion_coherence",
+                                              "motion_coherence", "centroid_difference"}));
 }
 
 TEST_F(SolverHardCasesTest, TreesShareTheWayByTheirMasses) {

@@ -82,6 +82,7 @@ TEST_F(SolverTest, AFreeConfigurationComesBackBitForBit) {
     EXPECT_EQ(result.sigma, 0.0);
     EXPECT_EQ(result.sigma_lower_bound, 0.0);
     EXPECT_TRUE(result.contacts_in.empty());
+    EXPECT_EQ(result.stats.collision_queries, 2) << "is it free, and what does it touch";
   }
 }
 
@@ -228,6 +229,7 @@ TEST_F(SolverTest, OverlapsThatNoJointCanSeparateAreNamed) {
   EXPECT_THAT(result.reason, HasSubstr("floor"));
   EXPECT_EQ(result.q, (Q{0.2, 0.0}));
   EXPECT_EQ(result.stats.starts, 0) << "nothing to search for";
+  EXPECT_EQ(result.start, "none");
   const Result turned = Solver(scene).Solve({0.0, 0.0});  // it may turn, which does not help
   EXPECT_EQ(turned.status, Status::kUnsolved);
   EXPECT_THAT(turned.reason, HasSubstr("post"));
@@ -251,6 +253,15 @@ TEST_F(SolverTest, ATinyTimeLimitEndsTheSolveWithoutAFalseClaim) {
     EXPECT_LT(Witness(scene).Least(result.q), 0.0);
   }
   EXPECT_GT(unsolved, 5);
+}
+
+TEST_F(SolverTest, ATimeLimitThatNoClockCountsIsNone) {
+  const Scene scene = Scene::FromString(kSphereOnPlane);
+  for (const double limit : {1.0, 1e10, 1e300}) {
+    Options options;
+    options.time_limit = limit;
+    EXPECT_EQ(Solver(scene, options).Solve({0, 0, 0.05, 1, 0, 0, 0}).status, Status::kSolved);
+  }
 }
 
 TEST_F(SolverTest, ActiveEqualitiesAreRefusedByName) {
@@ -298,6 +309,12 @@ TEST_F(SolverTest, BadInputThrowsAndTheSolverGoesOn) {
   refused([](Options& o) { o.time_limit = 0.0; });
   refused([nan](Options& o) { o.time_limit = nan; });
   refused([](Options& o) { o.mocap_pos = {0, 0, 0}; });
+  Solver with_obstacle(
+      Scene::FromString(World("<body mocap='true'><geom size='.1'/></body>"
+                              "<body pos='1 0 0'><joint/><geom size='.1'/></body>")));
+  EXPECT_THROW(with_obstacle.SetMocap({0, 0}, {}), Error);
+  EXPECT_THROW(with_obstacle.SetMocap({0, 0, nan}, {}), Error);
+  EXPECT_THROW(with_obstacle.SetMocap({}, {1, 0, 0, inf}), Error);
 }
 
 // ---- The same again ----

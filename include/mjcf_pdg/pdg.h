@@ -20,8 +20,8 @@ namespace mjcf_pdg {
 // What Options::without can name: the method's starts, then its other steps.
 std::vector<std::string> Components(Method method);
 
-// One per thread; owns all scratch, including private MuJoCo data. Never writes to the user's
-// model.
+// One per thread; has MuJoCo data of its own and never writes to the user's model. Solve allocates:
+// its result, and small arrays as it goes.
 class Solver {
  public:
   // Throws Error if an option is out of range, Options::without has an unknown name, or the scene
@@ -36,6 +36,11 @@ class Solver {
   // Throws Error for a bad q_in (size, NaN, zero quaternion).
   Result Solve(const std::vector<double>& q_in,
                const std::optional<std::vector<double>>& free_hint = std::nullopt);
+
+  // Where the mocap bodies are from now on, instead of Options' poses: 3 and 4 values per body;
+  // empty: as in the model. What the solver remembers of earlier frames stays. Throws Error for
+  // wrong sizes or values.
+  void SetMocap(const std::vector<double>& pos, const std::vector<double>& quat);
 
  private:
   struct Impl;
@@ -53,8 +58,9 @@ struct Verdict {
 
 // Asks twice, by mj_collision and by signed pair distances, whether q is free (SPEC: overlaps of at
 // most `tolerance` beyond what the model or `options.rest` allows, joint limits hold to 1e-6).
-// Shares no code with the solver's own queries. `q_in` is the configuration `rest` refers to.
-// Throws Error for a bad q.
+// Meshes that collide as triangles are asked of FCL alone, height fields and SDFs of mj_collision
+// alone. Shares no code with the solver's own queries. `q_in` is the configuration `rest` refers
+// to. Throws Error for a bad q or option.
 Verdict Verify(const Scene& scene, const std::vector<double>& q, const Options& options = {},
                const std::vector<double>* q_in = nullptr);
 

@@ -34,7 +34,9 @@ class Scene {
   // text that names something else than a mesh geom.
   static Scene FromFile(const std::string& path, const SceneOptions& options = {});
   static Scene FromString(const std::string& xml, const SceneOptions& options = {});
-  // The model of a running program: never written to, and it must outlive the scene.
+  // The model of a running program: never written to. It must outlive the scene and its solvers,
+  // and stay as it is: what a scene has worked out (pairs, sizes, its own mjOption) does not follow
+  // changes. After one, make a new scene.
   static Scene FromModel(const mjModel* model, const SceneOptions& options = {});
 
   const mjModel* model() const;

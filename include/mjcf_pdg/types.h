@@ -77,8 +77,8 @@ struct Contact {
 };
 
 struct Stats {
-  int iterations = 0;         // local optimization steps, all starts together
-  int collision_queries = 0;  // one configuration against all kept pairs each
+  int iterations = 0;         // local steps of all starts; method paper: constrained optimizations
+  int collision_queries = 0;  // one configuration against all kept pairs each, verifier included
   int starts = 0;             // free-configuration selections tried
   int lcp_sweeps = 0;         // active-set changes or Gauss-Seidel sweeps
   double seconds = 0.0;       // the solve with its final verification
@@ -89,8 +89,10 @@ struct Result {
   std::vector<double> q;           // nq
   double sigma = 0.0;              // σ(q_in, q) [m²]
   double sigma_lower_bound = 0.0;  // proven: no free configuration has a smaller σ [m²]
-  double depth_in = 0.0;           // smallest signed distance at q_in [m]
-  double min_distance = 0.0;       // smallest signed distance at q [m]
+  // Smallest signed distances of kept pairs at q_in and at q, negative where they overlap, cut off
+  // at 1 m [m]. Height fields and SDFs, which have no distances, count where they touch.
+  double depth_in = 0.0;
+  double min_distance = 0.0;
   bool certified = false;  // freeness rests on signed distances alone (no SDF, no height field)
   std::string start;       // name of the selection that won
   std::string reason;      // why not solved, in words; empty otherwise
