@@ -33,7 +33,7 @@ Verifier::Verifier(const SceneTables& tables, const Options& options)
       rest_(options.rest),
       model_(tables.verify_model),
       posed_(&model_),
-      exact_(tables) {
+      exact_(tables, options.rest + kRestRounding) {
   NeutraliseMargins();
   distance_model_ = model_;
   distance_model_.opt.ccd_tolerance = std::min(model_.opt.ccd_tolerance, kDistanceTolerance);
@@ -216,7 +216,7 @@ double Verifier::BoxBound(const KeptPair& pair) const {
 double Verifier::SignedDistance(int index, double cutoff, Depths depths, double fromto[6]) {
   const KeptPair& pair = tables_.pairs[index];
   if (pair.exact) {
-    const double permitted = tolerance_ + rest_ + kRestRounding + pair.allowed;
+    const double permitted = tolerance_ + pair.allowed;
     if (required_[index] > 0.0) depths = Depths::kMeasured;
     return exact_.Distance(posed_, pair, cutoff, permitted, depths, fromto);
   }

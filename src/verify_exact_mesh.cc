@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <utility>
@@ -23,6 +24,10 @@ constexpr double kMillimetres = VerifierShape::kMillimetres;
 constexpr int kMaxTrianglePairs = 100000;
 constexpr int kFewPairs = 4;          // of triangles, to tell an overlap
 constexpr double kUnmeasured = 1e-3;  // depth of more crossings than that, at least [m]
+constexpr double kUnproven = 1e-9;    // said to be deeper than is permitted by that [m]
+// Directions tried to part two meshes: no more, and no closer to each other (cosine).
+constexpr std::size_t kMaxDirections = 12;
+constexpr double kSameDirection = 0.98;
 // Triangles of each mesh asked for their depth: a few first, which tell most overlaps.
 constexpr int kFewAsked = 30, kAllAsked = 200;
 
@@ -52,17 +57,29 @@ struct ExactVerifier::Asked {
   const PosedModel& posed;
   const KeptPair& pair;
   const VerifierShape *first, *second;
-  double enough;
+  double permitted;
   Depths depths;
   double* fromto;
+  Vector3d shift_W = Vector3d::Zero();  // the second geom is asked about as if moved by this [m]
 
   Matrix3d R(int geom) const { return AsMatrix(posed.data()->geom_xmat + 9 * geom); }
-  Vector3d Origin(int geom) const { return AsVector(posed.data()->geom_xpos + 3 * geom); }
+  Vector3d Origin(int geom) const {
+    const Vector3d origin = AsVector(posed.data()->geom_xpos + 3 * geom);
+    return geom == pair.geom2 ? Vector3d(origin + shift_W) : origin;
+  }
   fcl::Transform3<double> FclPose(int geom) const {
     fcl::Transform3<double> pose;
     pose.linear() = R(geom);
     pose.translation() = kMillimetres * Origin(geom);
     return pose;
+  }
+  // FCL's answer: the first `most` pairs of triangles that intersect.
+  fcl::CollisionResult<double> Crossings(std::size_t most) const {
+    fcl::CollisionRequest<double> request(most);
+    fcl::CollisionResult<double> hits;
+    fcl::collide(&first->tree, FclPose(pair.geom1), &second->tree, FclPose(pair.geom2), request,
+                 hits);
+    return hits;
   }
   void Witness(const Vector3d& p1_W, const Vector3d& p2_W) const {
     Eigen::Map<Vector3d>(fromto, 3) = p1_W;
@@ -128,10 +145,14 @@ std::shared_ptr<const VerifierShapes> MakeVerifierShapes(const SceneTables& tabl
 }
 
 double ExactVerifier::Distance(const PosedModel& posed, const KeptPair& pair, double cutoff,
-                               double enough, Depths depths, double fromto[6]) const {
-  const Asked asked{
-      posed,  pair,  shapes_->of_geom[pair.geom1].get(), shapes_->of_geom[pair.geom2].get(), enough,
-      depths, fromto};
+                               double permitted, Depths depths, double fromto[6]) const {
+  const Asked asked{posed,
+                    pair,
+                    shapes_->of_geom[pair.geom1].get(),
+                    shapes_->of_geom[pair.geom2].get(),
+                    permitted,
+                    depths,
+                    fromto};
   return asked.first ? SolidDistance(asked, cutoff) : RoundDistance(asked, cutoff);
 }
 
@@ -189,10 +210,7 @@ double ExactVerifier::CommonPoint(const Asked& asked) const {
 double ExactVerifier::CrossingTriangles(const Asked& asked, int most) const {
   const int g1 = asked.pair.geom1, g2 = asked.pair.geom2;
   const Matrix3d R1 = asked.R(g1), R2 = asked.R(g2);
-  fcl::CollisionRequest<double> request(most);
-  fcl::CollisionResult<double> hits;
-  fcl::collide(&asked.first->tree, asked.FclPose(g1), &asked.second->tree, asked.FclPose(g2),
-               request, hits);
+  const fcl::CollisionResult<double> hits = asked.Crossings(most);
   if (!hits.isCollision()) return 1.0;
   double overlap = 0.0;
   for (std::size_t k = 0; k < hits.numContacts(); ++k) {
@@ -213,6 +231,40 @@ double ExactVerifier::CrossingTriangles(const Asked& asked, int most) const {
   return -overlap;
 }
 
+// What crossing triangles and points inside tell is no more than their own size, or may miss the
+// deepest: proof that an overlap is no deeper than `permitted` is a move of the second body, by
+// that much, that parts the two. Tried are the normals of triangles that cross, and their sum.
+bool ExactVerifier::PartedByAMove(const Asked& asked) const {
+  const fcl::CollisionResult<double> hits = asked.Crossings(kMaxTrianglePairs);
+  std::vector<Vector3d> directions;
+  auto add = [&](const Vector3d& n_W) {
+    auto same = [&](const Vector3d& known) { return known.dot(n_W) > kSameDirection; };
+    if (std::none_of(directions.begin(), directions.end(), same)) directions.push_back(n_W);
+  };
+  auto normal_W = [&](int geom, const VerifierShape& shape, std::intptr_t triangle) {
+    const auto& t = shape.triangles[triangle];
+    return Vector3d(asked.R(geom) * (t[1] - t[0]).cross(t[2] - t[0]).normalized());
+  };
+  for (std::size_t k = 0; k < hits.numContacts() && directions.size() < kMaxDirections; ++k) {
+    const Vector3d n1_W = normal_W(asked.pair.geom1, *asked.first, hits.getContact(k).b1);
+    const Vector3d n2_W = normal_W(asked.pair.geom2, *asked.second, hits.getContact(k).b2);
+    add(n1_W);
+    add(-n2_W);
+    if (!asked.first->closed) add(-n1_W);
+    if (!asked.second->closed) add(n2_W);
+  }
+  Vector3d sum = Vector3d::Zero();
+  for (const Vector3d& n_W : directions) sum += n_W;
+  if (sum.norm() > 1e-6) directions.push_back(sum.normalized());
+  return std::any_of(directions.begin(), directions.end(), [&](const Vector3d& n_W) {
+    Asked moved = asked;
+    double unheard[6];
+    moved.fromto = unheard;
+    moved.shift_W = asked.permitted * n_W;
+    return !moved.Crossings(1).isCollision() && Deepest(moved, 0) >= 0.0;
+  });
+}
+
 // Triangles intersect: how deep, negative [m].
 double ExactVerifier::SolidOverlap(const Asked& asked) const {
   double least = CrossingTriangles(asked, kMaxTrianglePairs);
@@ -224,17 +276,19 @@ double ExactVerifier::SolidOverlap(const Asked& asked) const {
     std::copy(asked.fromto, asked.fromto + 6, witness);
     return true;
   };
-  const bool enough = take(Deepest(asked, kFewAsked)) && least < -asked.enough;
+  const double deepest_of_interest = asked.permitted + rest_;
+  const bool enough = take(Deepest(asked, kFewAsked)) && least < -deepest_of_interest;
   if (!enough) take(Deepest(asked, kAllAsked));
-  if (!enough && least >= -asked.enough) take(CommonPoint(asked));
+  if (!enough && least >= -deepest_of_interest) take(CommonPoint(asked));
   std::copy(witness, witness + 6, asked.fromto);
+  if (least >= -asked.permitted && !PartedByAMove(asked)) least = -asked.permitted - kUnproven;
   return least;
 }
 
 double ExactVerifier::SolidDistance(const Asked& asked, double cutoff) const {
   const double crossing = CrossingTriangles(asked, kFewPairs);
   if (crossing <= 0.0) {
-    const bool told = asked.depths == Depths::kSkipped && crossing < -asked.enough;
+    const bool told = asked.depths == Depths::kSkipped && crossing < -asked.permitted - rest_;
     return told ? crossing : SolidOverlap(asked);
   }
   const double inside = Deepest(asked, 0);

@@ -4,9 +4,10 @@
 // triangle intersection) and distance. Planes and round primitives: every triangle in turn, with
 // signed distances of their own. What is inside a mesh: rays through FCL's tree, by winding.
 //
-// Triangles that intersect may only touch: what counts is the least move that parts two of them,
-// the largest over the pairs of triangles, or the depth of a vertex inside. That depth is the
-// shortest way out along some directions: at least the true one.
+// Triangles that intersect may only touch. How deep: the least move that parts two of them, the
+// largest over the pairs of triangles, or the depth of a vertex inside, the shortest way out along
+// some directions. None of these is sure to be the whole depth, so an overlap is permitted only if
+// a move by what is permitted is found that parts the two meshes.
 #ifndef MJCF_PDG_SRC_VERIFY_EXACT_MESH_H_
 #define MJCF_PDG_SRC_VERIFY_EXACT_MESH_H_
 
@@ -22,13 +23,16 @@ std::shared_ptr<const VerifierShapes> MakeVerifierShapes(const SceneTables& tabl
 
 class ExactVerifier {
  public:
-  explicit ExactVerifier(const SceneTables& tables) : shapes_(tables.verifier_shapes) {}
+  // `rest`: how much deeper than is permitted depths are of interest [m].
+  ExactVerifier(const SceneTables& tables, double rest)
+      : shapes_(tables.verifier_shapes), rest_(rest) {}
 
-  // Signed distance of an exact pair [m] at the pose, below `cutoff`; infinite if it is not. Once
-  // an overlap is found deeper than `enough` [m], how deep it is at other places is not asked. With
+  // Signed distance of an exact pair [m] at the pose, below `cutoff`; infinite if it is not.
+  // `permitted`: an overlap that counts as free [m]. Once one is found deeper than that and `rest`,
+  // how deep it is at other places is not asked. With
   // skipped depths, two meshes that overlap get what some crossing triangles tell, and two that are
   // apart are infinitely so. `fromto`: the points on geom 1 and geom 2.
-  double Distance(const PosedModel& posed, const KeptPair& pair, double cutoff, double enough,
+  double Distance(const PosedModel& posed, const KeptPair& pair, double cutoff, double permitted,
                   Depths depths, double fromto[6]) const;
 
  private:
@@ -37,11 +41,13 @@ class ExactVerifier {
   double SolidDistance(const Asked& asked, double cutoff) const;
   double SolidOverlap(const Asked& asked) const;
   double CrossingTriangles(const Asked& asked, int most) const;
+  bool PartedByAMove(const Asked& asked) const;
   double RoundDistance(const Asked& asked, double cutoff) const;
   double Deepest(const Asked& asked, int triangles) const;
   double CommonPoint(const Asked& asked) const;
 
   std::shared_ptr<const VerifierShapes> shapes_;
+  double rest_;
 };
 
 }  // namespace mjcf_pdg

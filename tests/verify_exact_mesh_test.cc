@@ -62,6 +62,39 @@ TEST_F(VerifyExactMeshTest, AgreesWithTheSolversQueriesAgainstEveryType) {
   }
 }
 
+// Two rings of wire: where they cross, the triangles are smaller than the tolerance, and few.
+TEST_F(VerifyExactMeshTest, TrianglesSmallerThanTheToleranceHideNoOverlap) {
+  Random rng(32);
+  const MeshShape ring = test::Torus(0.04, 0.0005, 200, 24);
+  const Scene scene = MeshScene(ring, "type='mesh' mesh='moving'", ring);
+  Options coarse;
+  coarse.tolerance = 2e-4;
+  ContactFinder finder(scene.tables());
+  Verifier verifier(scene.tables(), coarse);
+  int overlapping = 0;
+  for (int i = 0; i < 400; ++i) {
+    const std::vector<double> q = FreePose(rng.InBox(0.03), rng.UnitQuat());
+    finder.Pose(test::ToEigen(q));
+    NearPair near;
+    near.distance = 1.0;
+    finder.Distance(0, 1.0, near);
+    if (near.distance > -1.5 * coarse.tolerance) continue;
+    ++overlapping;
+    EXPECT_FALSE(verifier.Check(q).free) << i << ": " << near.distance;
+  }
+  EXPECT_GT(overlapping, 10);
+}
+
+// A ring that lies on another: what is permitted parts them, straight up.
+TEST_F(VerifyExactMeshTest, AnOverlapWithinTheToleranceIsFree) {
+  const MeshShape ring = test::Torus(0.08, 0.02, 40, 16);
+  const Scene scene = MeshScene(ring, "type='mesh' mesh='moving'", ring);
+  Verifier verifier(scene.tables(), Options());
+  for (const auto& [depth, free] : {std::pair(0.5e-6, true), {0.9e-6, true}, {1.1e-6, false}}) {
+    EXPECT_EQ(verifier.Check(FreePose({0, 0, 0.04 - depth}, {1, 0, 0, 0})).free, free) << depth;
+  }
+}
+
 // What is free does not depend on whether depths are asked for; how deep and how far does.
 TEST_F(VerifyExactMeshTest, SkippedDepthsLeaveTheVerdictAsItIs) {
   Random rng(33);
