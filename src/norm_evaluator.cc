@@ -25,14 +25,6 @@ int TermRows(Kind kind) {
   return 0;
 }
 
-Matrix3d Skew(const Vector3d& v) {
-  Matrix3d s;
-  s << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return s;
-}
-
-int QuatAddress(const JointEntry& joint) { return joint.qadr + (joint.type == mjJNT_FREE ? 3 : 0); }
-
 // conj(a) ⊗ b with non-negative real part: the short way from a to b, in a's frame.
 Eigen::Quaterniond Relative(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
   Eigen::Quaterniond p = a.conjugate() * b;
@@ -351,7 +343,7 @@ void NormEvaluator::RetractRotation(const NormTerm& term, const VectorXd& q, con
   const JointEntry& joint = tables_.joints[term.joint];
   const bool is_free = term.kind == Kind::kFree;
   const int adr = QuatAddress(joint);
-  const Vector3d w = dq.segment<3>(joint.col + (is_free ? 3 : 0));
+  const Vector3d w = dq.segment<3>(RotationColumn(joint));
   const Eigen::Quaterniond from = QuatAt(q, adr);
   const Eigen::Quaterniond p = Relative(QuatAt(q_in_, adr), from);
   if (p.vec().norm() >= kQuatChart) return;

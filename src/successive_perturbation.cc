@@ -175,14 +175,13 @@ void SuccessivePerturbation::AppendLinearTries(const JointEntry& joint) {
 
 // Turns of a ball, or of a free joint's body, about the world's axes, by up to half a turn.
 void SuccessivePerturbation::AppendTurns(const JointEntry& joint) {
-  const int offset = joint.type == mjJNT_FREE ? 3 : 0;
   problem_.finder.Pose(result_.q);
   const Matrix3d R = AsMatrix(problem_.finder.posed().data()->xmat + 9 * joint.body);
   VectorXd dq = VectorXd::Zero(problem_.tables.n), q;
   for (int axis = 0; axis < 3; ++axis) {
     for (int step = 1; step <= options_.steps; ++step) {
       for (const double sign : {1.0, -1.0}) {
-        dq.segment<3>(joint.col + offset) =
+        dq.segment<3>(RotationColumn(joint)) =
             sign * Offset(step, M_PI) * R.row(axis).transpose();  // in the body's frame
         Integrate(problem_.tables, result_.q, dq, q);
         const bool kept = !joint.limited || BallAngle(q.data() + joint.qadr) <= joint.hi;
