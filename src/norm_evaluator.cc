@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "names.h"
+
 namespace mjcf_pdg {
 namespace {
 
@@ -324,8 +326,7 @@ std::string NormEvaluator::TermName(const NormTerm& term) const {
       (!is_joint || tables_.joints[term.joint].body == TopBody(*tables_.model, root))) {
     return "root";
   }
-  const char* name = mj_id2name(tables_.model, is_joint ? mjOBJ_JOINT : mjOBJ_BODY, id);
-  return name && *name ? name : "#" + std::to_string(id);
+  return NameOrId(*tables_.model, is_joint ? mjOBJ_JOINT : mjOBJ_BODY, id);
 }
 
 void NormEvaluator::Retract(const VectorXd& q, const VectorXd& dq, VectorXd& out) const {
