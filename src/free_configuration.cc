@@ -199,12 +199,12 @@ std::optional<VectorXd> FreeConfigurationSelection::TranslateFrom(VectorXd q) {
   return std::nullopt;
 }
 
+// Those too that are accepted in an answer.
 std::vector<NearPair> FreeConfigurationSelection::Overlaps(const VectorXd& q) {
   std::vector<NearPair> overlaps;
   problem_.finder.Pose(q);
   for (const NearPair& near : problem_.finder.Find(problem_.options.clearance, Depths::kSkipped)) {
-    const bool moves = problem_.tables.pairs[near.pair].moves;
-    if (moves && near.distance < problem_.required[near.pair]) overlaps.push_back(near);
+    if (problem_.Overlaps(near, 0.0)) overlaps.push_back(near);
   }
   return overlaps;
 }

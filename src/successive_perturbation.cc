@@ -39,9 +39,8 @@ const std::vector<LinkPair>& SuccessivePerturbation::Overlaps(const VectorXd& q)
   overlaps_.clear();
   problem_.finder.Pose(q);
   for (const NearPair& near : problem_.finder.Find(problem_.options.clearance, Depths::kSkipped)) {
+    if (!problem_.Overlaps(near, problem_.tolerances.accept)) continue;
     const KeptPair& pair = tables.pairs[near.pair];
-    if (!pair.moves) continue;
-    if (near.distance >= problem_.required[near.pair] - problem_.tolerances.accept) continue;
     overlaps_.push_back({tree_.link_of_body[tables.model->geom_bodyid[pair.geom1]],
                          tree_.link_of_body[tables.model->geom_bodyid[pair.geom2]]});
   }
