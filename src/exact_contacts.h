@@ -8,8 +8,8 @@
 
 #include <vector>
 
-#include "capsule_box.h"
 #include "kinematics.h"
+#include "signed_gap.h"
 #include "solid_pair.h"
 
 namespace mjcf_pdg {

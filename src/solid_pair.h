@@ -7,7 +7,7 @@
 
 #include <vector>
 
-#include "capsule_box.h"
+#include "signed_gap.h"
 #include "solid.h"
 
 namespace mjcf_pdg {

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "capsule_box.h"
 #include "mesh_shapes.h"
+#include "signed_gap.h"
 #include "solid.h"
 
 namespace mjcf_pdg::test {
