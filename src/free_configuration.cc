@@ -76,15 +76,6 @@ void FreeConfigurationSelection::Begin(const std::optional<VectorXd>& hint, std:
   tried_ = 0;
 }
 
-std::optional<VectorXd> FreeConfigurationSelection::Select(const std::string& name) {
-  for (const Entry& entry : Table()) {
-    if (name != entry.name) continue;
-    ++tried_;
-    return (this->*entry.select)();
-  }
-  throw Error("no free-configuration selection is called '" + name + "'");
-}
-
 std::optional<FreeConfiguration> FreeConfigurationSelection::SelectInPaperOrder() {
   for (const Entry& entry : Table()) {
     if (problem_.Expired()) break;
