@@ -9,18 +9,12 @@
 
 #include <Eigen/Dense>
 
+#include "signed_gap.h"
+
 namespace mjcf_pdg {
 
-// d = n · (p2 - p1) in whatever frame the question was asked; n is the unit normal from shape 1
-// (the capsule) to shape 2 (the box), p1 and p2 are the witness points.
-struct SignedGap {
-  double distance = 0.0;
-  Eigen::Vector3d p1 = Eigen::Vector3d::Zero();
-  Eigen::Vector3d p2 = Eigen::Vector3d::Zero();
-  Eigen::Vector3d n = Eigen::Vector3d::UnitX();
-};
-
-// In the box's frame: the capsule's segment from `a` to `b` and radius, the box's half sizes [m].
+// From the capsule to the box, in the box's frame: the capsule's segment from `a` to `b` and
+// radius, the box's half sizes [m].
 SignedGap CapsuleBoxGap(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double radius,
                         const Eigen::Vector3d& half);
 

@@ -9,8 +9,7 @@
 //      looked at again only when its own proof has run out.
 //   3. Stops a little before touching, so that contact normals exist where it ends.
 //   4. An exact mesh is further away than its convex hull: proofs of separation, which are of
-//   hulls,
-//      hold for it, and where the hulls overlap the distance of the triangles alone counts.
+//      hulls, hold for it, and where the hulls overlap the distance of the triangles alone counts.
 //   5. A pair that starts inside the contact band (gliding) does not stop everything: it may go on
 //      as long as it is proven to keep half of its margin, or -tolerance where it has none.
 #ifndef MJCF_PDG_SRC_CCDG_H_

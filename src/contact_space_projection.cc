@@ -169,24 +169,15 @@ CcdOutcome ContactSpaceProjection::MoveFlagged(const VectorXd& q_in) {
 void ContactSpaceProjection::RemoveLinks(const CcdResult& ccd) {
   const mjModel& m = *tables_.model;
   for (const int pair : ccd.pairs) {
-    const int body1 = m.geom_bodyid[tables_.pairs[pair].geom1];
-    const int body2 = m.geom_bodyid[tables_.pairs[pair].geom2];
-    const int stop = options_.keep_common_ancestors ? CommonAncestor(body1, body2) : 0;
-    for (int body : {body1, body2}) {
-      for (; body != stop; body = m.body_parentid[body]) removed_[body] = 1;
+    for (const int geom : {tables_.pairs[pair].geom1, tables_.pairs[pair].geom2}) {
+      for (int body = m.geom_bodyid[geom]; body != 0; body = m.body_parentid[body]) {
+        removed_[body] = 1;
+      }
     }
   }
   for (std::size_t j = 0; j < moves_.size(); ++j) {
     if (removed_[tables_.joints[j].body]) moves_[j] = 0;
   }
-}
-
-int ContactSpaceProjection::CommonAncestor(int body1, int body2) const {
-  while (body1 != body2) {  // parents have smaller ids
-    int& lower = body1 > body2 ? body1 : body2;
-    lower = tables_.model->body_parentid[lower];
-  }
-  return body1;
 }
 
 }  // namespace mjcf_pdg

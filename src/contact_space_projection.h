@@ -3,14 +3,13 @@
 // Source: Tang & Kim, Sec. 5.2, Alg. 2. A link is a body with movable joints, its inboard joints.
 // Differs from it:
 //   1. Every CCD is certified, or says that it is not (ccdg.h).
-//   2. Optionally the joints above *both* links of a contact keep moving: they cannot change it.
-//   3. A joint that reaches its limit stops alone; links in contact stop with their ancestors.
-//   4. Reverse projection (CCDrg) finds the first free sample of the reversed path as the paper
+//   2. A joint that reaches its limit stops alone; links in contact stop with their ancestors.
+//   3. Reverse projection (CCDrg) finds the first free sample of the reversed path as the paper
 //      does; CCD from there, towards q_in, then finds the contact. The jump to the sample is no
 //      motion, so `certified` speaks of the motions around it.
-//   5. A limited ball joint stays a quaternion here; samples outside its limit are not free.
+//   4. A limited ball joint stays a quaternion here; samples outside its limit are not free.
 // A rigid model, one free joint, goes as in Sec. 3.2: first it is rotated to the orientation at
-// q_in, where that is free (a jump, as in 4), and then translated; else full CCD.
+// q_in, where that is free (a jump, as in 3), and then translated; else full CCD.
 #ifndef MJCF_PDG_SRC_CONTACT_SPACE_PROJECTION_H_
 #define MJCF_PDG_SRC_CONTACT_SPACE_PROJECTION_H_
 
@@ -21,9 +20,8 @@
 namespace mjcf_pdg {
 
 struct ProjectionOptions {
-  CcdOptions ccd;                      // max_poses is the budget of the whole projection
-  bool keep_common_ancestors = false;  // deviation 2
-  int reverse_samples = 0;             // static checks per CCDrg; 0: CCDg alone
+  CcdOptions ccd;           // max_poses is the budget of the whole projection
+  int reverse_samples = 0;  // static checks per CCDrg; 0: CCDg alone
 };
 
 struct ProjectionResult {
@@ -69,7 +67,6 @@ class ContactSpaceProjection {
   bool JumpToFreeSample();
   bool FreeSample(const VectorXd& q);
   void RemoveLinks(const CcdResult& ccd);
-  int CommonAncestor(int body1, int body2) const;
 
   const SceneTables& tables_;
   Ccdg& ccd_;

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "capsule_box.h"
+
 namespace mjcf_pdg {
 namespace {
 

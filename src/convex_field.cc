@@ -117,20 +117,6 @@ Vector3d ConvexField::Support(const Vector3d& n) const {
   }
 }
 
-double ConvexField::InnerRadius() const {
-  switch (type) {
-    case mjGEOM_PLANE:
-      return std::numeric_limits<double>::infinity();
-    case mjGEOM_SPHERE:
-    case mjGEOM_CAPSULE:
-      return size[0];
-    case mjGEOM_CYLINDER:
-      return std::min(size[0], size[1]);
-    default:
-      return size.minCoeff();
-  }
-}
-
 double ConvexField::OuterRadius() const {
   switch (type) {
     case mjGEOM_PLANE:

@@ -25,8 +25,7 @@ struct ConvexField {
   FieldValue At(const Eigen::Vector3d& x) const;
   // The primitive's farthest point along a unit vector; not for planes.
   Eigen::Vector3d Support(const Eigen::Vector3d& direction) const;
-  // A ball about the origin inside the primitive; infinite for a plane.
-  double InnerRadius() const;
+  // Of a ball about the origin that holds the primitive; infinite for a plane.
   double OuterRadius() const;
 };
 

@@ -16,48 +16,50 @@ SignedGap Unmeasured(SignedGap gap) {
   return gap;
 }
 
-// Overlapping, nearest and, if they are asked for, the other features; warm is renewed.
-void AskSolids(const SolidPair& pair, double margin, const Depths* features, NearestTriangles& warm,
+// Appends the overlaps and what is wanted of the features that are apart; warm is renewed.
+void AskSolids(const SolidPair& pair, double margin, ExactQuery query, NearestTriangles& warm,
                std::vector<SignedGap>& out) {
+  const bool nearest_alone = query == ExactQuery::kNearest;
   const double cutoff = std::max(margin, SolidPair::kTouching);
   const NearestTriangles near =
-      features ? pair.RoughlyNearest(cutoff, &warm) : pair.Nearest(cutoff, &warm);
+      nearest_alone ? pair.Nearest(cutoff, &warm) : pair.RoughlyNearest(cutoff, &warm);
   if (near.a >= 0) warm = near;
   const bool crossing = near.a >= 0 && near.distance < SolidPair::kTouching;
   if (crossing || Contained(pair)) {
-    if (features && *features == Depths::kSkipped) {
+    if (query == ExactQuery::kUnmeasuredFeatures) {
       return out.push_back(Unmeasured(crossing ? TriangleGap(pair, near) : SignedGap()));
     }
     AppendOverlaps(pair, out);
-    if (!features) return;
+    if (nearest_alone) return;
   }
   if (near.a < 0 || near.distance >= margin) return;
   // Beside surfaces that cross, all are near.
   if (crossing && margin < kBeside * std::min(pair.a().radius(), pair.b().radius())) return;
-  if (features) return pair.Features(margin, near, out);
-  out.push_back({near.distance, near.pa, near.pb, pair.Normal(near)});
+  if (nearest_alone) return out.push_back({near.distance, near.pa, near.pb, pair.Normal(near)});
+  pair.Features(margin, near, out);
 }
 
-void AskField(const FieldMesh& pair, double margin, const Depths* features, int& warm,
+void AskField(const FieldMesh& pair, double margin, ExactQuery query, int& warm,
               std::vector<SignedGap>& out) {
+  const bool nearest_alone = query == ExactQuery::kNearest;
   const FieldNearest near = pair.Nearest(std::max(margin, 0.0), warm);
   if (near.triangle >= 0) warm = near.triangle;
   const bool crossing = near.triangle >= 0 && near.f < 0.0;
   if (crossing || pair.Contained()) {
-    if (features && *features == Depths::kSkipped) {
+    if (query == ExactQuery::kUnmeasuredFeatures) {
       return out.push_back(Unmeasured(crossing ? pair.Gap(near) : SignedGap()));
     }
     pair.AppendOverlaps(out);
-    if (!features) return;
+    if (nearest_alone) return;
   }
   if (near.triangle < 0 || near.f >= margin) return;
-  if (features) return pair.Features(margin, near, out);
-  out.push_back(pair.Gap(near));
+  if (nearest_alone) return out.push_back(pair.Gap(near));
+  pair.Features(margin, near, out);
 }
 
 }  // namespace
 
-void ExactContacts::Ask(const PosedModel& posed, int pair, double margin, const Depths* features,
+void ExactContacts::Ask(const PosedModel& posed, int pair, double margin, ExactQuery query,
                         std::vector<SignedGap>& out) {
   const mjModel& m = *posed.model();
   const mjData& d = *posed.data();
@@ -70,11 +72,11 @@ void ExactContacts::Ask(const PosedModel& posed, int pair, double margin, const 
   const std::size_t begin = out.size();
   const bool both_solid = tables_.solids[g1] != nullptr;
   if (both_solid) {
-    AskSolids({*tables_.solids[g1], *tables_.solids[g2], second_in_first}, reach, features,
+    AskSolids({*tables_.solids[g1], *tables_.solids[g2], second_in_first}, reach, query,
               warm_[pair], out);
   } else {  // MuJoCo's order: the mesh comes last
     const ConvexField field{m.geom_type[g1], kTreeUnits * AsVector(m.geom_size + 3 * g1)};
-    AskField({field, *tables_.solids[g2], second_in_first}, reach, features, warm_[pair].b, out);
+    AskField({field, *tables_.solids[g2], second_in_first}, reach, query, warm_[pair].b, out);
   }
   const Matrix3d& R = both_solid ? R1 : R2;
   const Vector3d& origin = both_solid ? p1 : p2;
@@ -88,7 +90,7 @@ void ExactContacts::Ask(const PosedModel& posed, int pair, double margin, const 
 
 bool ExactContacts::Distance(const PosedModel& posed, int pair, double cutoff, SignedGap& gap) {
   scratch_.clear();
-  Ask(posed, pair, cutoff, nullptr, scratch_);
+  Ask(posed, pair, cutoff, ExactQuery::kNearest, scratch_);
   if (scratch_.empty() || scratch_.front().distance >= cutoff) return false;
   gap = scratch_.front();
   return true;
@@ -96,7 +98,8 @@ bool ExactContacts::Distance(const PosedModel& posed, int pair, double cutoff, S
 
 void ExactContacts::Features(const PosedModel& posed, int pair, double margin, Depths depths,
                              std::vector<SignedGap>& out) {
-  Ask(posed, pair, margin, &depths, out);
+  const bool measured = depths == Depths::kMeasured;
+  Ask(posed, pair, margin, measured ? ExactQuery::kFeatures : ExactQuery::kUnmeasuredFeatures, out);
 }
 
 }  // namespace mjcf_pdg

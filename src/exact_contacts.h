@@ -8,11 +8,18 @@
 
 #include <vector>
 
-#include "capsule_box.h"
 #include "kinematics.h"
+#include "signed_gap.h"
 #include "solid_pair.h"
 
 namespace mjcf_pdg {
+
+// What is asked of an exact pair.
+enum class ExactQuery {
+  kNearest,             // the nearest feature alone; of an overlap its deepest places
+  kFeatures,            // all features within a margin; of an overlap its deepest places, measured
+  kUnmeasuredFeatures,  // the same, of an overlap only that there is one
+};
 
 // One per thread: it remembers the nearest triangles of every pair, as a start for the next query.
 class ExactContacts {
@@ -37,8 +44,7 @@ class ExactContacts {
                 std::vector<SignedGap>& out);
 
  private:
-  // `features` null: only the nearest, or where it is deepest.
-  void Ask(const PosedModel& posed, int pair, double margin, const Depths* features,
+  void Ask(const PosedModel& posed, int pair, double margin, ExactQuery query,
            std::vector<SignedGap>& out);
 
   const SceneTables& tables_;

@@ -1,22 +1,21 @@
 #include "exact_mesh.h"
 
+#include <iterator>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <utility>
 
 #include "convex_mesh.h"
+#include "mesh_hull.h"
+#include "names.h"
 #include "solid.h"
 
 namespace mjcf_pdg {
 namespace {
 
 constexpr char kMark[] = "mjcf_pdg.exact_mesh";
-
-std::string GeomLabel(const mjModel& m, int geom) {
-  const char* name = mj_id2name(&m, mjOBJ_GEOM, geom);
-  return name && *name ? "'" + std::string(name) + "'" : "#" + std::to_string(geom);
-}
 
 void MarkNamed(const std::string& names, SceneTables& tables) {
   const mjModel& m = *tables.model;
@@ -41,19 +40,19 @@ Matrix3Xi MeshFaces(const mjModel& m, int mesh) {
                                      m.mesh_facenum[mesh]);
 }
 
-// mesh_graph: numvert, numface, vert_edgeadr[numvert], vert_globalid[numvert],
-// edge_localid[numvert + 3 numface], face_globalid[3 numface].
+Matrix3Xi FacesOf(const MeshHull& hull) {
+  return Eigen::Map<const Matrix3Xi>(hull.faces.data(), 3, std::ssize(hull.faces) / 3);
+}
+
 Matrix3Xi HullFaces(const mjModel& m, int mesh) {
-  if (m.mesh_graphadr[mesh] < 0) throw Error("the mesh has no convex hull");
-  const int* graph = m.mesh_graph + m.mesh_graphadr[mesh];
-  const int num_vertices = graph[0], num_faces = graph[1];
-  const int* faces = graph + 2 + 3 * num_vertices + 3 * num_faces;
-  return Eigen::Map<const Matrix3Xi>(faces, 3, num_faces);
+  const std::optional<MeshHull> hull = HullOf(m, mesh);
+  if (!hull) throw Error("the mesh has no convex hull");
+  return FacesOf(*hull);
 }
 
 bool IsConvex(const mjModel& m, int mesh) {
-  if (m.mesh_graphadr[mesh] < 0) return false;
-  return IsItsOwnHull({MeshVertices(m, mesh), MeshFaces(m, mesh)}, HullFaces(m, mesh));
+  const std::optional<MeshHull> hull = HullOf(m, mesh);
+  return hull && IsItsOwnHull({MeshVertices(m, mesh), MeshFaces(m, mesh)}, FacesOf(*hull));
 }
 
 Solid BoxOf(const Vector3d& half) {
@@ -118,12 +117,12 @@ void BuildSolids(SceneTables& tables) {
                                                 exact ? MeshFaces(m, mesh) : HullFaces(m, mesh));
         }
       } catch (const Error& e) {
-        throw Error("geom " + GeomLabel(m, g) + ": " + e.what());
+        throw Error("geom " + QuotedNameOrId(m, mjOBJ_GEOM, g) + ": " + e.what());
       }
       tables.solids[g] = solid;
       if (solid->closed()) continue;
-      tables.warnings.push_back("mesh geom " + GeomLabel(m, g) + " is not closed (" +
-                                std::to_string(solid->open_edges()) +
+      tables.warnings.push_back("mesh geom " + QuotedNameOrId(m, mjOBJ_GEOM, g) +
+                                " is not closed (" + std::to_string(solid->open_edges()) +
                                 " open edges): a surface without inside");
     }
   }

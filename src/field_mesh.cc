@@ -1,11 +1,12 @@
 #include "field_mesh.h"
 
-#include <fcl/narrowphase/detail/primitive_shape_algorithm/triangle_distance.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
 #include <queue>
 #include <utility>
+
+#include "triangle_distance.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -57,10 +58,9 @@ void FieldMesh::AskTriangle(int triangle, FieldNearest& best) const {
   } else if (field_.type == mjGEOM_CAPSULE) {
     const Vector3d end(0.0, 0.0, field_.size[1]), core[3] = {-end, end, end};
     Vector3d on_core;
-    const double distance =
-        fcl::detail::TriangleDistance<double>::triDistance(corners, core, least.x, on_core);
+    const double distance = TriangleDistance(corners, core, least.x, on_core);
     least.f = distance - field_.size[0];
-    if (distance == 0.0) {  // FCL gives no point then
+    if (distance == 0.0) {  // no points then
       const Vector3d n = pose_.R * mesh_.Normal(triangle);
       const double low = n.dot(-end - corners[0]), high = n.dot(end - corners[0]);
       const double along = low == high ? 0.5 : std::clamp(low / (low - high), 0.0, 1.0);

@@ -76,15 +76,6 @@ void FreeConfigurationSelection::Begin(const std::optional<VectorXd>& hint, std:
   tried_ = 0;
 }
 
-std::optional<VectorXd> FreeConfigurationSelection::Select(const std::string& name) {
-  for (const Entry& entry : Table()) {
-    if (name != entry.name) continue;
-    ++tried_;
-    return (this->*entry.select)();
-  }
-  throw Error("no free-configuration selection is called '" + name + "'");
-}
-
 std::optional<FreeConfiguration> FreeConfigurationSelection::SelectInPaperOrder() {
   for (const Entry& entry : Table()) {
     if (problem_.Expired()) break;
@@ -199,12 +190,12 @@ std::optional<VectorXd> FreeConfigurationSelection::TranslateFrom(VectorXd q) {
   return std::nullopt;
 }
 
+// Those too that are accepted in an answer.
 std::vector<NearPair> FreeConfigurationSelection::Overlaps(const VectorXd& q) {
   std::vector<NearPair> overlaps;
   problem_.finder.Pose(q);
   for (const NearPair& near : problem_.finder.Find(problem_.options.clearance, Depths::kSkipped)) {
-    const bool moves = problem_.tables.pairs[near.pair].moves;
-    if (moves && near.distance < problem_.required[near.pair]) overlaps.push_back(near);
+    if (problem_.Overlaps(near, 0.0)) overlaps.push_back(near);
   }
   return overlaps;
 }

@@ -57,9 +57,7 @@ class FreeConfigurationSelection {
   // A new q_in. `hint`: the user's pose, if any; `seed` of the random selections.
   void Begin(const std::optional<VectorXd>& hint, std::uint64_t seed);
 
-  // A free configuration by one selection; none if it fails or does not apply. Throws Error for an
-  // unknown name.
-  std::optional<VectorXd> Select(const std::string& name);
+  // A free configuration by the first selection that finds one; none if all fail or are left out.
   std::optional<FreeConfiguration> SelectInPaperOrder();
 
   // Motion coherence: remembers q if it is free, or free of self-collision at least.
@@ -69,7 +67,6 @@ class FreeConfigurationSelection {
   std::optional<VectorXd> NearestRemembered();
   void Forget();
 
-  bool has_coherence() const { return !free_.empty(); }
   int tried() const { return tried_; }  // selections since Begin
 
  private:

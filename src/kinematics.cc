@@ -8,12 +8,6 @@
 namespace mjcf_pdg {
 namespace {
 
-int QuatAddress(const JointEntry& joint) { return joint.qadr + (joint.type == mjJNT_FREE ? 3 : 0); }
-
-int RotationColumn(const JointEntry& joint) {
-  return joint.col + (joint.type == mjJNT_FREE ? 3 : 0);
-}
-
 bool Rotates3d(const JointEntry& joint) {
   return joint.type == mjJNT_FREE || joint.type == mjJNT_BALL;
 }

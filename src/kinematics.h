@@ -63,6 +63,14 @@ class PosedModel {
 void BodyJacobians(const SceneTables& tables, const PosedModel& posed, int body,
                    const Vector3d& p_W, MatrixXd& jac_p, MatrixXd& jac_r);
 
+// Where the rotation of a ball or a free joint begins, in qpos and in dq.
+inline int QuatAddress(const JointEntry& joint) {
+  return joint.qadr + (joint.type == mjJNT_FREE ? 3 : 0);
+}
+inline int RotationColumn(const JointEntry& joint) {
+  return joint.col + (joint.type == mjJNT_FREE ? 3 : 0);
+}
+
 // The unit quaternion (w, x, y, z) at q[adr].
 inline Eigen::Quaterniond QuatAt(const VectorXd& q, int adr) {
   return Eigen::Quaterniond(q[adr], q[adr + 1], q[adr + 2], q[adr + 3]).normalized();
@@ -75,6 +83,13 @@ inline Eigen::Map<const Vector3d> AsVector(const mjtNum* p) {
 // A row-major 3 × 3 array of MuJoCo's.
 inline Matrix3d AsMatrix(const mjtNum* p) {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(p);
+}
+
+// [v]: the matrix of x -> v × x.
+inline Matrix3d Skew(const Vector3d& v) {
+  Matrix3d s;
+  s << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return s;
 }
 
 }  // namespace mjcf_pdg

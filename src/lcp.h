@@ -10,8 +10,8 @@
 // GᵀG is the paper's C' H⁻¹ C'ᵀ, Gᵀy its C' X_c (Eq. 12, 30).
 // Source: Tang & Kim, Sec. 3.2 and 5.3 (projected Gauss-Seidel).
 // Differs from it:
-//   1. An upper bound μ (elastic rows): conflicting contacts have an answer too. μ = ∞: the
-//   paper's.
+//   1. An upper bound μ (elastic rows): conflicting contacts have an answer too. The paper's is
+//      μ = ∞.
 //   2. Beside Gauss-Seidel, an active-set method (Goldfarb & Idnani's dual steps, with bounds) that
 //      ends in finitely many steps and copes with dependent rows.
 #ifndef MJCF_PDG_SRC_LCP_H_

@@ -15,12 +15,6 @@ double LambdaMaxOfRank2(const Matrix3d& A) {
   return 0.5 * (trace + std::sqrt(std::max(0.0, 2.0 * A.squaredNorm() - trace * trace)));
 }
 
-Matrix3d Skew(const Vector3d& r) {
-  Matrix3d s;
-  s << 0, -r.z(), r.y(), r.z(), 0, -r.x(), -r.y(), r.x(), 0;
-  return s;
-}
-
 // Turns about `anchor`, and slides as `mass` does; without mass it is infinitely easy to move.
 Mover PoseMover(double mass, const Vector3d& anchor, const Matrix3d& inertia) {
   Mover mover;

@@ -2,6 +2,9 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
+
+#include "mesh_hull.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -9,12 +12,14 @@ namespace {
 void AddMeshPoints(const mjModel& m, int geom, ConvexGeom& shape) {
   const int mesh = m.geom_dataid[geom];
   const float* vert = m.mesh_vert + 3 * static_cast<std::ptrdiff_t>(m.mesh_vertadr[mesh]);
-  // Hull vertices only, where MuJoCo has the hull: counts, edge addresses, then vertex ids.
-  const int* graph = m.mesh_graphadr[mesh] < 0 ? nullptr : m.mesh_graph + m.mesh_graphadr[mesh];
-  const int n = graph ? graph[0] : m.mesh_vertnum[mesh];
-  for (int i = 0; i < n; ++i) {
-    const float* v = vert + 3 * static_cast<std::ptrdiff_t>(graph ? graph[2 + n + i] : i);
+  auto add = [&](int vertex) {
+    const float* v = vert + 3 * static_cast<std::ptrdiff_t>(vertex);
     shape.points.push_back(shape.center + shape.R * Vector3d(v[0], v[1], v[2]));
+  };
+  if (const std::optional<MeshHull> hull = HullOf(m, mesh)) {
+    for (const int vertex : hull->vertices) add(vertex);
+  } else {
+    for (int vertex = 0; vertex < m.mesh_vertnum[mesh]; ++vertex) add(vertex);
   }
 }
 

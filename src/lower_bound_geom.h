@@ -17,8 +17,9 @@ struct ConvexGeom {
   int type = 0;
   Vector3d center, size;
   Matrix3d R;
-  std::vector<Vector3d> points;  // their hull, grown by radius, is the geom; round geoms are
-  double radius = 0.0;           // inside it
+  // The geom is the hull of the points, grown by the radius; a round geom is inside that.
+  std::vector<Vector3d> points;
+  double radius = 0.0;
 
   // Cylinders and ellipsoids, whose points are not their own.
   bool IsRound() const { return type == mjGEOM_ELLIPSOID || type == mjGEOM_CYLINDER; }

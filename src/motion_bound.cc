@@ -103,8 +103,7 @@ void MotionBound::SetPose(const PosedModel& posed) {
     if (joint.ndof == 1) {
       motion.rate_W = path_[joint.col] * AsVector(d.xaxis + 3 * joint.id);
     } else if (motion.rotates) {  // given in the body's frame; no rotation follows a ball
-      const int offset = joint.type == mjJNT_FREE ? 3 : 0;
-      motion.rate_W = AsMatrix(d.xmat + 9 * joint.body) * path_.segment<3>(joint.col + offset);
+      motion.rate_W = AsMatrix(d.xmat + 9 * joint.body) * path_.segment<3>(RotationColumn(joint));
     }
   }
 }

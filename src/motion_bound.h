@@ -49,8 +49,7 @@ class MotionBound {
   bool Moves(int body_pair) const { return active_[body_pair].begin < active_[body_pair].end; }
 
   // An upper bound of λ for all geoms of the two bodies, from the bodies' spheres, and the distance
-  // of the spheres
-  // (-inf with a plane).
+  // of the spheres (-inf with a plane).
   double BodiesClosing(const PosedModel& posed, int body_pair, double horizon, double& distance);
   RelativeMotion Geoms(const PosedModel& posed, int body_pair, int pair, double horizon);
 

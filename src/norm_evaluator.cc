@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "names.h"
+
 namespace mjcf_pdg {
 namespace {
 
@@ -24,14 +26,6 @@ int TermRows(Kind kind) {
   }
   return 0;
 }
-
-Matrix3d Skew(const Vector3d& v) {
-  Matrix3d s;
-  s << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return s;
-}
-
-int QuatAddress(const JointEntry& joint) { return joint.qadr + (joint.type == mjJNT_FREE ? 3 : 0); }
 
 // conj(a) ⊗ b with non-negative real part: the short way from a to b, in a's frame.
 Eigen::Quaterniond Relative(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
@@ -90,6 +84,7 @@ void NormEvaluator::SetReference(const VectorXd& q_in, const MocapPoses& mocap) 
   terms_.clear();
   rows_ = 0;
   total_mass_ = RigidPiece(tables_.body_moves).mass;
+  scale_ = 1.0 / std::sqrt(total_mass_);
   if (metric_ == Metric::kDisplacement) {
     AddDisplacementTerms();
   } else if (tables_.root_body >= 0) {
@@ -221,80 +216,91 @@ double NormEvaluator::Sigma(const VectorXd& q) {
   return r_.squaredNorm();
 }
 
-void NormEvaluator::Residual(const VectorXd& q, VectorXd& r) {
+void NormEvaluator::Residual(const VectorXd& q, VectorXd& r) { Fill(q, r, nullptr); }
+
+void NormEvaluator::Linearize(const VectorXd& q, VectorXd& r, MatrixXd& J) {
+  J.setZero(rows_, tables_.n);
+  Fill(q, r, &J);
+}
+
+// Each function below fills a term's rows of r and, unless J is null, of J, which are zero before.
+void NormEvaluator::Fill(const VectorXd& q, VectorXd& r, MatrixXd* J) {
   if (NeedsPose()) posed_.Pose(q);
-  const mjData& d = *posed_.data();
-  const double scale = 1.0 / std::sqrt(total_mass_);
   r.resize(rows_);
   for (const NormTerm& term : terms_) {
-    if (term.kind == Kind::kBodyPose) {
-      const Matrix3d R = AsMatrix(d.xmat + 9 * term.body);
-      const Eigen::Quaterniond p = Relative(Eigen::Quaterniond(term.R_in), Eigen::Quaterniond(R));
-      const Vector3d com_W = AsVector(d.xpos + 3 * term.body) + R * term.com_B;
-      r.segment<3>(term.row) = scale * std::sqrt(term.mass) * (com_W - term.com_W);
-      r.segment<3>(term.row + 3) = scale * 2.0 * term.sqrt_inertia_W * (term.R_in * p.vec());
-      continue;
+    switch (term.kind) {
+      case Kind::kSlide:
+      case Kind::kHinge:
+        FillScalar(term, q, r, J);
+        break;
+      case Kind::kFree:
+        FillTranslation(term, q, r, J);
+        FillRotation(term, q, r, J);
+        break;
+      case Kind::kBall:
+        FillRotation(term, q, r, J);
+        break;
+      case Kind::kBodyPose:
+        FillBodyPose(term, r, J);
+        break;
     }
-    const JointEntry& joint = tables_.joints[term.joint];
-    if (term.kind == Kind::kSlide || term.kind == Kind::kHinge) {
-      const double delta = q[joint.qadr] - q_in_[joint.qadr];
-      r[term.row] = term.kind == Kind::kSlide
-                        ? scale * std::sqrt(term.mass) * delta
-                        : scale * std::sqrt(term.inertia) * 2.0 * std::sin(delta / 2);
-      continue;
-    }
-    const int adr = QuatAddress(joint);
-    const Eigen::Quaterniond p = Relative(QuatAt(q_in_, adr), QuatAt(q, adr));
-    int row = term.row;
-    if (term.kind == Kind::kFree) {
-      const Matrix3d R = QuatAt(q, adr).toRotationMatrix();
-      const Vector3d com_W = q.segment<3>(joint.qadr) + R * term.com_B;
-      r.segment<3>(row) = scale * std::sqrt(term.mass) * (com_W - term.com_W);
-      row += 3;
-    }
-    r.segment<3>(row) = scale * 2.0 * term.sqrt_inertia_W * (term.R_in * p.vec());
   }
 }
 
-void NormEvaluator::Linearize(const VectorXd& q, VectorXd& r, MatrixXd& J) {
-  Residual(q, r);
-  J.setZero(rows_, tables_.n);
-  const double scale = 1.0 / std::sqrt(total_mass_);
-  const mjData& d = *posed_.data();
-  MatrixXd jac_com, jac_rot;
-  for (const NormTerm& term : terms_) {
-    if (term.kind == Kind::kBodyPose) {
-      const Matrix3d R = AsMatrix(d.xmat + 9 * term.body);
-      const Eigen::Quaterniond p = Relative(Eigen::Quaterniond(term.R_in), Eigen::Quaterniond(R));
-      const Vector3d com_W = AsVector(d.xpos + 3 * term.body) + R * term.com_B;
-      BodyJacobians(tables_, posed_, term.body, com_W, jac_com, jac_rot);
-      // World-axes rotations here: w = Rᵀ ω.
-      const Matrix3d dQ = QuatVectorJacobian(term.R_in, p) * R.transpose();
-      J.middleRows<3>(term.row) = scale * std::sqrt(term.mass) * jac_com;
-      J.middleRows<3>(term.row + 3) = scale * 2.0 * term.sqrt_inertia_W * dQ * jac_rot;
-      continue;
-    }
-    const JointEntry& joint = tables_.joints[term.joint];
-    if (term.kind == Kind::kSlide || term.kind == Kind::kHinge) {
-      const double delta = q[joint.qadr] - q_in_[joint.qadr];
-      J(term.row, joint.col) = term.kind == Kind::kSlide
-                                   ? scale * std::sqrt(term.mass)
-                                   : scale * std::sqrt(term.inertia) * std::cos(delta / 2);
-      continue;
-    }
-    const int adr = QuatAddress(joint);
-    const Eigen::Quaterniond p = Relative(QuatAt(q_in_, adr), QuatAt(q, adr));
-    int row = term.row, col = joint.col;
-    if (term.kind == Kind::kFree) {
-      const Matrix3d R = QuatAt(q, adr).toRotationMatrix();
-      const double weight = scale * std::sqrt(term.mass);
-      J.block<3, 3>(row, col) = weight * Matrix3d::Identity();
-      J.block<3, 3>(row, col + 3) = -weight * R * Skew(term.com_B);
-      row += 3;
-      col += 3;
-    }
-    J.block<3, 3>(row, col) = scale * 2.0 * term.sqrt_inertia_W * QuatVectorJacobian(term.R_in, p);
+void NormEvaluator::FillScalar(const NormTerm& term, const VectorXd& q, VectorXd& r,
+                               MatrixXd* J) const {
+  const JointEntry& joint = tables_.joints[term.joint];
+  const double delta = q[joint.qadr] - q_in_[joint.qadr];
+  if (term.kind == Kind::kSlide) {
+    const double weight = scale_ * std::sqrt(term.mass);
+    r[term.row] = weight * delta;
+    if (J) (*J)(term.row, joint.col) = weight;
+  } else {
+    const double weight = scale_ * std::sqrt(term.inertia);
+    r[term.row] = weight * 2.0 * std::sin(delta / 2);
+    if (J) (*J)(term.row, joint.col) = weight * std::cos(delta / 2);
   }
+}
+
+// Of a free joint's centre of mass: its first three rows.
+void NormEvaluator::FillTranslation(const NormTerm& term, const VectorXd& q, VectorXd& r,
+                                    MatrixXd* J) const {
+  const JointEntry& joint = tables_.joints[term.joint];
+  const Matrix3d R = QuatAt(q, QuatAddress(joint)).toRotationMatrix();
+  const double weight = scale_ * std::sqrt(term.mass);
+  const Vector3d com_W = q.segment<3>(joint.qadr) + R * term.com_B;
+  r.segment<3>(term.row) = weight * (com_W - term.com_W);
+  if (!J) return;
+  J->block<3, 3>(term.row, joint.col) = weight * Matrix3d::Identity();
+  J->block<3, 3>(term.row, joint.col + 3) = -weight * R * Skew(term.com_B);
+}
+
+// Of a ball, or of a free joint.
+void NormEvaluator::FillRotation(const NormTerm& term, const VectorXd& q, VectorXd& r,
+                                 MatrixXd* J) const {
+  const JointEntry& joint = tables_.joints[term.joint];
+  const int row = term.row + (term.kind == Kind::kFree ? 3 : 0), adr = QuatAddress(joint);
+  const Eigen::Quaterniond p = Relative(QuatAt(q_in_, adr), QuatAt(q, adr));
+  r.segment<3>(row) = scale_ * 2.0 * term.sqrt_inertia_W * (term.R_in * p.vec());
+  if (!J) return;
+  J->block<3, 3>(row, RotationColumn(joint)) =
+      scale_ * 2.0 * term.sqrt_inertia_W * QuatVectorJacobian(term.R_in, p);
+}
+
+void NormEvaluator::FillBodyPose(const NormTerm& term, VectorXd& r, MatrixXd* J) {
+  const mjData& d = *posed_.data();
+  const Matrix3d R = AsMatrix(d.xmat + 9 * term.body);
+  const Eigen::Quaterniond p = Relative(Eigen::Quaterniond(term.R_in), Eigen::Quaterniond(R));
+  const Vector3d com_W = AsVector(d.xpos + 3 * term.body) + R * term.com_B;
+  const double weight = scale_ * std::sqrt(term.mass);
+  r.segment<3>(term.row) = weight * (com_W - term.com_W);
+  r.segment<3>(term.row + 3) = scale_ * 2.0 * term.sqrt_inertia_W * (term.R_in * p.vec());
+  if (!J) return;
+  BodyJacobians(tables_, posed_, term.body, com_W, jac_com_, jac_rot_);
+  // World-axes rotations here: w = Rᵀ ω.
+  const Matrix3d dQ = QuatVectorJacobian(term.R_in, p) * R.transpose();
+  J->middleRows<3>(term.row) = weight * jac_com_;
+  J->middleRows<3>(term.row + 3) = scale_ * 2.0 * term.sqrt_inertia_W * dQ * jac_rot_;
 }
 
 void NormEvaluator::InnerProduct(const MatrixXd& J, MatrixXd& H) const {
@@ -320,8 +326,7 @@ std::string NormEvaluator::TermName(const NormTerm& term) const {
       (!is_joint || tables_.joints[term.joint].body == TopBody(*tables_.model, root))) {
     return "root";
   }
-  const char* name = mj_id2name(tables_.model, is_joint ? mjOBJ_JOINT : mjOBJ_BODY, id);
-  return name && *name ? name : "#" + std::to_string(id);
+  return NameOrId(*tables_.model, is_joint ? mjOBJ_JOINT : mjOBJ_BODY, id);
 }
 
 void NormEvaluator::Retract(const VectorXd& q, const VectorXd& dq, VectorXd& out) const {
@@ -351,7 +356,7 @@ void NormEvaluator::RetractRotation(const NormTerm& term, const VectorXd& q, con
   const JointEntry& joint = tables_.joints[term.joint];
   const bool is_free = term.kind == Kind::kFree;
   const int adr = QuatAddress(joint);
-  const Vector3d w = dq.segment<3>(joint.col + (is_free ? 3 : 0));
+  const Vector3d w = dq.segment<3>(RotationColumn(joint));
   const Eigen::Quaterniond from = QuatAt(q, adr);
   const Eigen::Quaterniond p = Relative(QuatAt(q_in_, adr), from);
   if (p.vec().norm() >= kQuatChart) return;

@@ -2,6 +2,8 @@
 //
 // Source: Tang & Kim, Eq. 13-19, 26, 28. For the paper's metric without another root, r stacks
 // √(H_j/M) X_j joint by joint, so J is square and block-diagonal and Retract can move along X.
+// H, here and in the solver, is JᵀJ: the paper's H (Eq. 28), a metric for X, divided by M and
+// carried over to dq.
 // Differs from it: the other metrics of object_norm.h fit the same form with a full J.
 #ifndef MJCF_PDG_SRC_NORM_EVALUATOR_H_
 #define MJCF_PDG_SRC_NORM_EVALUATOR_H_
@@ -49,8 +51,7 @@ class NormEvaluator {
   double Sigma(const VectorXd& q);
   void Residual(const VectorXd& q, VectorXd& r);
   void Linearize(const VectorXd& q, VectorXd& r, MatrixXd& J);
-  // H = JᵀJ (n × n, only its blocks are written), made definite where the norm does not see a
-  // joint.
+  // H (n × n, only its blocks are written), made definite where the norm does not see a joint.
   void InnerProduct(const MatrixXd& J, MatrixXd& H) const;
   // σ of one term, given the residual at q.
   double TermSigma(const NormTerm& term, const VectorXd& r) const;
@@ -72,6 +73,11 @@ class NormEvaluator {
   Piece RigidPiece(const std::vector<char>& bodies) const;
   std::vector<char> Outboard(int body) const;
   bool NeedsPose() const;
+  void Fill(const VectorXd& q, VectorXd& r, MatrixXd* J);
+  void FillScalar(const NormTerm& term, const VectorXd& q, VectorXd& r, MatrixXd* J) const;
+  void FillTranslation(const NormTerm& term, const VectorXd& q, VectorXd& r, MatrixXd* J) const;
+  void FillRotation(const NormTerm& term, const VectorXd& q, VectorXd& r, MatrixXd* J) const;
+  void FillBodyPose(const NormTerm& term, VectorXd& r, MatrixXd* J);
   void RetractHinge(const JointEntry& joint, const VectorXd& q, const VectorXd& dq,
                     VectorXd& out) const;
   void RetractRotation(const NormTerm& term, const VectorXd& q, const VectorXd& dq,
@@ -82,10 +88,12 @@ class NormEvaluator {
   PosedModel posed_;
   VectorXd q_in_;
   double total_mass_ = 0.0;
+  double scale_ = 0.0;  // 1/√M
   int rows_ = 0;
   std::vector<NormTerm> terms_;
   std::vector<ColumnRange> blocks_;
   VectorXd r_;  // scratch
+  MatrixXd jac_com_, jac_rot_;
 };
 
 }  // namespace mjcf_pdg

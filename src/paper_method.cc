@@ -6,26 +6,23 @@ namespace mjcf_pdg {
 namespace {
 
 constexpr char kCoherence[] = "motion_coherence";
+constexpr IterationOptions kIteration = {
+    .max_iterations = 100, .corrections = 6, .reverse_samples = 16};
 
 }  // namespace
 
 PaperMethod::PaperMethod(Problem& problem)
     : selection_(problem), iteration_(problem), problem_(problem) {}
 
-PaperResult PaperMethod::Run(const std::optional<VectorXd>& hint, const PaperOptions& options) {
+PaperResult PaperMethod::Run(const std::optional<VectorXd>& hint) {
   PaperResult result;
   result.q = problem_.q_in;
   selection_.Begin(hint, problem_.options.seed);
-  std::optional<FreeConfiguration> q_f;
-  if (options.selection.empty()) {
-    q_f = selection_.SelectInPaperOrder();
-  } else if (std::optional<VectorXd> q = selection_.Select(options.selection)) {
-    q_f = FreeConfiguration{*std::move(q), options.selection};
-  }
+  const std::optional<FreeConfiguration> q_f = selection_.SelectInPaperOrder();
   result.selections = selection_.tried();
   if (!q_f) return result;
   result.start = q_f->start;
-  IterationOptions how = options.iteration;
+  IterationOptions how = kIteration;
   if (!problem_.Uses("corrections")) how.corrections = 0;
   if (!problem_.Uses("reverse_projection")) how.reverse_samples = 0;
   IterationResult iterated = iteration_.Run(q_f->q, how);

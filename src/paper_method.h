@@ -18,11 +18,6 @@
 
 namespace mjcf_pdg {
 
-struct PaperOptions {
-  IterationOptions iteration = {.max_iterations = 100, .corrections = 6, .reverse_samples = 16};
-  std::string selection;  // by name; empty: the paper's order
-};
-
 struct PaperResult {
   bool free = false;  // false: no free configuration was found; q is q_in
   VectorXd q;
@@ -40,8 +35,7 @@ class PaperMethod {
  public:
   explicit PaperMethod(Problem& problem);
 
-  PaperResult Run(const std::optional<VectorXd>& hint = std::nullopt,
-                  const PaperOptions& options = {});
+  PaperResult Run(const std::optional<VectorXd>& hint = std::nullopt);
 
   // Motion coherence: an answer, or a frame, for later runs to start from.
   void Remember(const VectorXd& q) { selection_.Remember(q); }

@@ -50,9 +50,12 @@ struct Problem {
   }
   // The same, where `near` is what was found within some margin.
   bool IsFree(const std::vector<NearPair>& near) const {
-    return std::none_of(near.begin(), near.end(), [this](const NearPair& n) {
-      return tables.pairs[n.pair].moves && n.distance < required[n.pair] - tolerances.accept;
-    });
+    return std::none_of(near.begin(), near.end(),
+                        [this](const NearPair& n) { return Overlaps(n, tolerances.accept); });
+  }
+  // The pair can move and is nearer than required by more than `accepted` [m].
+  bool Overlaps(const NearPair& near, double accepted) const {
+    return tables.pairs[near.pair].moves && near.distance < required[near.pair] - accepted;
   }
 
   // False for what Options::without names.

@@ -1,4 +1,5 @@
-// A small deterministic generator: the same numbers on every machine and standard library.
+// A small deterministic generator: the same bits and uniform numbers on every machine; normal ones
+// follow the C library's log and cos.
 #ifndef MJCF_PDG_SRC_RANDOM_H_
 #define MJCF_PDG_SRC_RANDOM_H_
 

@@ -7,6 +7,7 @@
 
 #include "exact_mesh.h"
 #include "kept_pairs.h"
+#include "names.h"
 #include "scene_tables.h"
 #include "verify_exact_mesh.h"
 
@@ -25,14 +26,9 @@ std::string OneLine(std::string text) {
   return text;
 }
 
-std::string NameOrId(const mjModel* m, int kind, int id) {
-  const char* name = mj_id2name(m, kind, id);
-  return name && *name ? name : "#" + std::to_string(id);
-}
-
 void RefuseUnsupported(const mjModel& m) {
   if (m.nflex > 0) {
-    throw Error("flex '" + NameOrId(&m, mjOBJ_FLEX, 0) + "' is not supported");
+    throw Error("flex '" + NameOrId(m, mjOBJ_FLEX, 0) + "' is not supported");
   }
   if (m.njnt == 0) throw Error("the model has no joints: nothing can move");
 }
@@ -42,8 +38,8 @@ void RefuseUnseenPairs(const SceneTables& tables) {
   const mjModel& m = *tables.model;
   for (const KeptPair& pair : tables.pairs) {
     if (m.geom_type[pair.geom1] == mjGEOM_HFIELD && m.geom_type[pair.geom2] == mjGEOM_SDF) {
-      throw Error("height field '" + NameOrId(&m, mjOBJ_GEOM, pair.geom1) + "' against SDF '" +
-                  NameOrId(&m, mjOBJ_GEOM, pair.geom2) + "' is not supported: exclude the pair");
+      throw Error("height field '" + NameOrId(m, mjOBJ_GEOM, pair.geom1) + "' against SDF '" +
+                  NameOrId(m, mjOBJ_GEOM, pair.geom2) + "' is not supported: exclude the pair");
     }
   }
 }
@@ -53,7 +49,7 @@ int BodyByName(const mjModel* m, const std::string& name) {
   if (body >= 0) return body;
   std::string known;
   for (int b = 1; b < m->nbody && known.size() < 200; ++b) {
-    known += (known.empty() ? "" : ", ") + NameOrId(m, mjOBJ_BODY, b);
+    known += (known.empty() ? "" : ", ") + NameOrId(*m, mjOBJ_BODY, b);
   }
   throw Error("no body named '" + name + "' (bodies: " + known + ")");
 }
@@ -204,9 +200,9 @@ bool Scene::HasExactMeshes() const {
   return std::any_of(tables_->pairs.begin(), tables_->pairs.end(), exact);
 }
 
-std::string Scene::GeomName(int geom) const { return NameOrId(model(), mjOBJ_GEOM, geom); }
-std::string Scene::JointName(int joint) const { return NameOrId(model(), mjOBJ_JOINT, joint); }
-std::string Scene::BodyName(int body) const { return NameOrId(model(), mjOBJ_BODY, body); }
+std::string Scene::GeomName(int geom) const { return NameOrId(*model(), mjOBJ_GEOM, geom); }
+std::string Scene::JointName(int joint) const { return NameOrId(*model(), mjOBJ_JOINT, joint); }
+std::string Scene::BodyName(int body) const { return NameOrId(*model(), mjOBJ_BODY, body); }
 
 std::vector<std::string> Scene::KeyNames() const {
   std::vector<std::string> names;
@@ -254,7 +250,7 @@ std::vector<std::string> Scene::ActiveEqualities() const {
     static constexpr const char* kKind[] = {"connect", "weld", "joint", "tendon", "flex"};
     const int type = m->eq_type[e];
     names.push_back(std::string(type < 5 ? kKind[type] : "equality") + " '" +
-                    NameOrId(m, mjOBJ_EQUALITY, e) + "'");
+                    NameOrId(*m, mjOBJ_EQUALITY, e) + "'");
   }
   return names;
 }

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+
+#include "mesh_hull.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -47,11 +50,9 @@ Separation::Separation(const mjModel& model) {
   for (int mesh = 0; mesh < model.nmesh; ++mesh) {
     hulls_[mesh].begin = static_cast<int>(kept.size());
     const int first = model.mesh_vertadr[mesh], count = model.mesh_vertnum[mesh];
-    const int graph = model.mesh_graphadr[mesh];
-    if (graph >= 0 && count >= kGraphFromVertices) {
-      const int hull_count = model.mesh_graph[graph];
-      const int* global = model.mesh_graph + graph + 2 + hull_count;
-      for (int k = 0; k < hull_count; ++k) kept.push_back(first + global[k]);
+    const std::optional<MeshHull> hull = HullOf(model, mesh);
+    if (hull && count >= kGraphFromVertices) {
+      for (const int vertex : hull->vertices) kept.push_back(first + vertex);
     } else {
       for (int k = 0; k < count; ++k) kept.push_back(first + k);
     }

@@ -1,11 +1,11 @@
 #include "solid_pair.h"
 
-#include <fcl/narrowphase/detail/primitive_shape_algorithm/triangle_distance.h>
-
 #include <algorithm>
 #include <queue>
 #include <tuple>
 #include <utility>
+
+#include "triangle_distance.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -85,7 +85,7 @@ NearestTriangles SolidPair::OfTriangles(int a, int b, const Corners& at) {
   NearestTriangles near;
   near.a = a;
   near.b = b;
-  near.distance = fcl::detail::TriangleDistance<double>::triDistance(at.a, at.b, near.pa, near.pb);
+  near.distance = TriangleDistance(at.a, at.b, near.pa, near.pb);
   return near;
 }
 

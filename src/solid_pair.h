@@ -7,7 +7,7 @@
 
 #include <vector>
 
-#include "capsule_box.h"
+#include "signed_gap.h"
 #include "solid.h"
 
 namespace mjcf_pdg {
@@ -45,8 +45,6 @@ class SolidPair {
   NearestTriangles RoughlyNearest(double cutoff, const NearestTriangles* warm) const {
     return Nearest({}, cutoff, warm, kNearly);
   }
-  // Some triangles intersect.
-  bool Intersects() const { return RoughlyNearest(kTouching, nullptr).a >= 0; }
 
   // Rows for a contact matrix: of pairs of patches of the two surfaces the nearest points, if
   // nearer than `margin` and apart; patches are about as large as the margin, which is cut to twice

@@ -39,9 +39,8 @@ const std::vector<LinkPair>& SuccessivePerturbation::Overlaps(const VectorXd& q)
   overlaps_.clear();
   problem_.finder.Pose(q);
   for (const NearPair& near : problem_.finder.Find(problem_.options.clearance, Depths::kSkipped)) {
+    if (!problem_.Overlaps(near, problem_.tolerances.accept)) continue;
     const KeptPair& pair = tables.pairs[near.pair];
-    if (!pair.moves) continue;
-    if (near.distance >= problem_.required[near.pair] - problem_.tolerances.accept) continue;
     overlaps_.push_back({tree_.link_of_body[tables.model->geom_bodyid[pair.geom1]],
                          tree_.link_of_body[tables.model->geom_bodyid[pair.geom2]]});
   }
@@ -175,14 +174,13 @@ void SuccessivePerturbation::AppendLinearTries(const JointEntry& joint) {
 
 // Turns of a ball, or of a free joint's body, about the world's axes, by up to half a turn.
 void SuccessivePerturbation::AppendTurns(const JointEntry& joint) {
-  const int offset = joint.type == mjJNT_FREE ? 3 : 0;
   problem_.finder.Pose(result_.q);
   const Matrix3d R = AsMatrix(problem_.finder.posed().data()->xmat + 9 * joint.body);
   VectorXd dq = VectorXd::Zero(problem_.tables.n), q;
   for (int axis = 0; axis < 3; ++axis) {
     for (int step = 1; step <= options_.steps; ++step) {
       for (const double sign : {1.0, -1.0}) {
-        dq.segment<3>(joint.col + offset) =
+        dq.segment<3>(RotationColumn(joint)) =
             sign * Offset(step, M_PI) * R.row(axis).transpose();  // in the body's frame
         Integrate(problem_.tables, result_.q, dq, q);
         const bool kept = !joint.limited || BallAngle(q.data() + joint.qadr) <= joint.hi;

@@ -8,8 +8,7 @@
 //   2. A joint is tried over its whole range, not "some small range", in steps that grow with the
 //      distance; the tries of all joints of a link are taken nearest first in the object norm.
 //   3. Preprocessing (colliding links with several children, the root first) asks for less: the
-//   link
-//      must come clear of all but its own descendants, whose turn comes with Alg. 1.
+//      link must come clear of all but its own descendants, whose turn comes with Alg. 1.
 //   4. Several moving trees: each has its own root.
 #ifndef MJCF_PDG_SRC_SUCCESSIVE_PERTURBATION_H_
 #define MJCF_PDG_SRC_SUCCESSIVE_PERTURBATION_H_

@@ -89,6 +89,10 @@ MeshShape Moved(const MeshShape& shape, const Eigen::Matrix3d& R, const Vector3d
 
 Solid MakeSolid(const MeshShape& shape) { return Solid(shape.Vertices(), shape.Faces()); }
 
+bool Intersects(const SolidPair& pair) {
+  return pair.RoughlyNearest(SolidPair::kTouching, nullptr).a >= 0;
+}
+
 const std::vector<MeshShape>& SmallShapes() {
   static const std::vector<MeshShape> shapes = {
       TorusKnot(0.1, 0.03, 20, 4), Cup(0.1, 0.15, 0.02, 7), Globe(5, 7, [](const Vector3d& d) {

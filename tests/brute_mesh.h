@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "capsule_box.h"
 #include "mesh_shapes.h"
-#include "solid.h"
+#include "signed_gap.h"
+#include "solid_pair.h"
 
 namespace mjcf_pdg::test {
 
@@ -20,6 +20,9 @@ double BruteDistance(const MeshShape& a, const MeshShape& b);
 MeshShape Moved(const MeshShape& shape, const Eigen::Matrix3d& R, const Eigen::Vector3d& t);
 
 Solid MakeSolid(const MeshShape& shape);
+
+// Some triangles do.
+bool Intersects(const SolidPair& pair);
 
 // Small meshes of several kinds: a knot, a cup, a bumpy globe.
 const std::vector<MeshShape>& SmallShapes();

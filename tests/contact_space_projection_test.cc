@@ -118,19 +118,15 @@ TEST_F(ContactSpaceProjectionTest, GreedyOptimizationGoesFromBaseToTerminal) {
   EXPECT_NEAR(result.q[1], 0.99 - 0.1 - 0.8, 5e-6);
 }
 
-TEST_F(ContactSpaceProjectionTest, JointsAboveBothLinksMayBeAskedToGoOn) {
+TEST_F(ContactSpaceProjectionTest, JointsAboveBothLinksStopToo) {
   // Two fingers of one hand close on each other while the hand turns.
   Projector p(World(R"(<body name="hand"><joint axis="0 0 1"/><geom size=".01" pos="0 0 1"/>
       <body pos="-.1 0 0"><joint axis="0 1 0"/><geom type="capsule" size=".02" fromto="0 0 0 0 0 .3"/></body>
       <body pos=".1 0 0"><joint axis="0 1 0"/><geom type="capsule" size=".02" fromto="0 0 0 0 0 .3"/></body>
       </body>)"));
-  const VectorXd q_f = VectorXd::Zero(3), q_in = Vector3d(1.0, 0.5, -0.5);
-  ProjectionOptions options;
-  EXPECT_LT(p.projection.GeneralizedCcd(q_f, q_in, options).q[0], 0.9);
-  options.keep_common_ancestors = true;
-  const ProjectionResult& result = p.projection.GeneralizedCcd(q_f, q_in, options);
-  EXPECT_NEAR(result.q[0], 1.0, 1e-12);
-  EXPECT_LT(result.q[1], 0.45);
+  const ProjectionResult& result =
+      p.projection.GeneralizedCcd(VectorXd::Zero(3), Vector3d(1.0, 0.5, -0.5));
+  EXPECT_LT(result.q[0], 0.9);
   EXPECT_GT(p.Margin(result.q), 0.0);
 }
 

@@ -83,8 +83,6 @@ TEST_F(PaperMethodTest, OfRandomRobotsAnswersAreFreeWithinLimitsAndTheirSigmaNev
 
 TEST_F(PaperMethodTest, CorrectionsLowerSigmaFarMoreOftenThanTheyRaiseIt) {
   Random rng(12);
-  PaperOptions plain, corrected;
-  plain.iteration.corrections = 0;
   int lower = 0, higher = 0;
   for (int model = 0; model < 8; ++model) {
     RobotOptions robot;
@@ -93,8 +91,10 @@ TEST_F(PaperMethodTest, CorrectionsLowerSigmaFarMoreOftenThanTheyRaiseIt) {
     for (int i = 0; i < 8; ++i) {
       p.SetInput(RandomConfiguration(p.scene, rng));
       if (p.Free(p.problem.q_in)) continue;
-      const double with = p.method.Run(std::nullopt, corrected).sigma;
-      const double without = p.method.Run(std::nullopt, plain).sigma;
+      p.options.without = {};
+      const double with = p.method.Run().sigma;
+      p.options.without = {"corrections"};
+      const double without = p.method.Run().sigma;
       lower += with < 0.999 * without;
       higher += without < 0.999 * with;
     }
@@ -114,12 +114,6 @@ TEST_F(PaperMethodTest, AJointLimitThatEndsTheWayIsKept) {
   ASSERT_TRUE(result.free);
   EXPECT_LT(result.q[0], 0.0);
   EXPECT_GE(result.q[0], -1.5);
-}
-
-TEST_F(PaperMethodTest, ASelectionCanBeAskedForByName) {
-  Paper p(TwoLinksXml(1.5));
-  EXPECT_EQ(p.method.Run(std::nullopt, {.selection = "maximally_clear"}).start, "maximally_clear");
-  EXPECT_FALSE(p.method.Run(std::nullopt, {.selection = "constrained_translation"}).free);
 }
 
 // Paper, Fig. 8: a thin obstacle stands between q_f and the place where q_in's obstacle begins.

@@ -75,7 +75,7 @@ TEST(SolidOverlapTest, ContainedIsWhatTheSolidAngleSays) {
     const Vector3d t = rng.InBox(0.3);
     const RelativePose pose{rng.UnitQuat().matrix(), kTreeUnits * t};
     const SolidPair pair(outer, inner, pose), turned(inner, outer, pose.Inverse());
-    if (pair.Intersects()) continue;
+    if (Intersects(pair)) continue;
     const bool expected = InsideBySolidAngle(cup, t);
     EXPECT_EQ(Contained(pair), expected) << t.transpose();
     EXPECT_EQ(Contained(turned), expected) << t.transpose();
@@ -125,7 +125,7 @@ TEST(SolidOverlapTest, OverlapsAreNeitherDeeperThanTheSurfacesNorNothing) {
         const Matrix3d R = rng.UnitQuat().matrix();
         const Vector3d t = rng.InBox(0.12);
         const SolidPair pair(solid_a, solid_b, {R, kTreeUnits * t});
-        if (!pair.Intersects()) continue;
+        if (!Intersects(pair)) continue;
         std::vector<SignedGap> gaps;
         AppendOverlaps(pair, gaps);
         ExpectOverlaps(gaps);
@@ -174,7 +174,7 @@ TEST(SolidOverlapTest, SurfacesThatCoincideAndOpenMeshesHaveADepth) {
   open.faces.resize(10);
   const Solid surface = MakeSolid(open);
   const SolidPair pair(surface, surface, {I, kTreeUnits * Vector3d(0.15, 0.03, 0.02)});
-  ASSERT_TRUE(pair.Intersects());
+  ASSERT_TRUE(Intersects(pair));
   std::vector<SignedGap> gaps;
   AppendOverlaps(pair, gaps);
   ExpectOverlaps(gaps);

@@ -50,7 +50,7 @@ TEST(SolidPairTest, NearestTrianglesAreThoseOfAllPairs) {
     ASSERT_GE(near.a, 0);
     ASSERT_LT(near.a, pair.a().num_triangles());
     ASSERT_LT(near.b, pair.b().num_triangles());
-    EXPECT_EQ(pair.Intersects(), expected == 0.0);
+    EXPECT_EQ(Intersects(pair), expected == 0.0);
     EXPECT_NEAR(near.distance / kTreeUnits, expected, 1e-12);
     ++(expected > 0.0 ? apart : crossing);
     if (expected == 0.0) return;

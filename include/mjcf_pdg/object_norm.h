@@ -9,7 +9,7 @@
 //   4. Another root link B: the pose change of B moves its whole tree as one rigid piece, and each
 //      joint between the tree's top body and B moves the other side.
 //   5. A second metric, the true mean squared displacement, is offered beside the paper's.
-// Shapes and units: q (nq), r (k), J = ∂r/∂dq (k × n), σ = ‖r‖² [m²].
+// Shapes and units: q (nq), σ [m²].
 #ifndef MJCF_PDG_OBJECT_NORM_H_
 #define MJCF_PDG_OBJECT_NORM_H_
 

@@ -1,0 +1,19 @@
+#include "mesh_hull.h"
+
+#include <cstddef>
+
+namespace mjcf_pdg {
+
+// mesh_graph: numvert, numface, vert_edgeadr[numvert], vert_globalid[numvert],
+// edge_localid[numvert + 3 numface], face_globalid[3 numface].
+std::optional<MeshHull> HullOf(const mjModel& m, int mesh) {
+  if (m.mesh_graphadr[mesh] < 0) return std::nullopt;
+  const int* graph = m.mesh_graph + m.mesh_graphadr[mesh];
+  const auto num_vertices = static_cast<std::size_t>(graph[0]);
+  const auto num_corners = 3 * static_cast<std::size_t>(graph[1]);
+  const int* vertices = graph + 2 + num_vertices;
+  const int* faces = vertices + 2 * num_vertices + num_corners;
+  return MeshHull{{vertices, num_vertices}, {faces, num_corners}};
+}
+
+}  // namespace mjcf_pdg

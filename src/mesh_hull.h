@@ -1,0 +1,23 @@
+// A mesh's convex hull as MuJoCo stores it.
+#ifndef MJCF_PDG_SRC_MESH_HULL_H_
+#define MJCF_PDG_SRC_MESH_HULL_H_
+
+#include <mujoco/mujoco.h>
+
+#include <optional>
+#include <span>
+
+namespace mjcf_pdg {
+
+// Both count from the mesh's first vertex.
+struct MeshHull {
+  std::span<const int> vertices;
+  std::span<const int> faces;  // three vertices each
+};
+
+// Refers to the model. None where MuJoCo has no hull of the mesh.
+std::optional<MeshHull> HullOf(const mjModel& m, int mesh);
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_MESH_HULL_H_
