@@ -8,6 +8,7 @@
 namespace mjcf_pdg {
 namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kGoodEnough = 0.97;  // stop when within this factor of what can be proven
 
 // At least the largest eigenvalue of a symmetric 3 × 3 matrix: mean + √2 standard deviation.
@@ -108,7 +109,7 @@ double PairProblem::RootAt(const Vector3d& a, const Vector3d& b, const Vector3d&
   if (eps > 0.0) gamma += std::sin(eps) * std::sqrt(LambdaMax(G));
   const double kappa = std::max(Kappa(chain[0], a, -n, eps), Kappa(chain[1], b, n, eps));
   const double divisor = gamma + std::sqrt(gamma * gamma + 4.0 * kappa * t);
-  return divisor > 0.0 ? 2.0 * t / divisor : 0.0;  // 0: nothing moves it; we do not say infinite
+  return divisor > 0.0 ? 2.0 * t / divisor : kInfinity;  // nothing moves it that way
 }
 
 // For a cap, points whose overlap holds all over it are sought by a few Frank-Wolfe steps from the
@@ -142,7 +143,8 @@ double PairProblem::RootFor(const Vector3d& n, double eps) const {
 double PairProblem::RootForPlane() const {
   const Vector3d n = geom[0].R.col(2);
   auto root = [&](const Vector3d& b) {
-    return RootAt(b + n.dot(geom[0].center - b) * n, b, n, 0.0);
+    const double at = RootAt(b + n.dot(geom[0].center - b) * n, b, n, 0.0);
+    return std::isfinite(at) ? at : 0.0;  // there is no way out: no number is a bound
   };
   double best = root(geom[1].Support(-n));
   if (geom[1].IsRound()) return best;

@@ -79,7 +79,11 @@ Search::Plan Search::PlanFor(Effort effort) {
     case Effort::kDefault:
       return {};
     case Effort::kMax:
-      return {.agree_per_depth = 4.0, .agree_most = 12, .queries = 3000, .evaluations = kInfinity};
+      return {.agree_per_depth = 4.0,
+              .agree_least = 8,
+              .agree_most = 12,
+              .queries = 3000,
+              .evaluations = kInfinity};
   }
   return {};
 }

@@ -79,6 +79,7 @@ struct Solver::Impl {
   std::vector<NearPair> Overlaps();
   SearchOutcome Run(const std::vector<NearPair>& overlaps, std::optional<VectorXd> hint);
   bool FrozenOverlap(const std::vector<NearPair>& overlaps) const;
+  bool SomeMove(const std::vector<NearPair>& overlaps) const;
   bool Accept(const Candidate& candidate, const std::vector<double>& q_in, Result& result);
   bool AcceptBest(SearchOutcome& outcome, const std::vector<double>& q_in, Result& result);
   void FillUnsolved(const SearchOutcome& outcome, const std::vector<double>& q_in, Result& result);
@@ -136,6 +137,13 @@ bool Solver::Impl::FrozenOverlap(const std::vector<NearPair>& overlaps) const {
     return !scene.tables().pairs[near.pair].moves &&
            near.distance < problem.required[near.pair] - options.tolerance;
   });
+}
+
+bool Solver::Impl::SomeMove(const std::vector<NearPair>& overlaps) const {
+  return overlaps.empty() ||  // but a joint is outside its limits
+         std::any_of(overlaps.begin(), overlaps.end(), [this](const NearPair& near) {
+           return scene.tables().pairs[near.pair].moves;
+         });
 }
 
 SearchOutcome Solver::Impl::Run(const std::vector<NearPair>& overlaps,
@@ -205,12 +213,12 @@ void Solver::Impl::FillUnsolved(const SearchOutcome& outcome, const std::vector<
                                 Result& result) {
   VectorXd q = problem.q_in;
   result.start = "none";
-  if (outcome.least_overlap.q.size() > 0) {
-    q = outcome.least_overlap.q;
-    result.start = outcome.least_overlap_start;
-  } else if (!outcome.free.empty()) {
+  if (!outcome.free.empty()) {  // but for the verifier, or pairs that nothing moves
     q = outcome.free.front().q;
     result.start = outcome.free.front().start;
+  } else if (outcome.least_overlap.q.size() > 0) {
+    q = outcome.least_overlap.q;
+    result.start = outcome.least_overlap_start;
   }
   Verdict verdict = verifier.Check(ToStd(q), &q_in);
   if (verdict.min_distance < result.depth_in) {
@@ -240,8 +248,9 @@ void Solver::Impl::Repair(const std::vector<double>& q_in, std::optional<VectorX
   DeepenContactsIn(overlaps, result);
   result.sigma_lower_bound = SigmaLowerBound(problem, overlaps);
   SearchOutcome outcome;
-  if (!FrozenOverlap(overlaps)) outcome = Run(overlaps, std::move(hint));
-  if (!AcceptBest(outcome, q_in, result)) FillUnsolved(outcome, q_in, result);
+  if (SomeMove(overlaps)) outcome = Run(overlaps, std::move(hint));
+  const bool solved = !FrozenOverlap(overlaps) && AcceptBest(outcome, q_in, result);
+  if (!solved) FillUnsolved(outcome, q_in, result);
   result.stats.iterations = outcome.iterations;
   result.stats.starts = outcome.starts;
 }
@@ -335,6 +344,7 @@ Result Solver::Solve(const std::vector<double>& q_in,
   Result result;
   const Verdict& at_start = impl_->verifier.Check(q_in, &q_in, Depths::kSkipped);
   result.depth_in = at_start.min_distance;
+  result.contacts_in = at_start.contacts;
   if (at_start.free) {
     result.status = Status::kAlreadyFree;
     result.q = q_in;
@@ -343,7 +353,6 @@ Result Solver::Solve(const std::vector<double>& q_in,
     impl_->SetUp(q_in);
     result.depth_in = result.min_distance = impl_->MinDistance(problem.q_in, at_start);
   } else {
-    result.contacts_in = at_start.contacts;
     impl_->SetUp(q_in);
     std::optional<VectorXd> hint;
     if (free_hint) hint = Normalized(problem.tables, ToEigen(*free_hint));

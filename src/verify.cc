@@ -11,10 +11,10 @@ namespace mjcf_pdg {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kFar = 1.0;                 // min_distance is cut off here [m]
-constexpr double kLimitTolerance = 1e-6;     // joint limits [rad or m]
-constexpr double kTouching = 1e-9;           // [m]
-constexpr double kRestRounding = 1e-9;       // a contact of exactly `rest` still rests [m]
+constexpr double kFar = 1.0;              // beyond the clearance: min_distance is cut off there [m]
+constexpr double kLimitTolerance = 1e-6;  // joint limits [rad or m]
+constexpr double kTouching = 1e-9;        // [m]
+constexpr double kRestRounding = 1e-9;    // a contact of exactly `rest` still rests [m]
 constexpr double kDistanceTolerance = 1e-9;  // of the convex solver: 1e-6 jitters by 5e-7 m
 
 bool ContactOnly(int type) { return type == mjGEOM_SDF || type == mjGEOM_HFIELD; }
@@ -124,7 +124,7 @@ void Verifier::Measure(const std::vector<double>& q, Depths depths) {
     reading.signed_distance = kInfinity;
     reading.contact = -1;
   }
-  verdict_.min_distance = kFar;
+  verdict_.min_distance = clearance_ + kFar;
   AskCollision();
   AskDistances(depths);
 }
@@ -159,7 +159,7 @@ void Verifier::AskDistances(Depths depths) {
   for (int i = 0; i < static_cast<int>(tables_.pairs.size()); ++i) {
     if (!tables_.pairs[i].has_distance) continue;
     const double bound = SphereBound(tables_.pairs[i]);
-    if (bound <= std::max(kFar, matters)) order_.emplace_back(bound, i);
+    if (bound <= std::max(clearance_ + kFar, matters)) order_.emplace_back(bound, i);
   }
   std::sort(order_.begin(), order_.end());
   for (const auto& [bound, i] : order_) {

@@ -153,6 +153,16 @@ TEST_F(LowerBoundTest, ThreeSlidesCountAsOneVector) {
   EXPECT_NEAR(std::sqrt(at.Bound(0)), depth - kTolerance, 1e-7);  // by levers alone
 }
 
+// The nearest points' direction is one that no joint moves along: the ways round it count.
+TEST_F(LowerBoundTest, ADirectionThatNothingMovesAlongIsNoWayOut) {
+  const Scene scene = Scene::FromString(R"(<mujoco><worldbody><geom size=".1" pos="0 0 .15"/>
+      <body><joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>
+      <geom size=".1"/></body></worldbody></mujoco>)");
+  AtStart at(scene, VectorXd::Zero(2));
+  EXPECT_GT(at.Bound(), 0.05 * 0.05 / 2) << "by levers alone";
+  EXPECT_LT(at.Bound(), 0.2 * 0.2 - 0.15 * 0.15);
+}
+
 TEST_F(LowerBoundTest, TwoFreeSpheresShareTheWay) {
   const AtStart at(Scene::FromString(R"(<mujoco><worldbody>
     <body><freejoint/><geom size=".1"/></body><body><freejoint/><geom size=".1"/></body>

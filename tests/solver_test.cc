@@ -81,7 +81,7 @@ TEST_F(SolverTest, AFreeConfigurationComesBackBitForBit) {
     EXPECT_TRUE(std::signbit(result.q[0]) == std::signbit(q_in[0]));
     EXPECT_EQ(result.sigma, 0.0);
     EXPECT_EQ(result.sigma_lower_bound, 0.0);
-    EXPECT_TRUE(result.contacts_in.empty());
+    EXPECT_EQ(result.contacts_in.size(), q_in[2] == 0.1 ? 1u : 0u);
     EXPECT_EQ(result.stats.collision_queries, 2) << "is it free, and what does it touch";
   }
 }
@@ -220,7 +220,7 @@ TEST_F(SolverTest, OverlapsThatNoJointCanSeparateAreNamed) {
   only_arm.movable = {"arm"};
   const Scene frozen = Scene::FromString(World(R"(<geom name="floor" type="plane" size="0 0 1"/>
       <body name="post" pos="0 0 -.05"><joint axis="1 0 0"/><geom name="post" size=".1"/></body>
-      <body name="arm" pos="1 0 .5"><joint axis="0 1 0"/>
+      <body name="arm" pos="1 0 .2"><joint axis="0 1 0"/>
       <geom type="capsule" size=".02" fromto="0 0 0 .3 0 0"/></body>)"),
                                          only_arm);
   const Result result = Solver(frozen).Solve({0.2, 0.0});
@@ -230,6 +230,10 @@ TEST_F(SolverTest, OverlapsThatNoJointCanSeparateAreNamed) {
   EXPECT_EQ(result.q, (Q{0.2, 0.0}));
   EXPECT_EQ(result.stats.starts, 0) << "nothing to search for";
   EXPECT_EQ(result.start, "none");
+  const Result dipped = Solver(frozen).Solve({0.2, 1.8});  // the arm hangs in the floor, too
+  EXPECT_EQ(dipped.status, Status::kUnsolved);
+  EXPECT_EQ(dipped.q[0], 0.2);
+  EXPECT_NEAR(dipped.min_distance, result.min_distance, 1e-6) << "but the arm came out of it";
   const Result turned = Solver(scene).Solve({0.0, 0.0});  // it may turn, which does not help
   EXPECT_EQ(turned.status, Status::kUnsolved);
   EXPECT_THAT(turned.reason, HasSubstr("post"));

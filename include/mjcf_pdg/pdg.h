@@ -50,7 +50,7 @@ class Solver {
 struct Verdict {
   bool free = false;
   bool certified = false;         // every kept pair has a signed distance (no SDF, no height field)
-  double min_distance = 0.0;      // over kept pairs, signed, cut off at 1 m [m]
+  double min_distance = 0.0;      // as in Result [m]
   double limit_excess = 0.0;      // largest violation of a joint limit [rad or m]
   std::vector<Contact> contacts;  // pairs nearer than `tolerance`, deepest first
   std::string reason;             // what is not free, in words; empty when free
