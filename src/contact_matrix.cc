@@ -27,10 +27,9 @@ double PointRate(const PosedModel& posed, int dof, const Vector3d& p_W, const Ve
 void ContactRows::Clear(int n) {
   if (C.cols() != n) C.resize(0, n);
   m = 0;
-  key.clear();
 }
 
-int ContactRows::Append(double gap_value, int row_key) {
+int ContactRows::Append(double gap_value) {
   if (m == C.rows()) {
     const Eigen::Index capacity = std::max<Eigen::Index>(32, 2 * C.rows());
     C.conservativeResize(capacity, C.cols());
@@ -38,7 +37,6 @@ int ContactRows::Append(double gap_value, int row_key) {
   }
   C.row(m).setZero();
   gap[m] = gap_value;
-  key.push_back(row_key);
   return m++;
 }
 
@@ -63,11 +61,10 @@ void AppendLimitRows(const SceneTables& tables, const VectorXd& q, double reach,
                      ContactRows& rows) {
   for (const JointEntry& joint : tables.joints) {
     if (!joint.limited) continue;
-    const int low_key = -1 - 2 * joint.col;
     if (joint.type != mjJNT_BALL) {
       const double below = q[joint.qadr] - joint.lo, above = joint.hi - q[joint.qadr];
-      if (below < reach) rows.C(rows.Append(below, low_key), joint.col) = 1.0;
-      if (above < reach) rows.C(rows.Append(above, low_key - 1), joint.col) = -1.0;
+      if (below < reach) rows.C(rows.Append(below), joint.col) = 1.0;
+      if (above < reach) rows.C(rows.Append(above), joint.col) = -1.0;
       continue;
     }
     const double* quat = q.data() + joint.qadr;
@@ -76,7 +73,7 @@ void AppendLimitRows(const SceneTables& tables, const VectorXd& q, double reach,
     // The angle grows by axis · w, w the body-frame rotation.
     Vector3d axis = Vector3d(quat[1], quat[2], quat[3]) * (quat[0] < 0.0 ? -1.0 : 1.0);
     if (axis.norm() < 1e-9) continue;
-    const int row = rows.Append(joint.hi - angle, low_key);
+    const int row = rows.Append(joint.hi - angle);
     rows.C.row(row).segment<3>(joint.col) = -axis.normalized().transpose();
   }
 }

@@ -14,14 +14,12 @@ namespace mjcf_pdg {
 // m rows over n movable degrees of freedom. Grows only.
 struct ContactRows {
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> C;  // capacity × n
-  VectorXd gap;          // capacity; signed slack of each row [m or rad]
-  std::vector<int> key;  // the same row keeps its key from step to step; < 0: a joint limit
+  VectorXd gap;  // capacity; signed slack of each row [m or rad]
   int m = 0;
 
   void Clear(int n);
   // Appends a zero row and returns its index.
-  int Append(double gap_value, int row_key);
-  bool IsLimit(int row) const { return key[row] < 0; }
+  int Append(double gap_value);
 };
 
 // out(j) = nᵀ (J_2 - J_1)_j, the rate of n · (p2 - p1) per unit of dq_j; joints above both bodies

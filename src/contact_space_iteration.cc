@@ -36,7 +36,7 @@ void ContactSpaceIteration::AppendContactRows(const VectorXd& q) {
   for (const NearPair& near : problem_.finder.Find(problem_.options.clearance + band)) {
     const double gap = near.distance - problem_.required[near.pair];
     if (!problem_.tables.pairs[near.pair].moves || gap > band) continue;
-    const int row = rows_.Append(0.0, near.pair);
+    const int row = rows_.Append(0.0);
     ContactRow(problem_.tables, problem_.finder.posed(), near.pair, near.p1_W, near.p2_W, near.n_W,
                rows_.C.row(row));
     rows_.gap[row] = gap - rows_.C.row(row).dot(dq_);

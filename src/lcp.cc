@@ -12,7 +12,6 @@ using Eigen::VectorXd;
 
 // A row whose part independent of the free rows is below this share counts as dependent.
 constexpr double kDependent = 1e-9;
-constexpr double kIndependent = 1e-6;  // a guessed row must stand out more than that
 
 }  // namespace
 
@@ -40,13 +39,11 @@ LcpOutcome SolveProjectedGaussSeidel(const Eigen::Ref<const MatrixXd>& G, const 
 }
 
 LcpOutcome ActiveSetLcp::Solve(const ConstMatrix& G, const VectorXd& b, const VectorXd& mu,
-                               const LcpOptions& options, const std::vector<int>& guess,
-                               VectorXd& lambda) {
+                               const LcpOptions& options, VectorXd& lambda) {
   lambda.setZero(b.size());
   side_.assign(b.size(), Side::kLow);
   free_.clear();
   norms_ = G.colwise().norm();
-  StartFrom(G, b, mu, guess, lambda);
   UpdateSlack(G, b, lambda);
   LcpOutcome outcome;
   while (outcome.steps < options.max_steps) {
@@ -71,35 +68,6 @@ void ActiveSetLcp::UpdateSlack(const ConstMatrix& G, const VectorXd& b, const Ve
   slack_.noalias() -= G.transpose() * x_;
 }
 
-// Frees the guessed rows that are independent, solves for their multipliers, and lets go of those
-// that come out beyond their bounds until none does.
-void ActiveSetLcp::StartFrom(const ConstMatrix& G, const VectorXd& b, const VectorXd& mu,
-                             const std::vector<int>& guess, VectorXd& lambda) {
-  for (const int row : guess) {
-    if (norms_[row] <= 0.0) continue;
-    if (SolveFree(G, row) > kIndependent * norms_[row] * norms_[row]) AddFree(row);
-  }
-  while (!free_.empty()) {
-    const int f = static_cast<int>(free_.size());
-    direction_.resize(f);
-    for (int k = 0; k < f; ++k) direction_[k] = b[free_[k]];
-    SolveForward(direction_);
-    SolveBackward(direction_);
-    bool dropped = false;
-    for (int k = f - 1; k >= 0; --k) {
-      if (direction_[k] > 0.0 && direction_[k] < mu[free_[k]]) continue;
-      RemoveFree(k);
-      dropped = true;
-    }
-    if (dropped) continue;
-    for (int k = 0; k < f; ++k) {
-      lambda[free_[k]] = direction_[k];
-      side_[free_[k]] = Side::kFree;
-    }
-    return;
-  }
-}
-
 int ActiveSetLcp::MostViolated(double tolerance) const {
   int worst = -1;
   double most = 0.0;
@@ -117,30 +85,21 @@ int ActiveSetLcp::MostViolated(double tolerance) const {
 // `row`, just solved for by SolveFree, becomes the last of the free rows.
 void ActiveSetLcp::AddFree(int row) {
   const int f = static_cast<int>(free_.size());
-  if (gram_.rows() <= f) {
-    gram_.conservativeResize(2 * f + 8, 2 * f + 8);
-    factor_.conservativeResize(2 * f + 8, 2 * f + 8);
-  }
-  gram_.row(f).head(f) = cross_.transpose();
-  gram_(f, f) = norms_[row] * norms_[row];
+  if (factor_.rows() <= f) factor_.conservativeResize(2 * f + 8, 2 * f + 8);
   factor_.row(f).head(f) = forward_.transpose();
   factor_(f, f) = std::sqrt(left_);
   free_.push_back(row);
 }
 
+// The factor loses row k; rotations of neighbouring columns make the rows below triangular again.
 void ActiveSetLcp::RemoveFree(int k) {
-  const int f = static_cast<int>(free_.size());
-  for (int i = k; i + 1 < f; ++i) {
-    for (int j = 0; j <= i; ++j) gram_(i, j) = gram_(i + 1, j < k ? j : j + 1);
-  }
   free_.erase(free_.begin() + k);
-  for (int i = k; i + 1 < f; ++i) {  // factor again from row k on
-    for (int j = 0; j < i; ++j) {
-      const double dot = factor_.row(i).head(j).dot(factor_.row(j).head(j));
-      factor_(i, j) = (gram_(i, j) - dot) / factor_(j, j);
-    }
-    const double rest = gram_(i, i) - factor_.row(i).head(i).squaredNorm();
-    factor_(i, i) = std::sqrt(std::max(rest, kDependent * gram_(i, i)));
+  const int f = static_cast<int>(free_.size());
+  for (int i = k; i < f; ++i) factor_.row(i).head(i + 2) = factor_.row(i + 1).head(i + 2);
+  Eigen::JacobiRotation<double> rotation;
+  for (int j = k; j < f; ++j) {
+    rotation.makeGivens(factor_(j, j), factor_(j, j + 1));
+    factor_.middleRows(j, f - j).applyOnTheRight(j, j + 1, rotation);
   }
 }
 
@@ -162,9 +121,8 @@ void ActiveSetLcp::SolveForward(VectorXd& x) const {
 // beside F.
 double ActiveSetLcp::SolveFree(const ConstMatrix& G, int row) {
   const int f = static_cast<int>(free_.size());
-  cross_.resize(f);
-  for (int k = 0; k < f; ++k) cross_[k] = G.col(free_[k]).dot(G.col(row));
-  forward_ = cross_;
+  forward_.resize(f);
+  for (int k = 0; k < f; ++k) forward_[k] = G.col(free_[k]).dot(G.col(row));
   SolveForward(forward_);
   left_ = std::max(0.0, norms_[row] * norms_[row] - forward_.squaredNorm());
   direction_ = forward_;

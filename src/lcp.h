@@ -41,21 +41,13 @@ LcpOutcome SolveProjectedGaussSeidel(const Eigen::Ref<const Eigen::MatrixXd>& G,
 // Active-set method. Keeps scratch between calls. μ must be finite.
 class ActiveSetLcp {
  public:
-  // `guess`: rows believed to lie strictly between their bounds (warm start); wrong ones cost time
-  // only.
   LcpOutcome Solve(const Eigen::Ref<const Eigen::MatrixXd>& G, const Eigen::VectorXd& b,
-                   const Eigen::VectorXd& mu, const LcpOptions& options,
-                   const std::vector<int>& guess, Eigen::VectorXd& lambda);
-
-  // Rows strictly between their bounds in the last solution.
-  const std::vector<int>& free_rows() const { return free_; }
+                   const Eigen::VectorXd& mu, const LcpOptions& options, Eigen::VectorXd& lambda);
 
  private:
   enum class Side : char { kLow, kFree, kHigh };
   using ConstMatrix = Eigen::Ref<const Eigen::MatrixXd>;
 
-  void StartFrom(const ConstMatrix& G, const Eigen::VectorXd& b, const Eigen::VectorXd& mu,
-                 const std::vector<int>& guess, Eigen::VectorXd& lambda);
   void UpdateSlack(const ConstMatrix& G, const Eigen::VectorXd& b, const Eigen::VectorXd& lambda);
   int MostViolated(double tolerance) const;
   void Enter(const ConstMatrix& G, const Eigen::VectorXd& mu, int row, Eigen::VectorXd& lambda);
@@ -66,15 +58,15 @@ class ActiveSetLcp {
   double SolveFree(const ConstMatrix& G, int row);
 
   std::vector<Side> side_;
-  std::vector<int> free_;
+  std::vector<int> free_;  // rows strictly between their bounds
   Eigen::VectorXd norms_;  // of G's columns
   Eigen::VectorXd slack_;  // b - GᵀG λ: positive where a constraint is violated
   Eigen::VectorXd x_;      // G λ
-  // Of the free rows' G_FᵀG_F: the lower triangle and its Cholesky factor, row by row.
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> gram_, factor_;
-  Eigen::VectorXd cross_, forward_;  // G_Fᵀ g for the entering row g, and L⁻¹ of it
-  double left_ = 0.0;                // ‖g‖² - ‖L⁻¹ G_Fᵀ g‖²
-  Eigen::VectorXd direction_;        // how the free multipliers answer to the entering one
+  // L with L Lᵀ = G_FᵀG_F of the free rows F, row by row.
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> factor_;
+  Eigen::VectorXd forward_;    // L⁻¹ G_Fᵀ g for the entering row g
+  double left_ = 0.0;          // ‖g‖² - ‖L⁻¹ G_Fᵀ g‖²
+  Eigen::VectorXd direction_;  // how the free multipliers answer to the entering one
 };
 
 }  // namespace mjcf_pdg

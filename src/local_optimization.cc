@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 namespace mjcf_pdg {
 namespace {
@@ -29,7 +28,6 @@ constexpr double kFirstMargin = 0.12, kLeastMargin = 0.01, kLargestMargin = 0.5;
 constexpr double kUnseenOverlap = 1e-3;  // counted for an overlap of unknown depth [size]
 constexpr int kBisections = 4;           // of a step that ends in an overlap, the first at
 constexpr double kWorthAStep = 0.125;    // ... the least free part of it that is taken
-constexpr int kKeysPerPair = 32;         // for rows of one pair
 constexpr double kLimitReach = 0.5;      // joint limits farther than this get no row [rad or m]
 
 }  // namespace
@@ -105,23 +103,18 @@ void LocalOptimization::Linearize(const Iterate& at, double margin) {
     nearest.resize(kMaxContactRows);
   }
   rows_.Clear(tables.n);
-  std::map<int, int> features;  // of exact pairs: how many so far
   for (const NearPair* near : nearest) {
     const double offset = problem_.tolerances.aim - problem_.required[near->pair];
-    const int key = near->pair * kKeysPerPair;
-    // The features of an exact pair need no memory: all of them are here.
-    const bool exact = tables.pairs[near->pair].exact;
-    const int feature = exact ? std::min(features[near->pair]++, kKeysPerPair - 1) : 0;
-    const int row = rows_.Append(near->distance + offset, key + feature);
+    const int row = rows_.Append(near->distance + offset);
     ContactRow(tables, posed, near->pair, near->p1_W, near->p2_W, near->n_W, rows_.C.row(row));
-    if (exact) continue;
-    auto append_remembered = [&](int slot, const Vector3d& p1_W, const Vector3d& p2_W) {
+    // The features of an exact pair need no memory: all of them are here.
+    if (!remembers_ || tables.pairs[near->pair].exact) continue;
+    auto append_remembered = [&](const Vector3d& p1_W, const Vector3d& p2_W) {
       const double distance = near->n_W.dot(p2_W - p1_W);
       if (distance > margin + problem_.options.clearance) return;
-      const int extra = rows_.Append(distance + offset, key + 1 + slot);
+      const int extra = rows_.Append(distance + offset);
       ContactRow(tables, posed, near->pair, p1_W, p2_W, near->n_W, rows_.C.row(extra));
     };
-    if (!remembers_) continue;
     memory_.ForEach(tables, posed, *near, merge, append_remembered);
     memory_.Add(tables, posed, *near, merge);
   }
@@ -142,15 +135,12 @@ double LocalOptimization::SolveStep(double trust_radius) {
   whitening_.SolveLower(G_);
   b_ = -rows_.gap.head(m);
   b_.noalias() += G_.transpose() * y_;
-  bounds_.resize(m);
-  for (int i = 0; i < m; ++i) bounds_[i] = rows_.IsLimit(i) ? kLimitPrice * scale_ : mu_;
+  bounds_.setConstant(m, mu_);
+  bounds_.tail(m - contact_rows_).setConstant(kLimitPrice * scale_);
   LcpOptions options;
   options.max_steps = 10 * (n + m);
   options.tolerance = 0.01 * problem_.tolerances.user;
-  GuessActiveRows();
-  lcp_steps_ += lcp_.Solve(G_, b_, bounds_, options, guess_, lambda_).steps;
-  active_.clear();
-  for (const int row : lcp_.free_rows()) active_.push_back(rows_.key[row]);
+  lcp_steps_ += lcp_.Solve(G_, b_, bounds_, options, lambda_).steps;
   z_ = -y_;
   z_.noalias() += G_ * lambda_;
   dq_ = z_;
@@ -176,17 +166,6 @@ double LocalOptimization::LargestTurn() const {
     }
   }
   return largest;
-}
-
-// The rows that the last step pressed on, wherever they stand now.
-void LocalOptimization::GuessActiveRows() {
-  guess_.clear();
-  if (!guesses_) return;
-  for (int i = 0; i < rows_.m; ++i) {
-    if (std::find(active_.begin(), active_.end(), rows_.key[i]) != active_.end()) {
-      guess_.push_back(i);
-    }
-  }
 }
 
 // The norm hardly sees light links: without damping, small gains turn them far and the
@@ -273,10 +252,8 @@ bool LocalOptimization::NearKnown(const VectorXd& q, const LocalOptions& options
 LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& options) {
   memory_.Clear(problem_.tables.pairs.size());
   features_.Clear(problem_.tables.pairs.size());
-  active_.clear();
   remembers_ = problem_.Uses("witness_memory");
   damps_ = problem_.Uses("damping");
-  guesses_ = problem_.Uses("warm_start");
   scale_ = std::max(1.0, problem_.size / kDeskSize);
   mu_ = kFirstPrice * scale_;
   merit_price_ = 0.0;

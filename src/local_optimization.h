@@ -72,7 +72,6 @@ class LocalOptimization {
   void MeasureOverlap(std::size_t k, double margin, Iterate& out);
   void Linearize(const Iterate& at, double margin);
   bool NearKnown(const VectorXd& q, const LocalOptions& options);
-  void GuessActiveRows();
   void AddDamping();
   void AdaptDamping(const Iterate& current, const Iterate& trial);
   void SetMeritPrice();
@@ -90,8 +89,6 @@ class LocalOptimization {
   ContactRows rows_;
   int contact_rows_ = 0;  // the first of them; the others are joint limits
   ActiveSetLcp lcp_;
-  std::vector<int> active_;  // keys of the rows that the last step pressed on
-  std::vector<int> guess_;
   int lcp_steps_ = 0;
   double scale_ = 1.0;  // of lengths in large scenes
   double mu_ = 0.0;
@@ -99,8 +96,8 @@ class LocalOptimization {
   Cost predicted_;               // after the last step, by its linearization
   double promised_sigma_ = 0.0;  // had it not been cut
   double damping_ = 0.0;
-  bool remembers_ = true, damps_ = true, guesses_ = true;  // false: left out (Options::without)
-  const Iterate* posed_ = nullptr;                         // whose pose the contact finder holds
+  bool remembers_ = true, damps_ = true;  // false: left out (Options::without)
+  const Iterate* posed_ = nullptr;        // whose pose the contact finder holds
 
   VectorXd apart_, moved_, next_, r_, z_, dq_, y_, lambda_, b_, bounds_, slack_;
   MatrixXd J_, H_, G_;

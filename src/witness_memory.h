@@ -25,8 +25,7 @@ class WitnessMemory {
   void Clear(std::size_t pairs);
   // Remembers the witness points of a near pair unless a remembered one is within `merge` [m].
   void Add(const SceneTables& tables, const PosedModel& posed, const NearPair& near, double merge);
-  // Calls visit(slot, p1_W, p2_W) for each remembered pair of points other than the pair's current
-  // ones; slot < kPerPair.
+  // Calls visit(p1_W, p2_W) for each remembered pair of points other than the pair's current ones.
   template <typename Visit>
   void ForEach(const SceneTables& tables, const PosedModel& posed, const NearPair& near,
                double merge, Visit visit) const {
@@ -36,7 +35,7 @@ class WitnessMemory {
     for (int k = 0; k < entry.count; ++k) {
       const Points points = InWorld(tables, posed, near.pair, entry.points_G[k]);
       if (SamePoints(points, near, merge)) continue;
-      visit(k, points.p1_W, points.p2_W);
+      visit(points.p1_W, points.p2_W);
     }
   }
 
