@@ -14,8 +14,12 @@ constexpr double kHorizonPerStep = 4.0;
 constexpr double kSmallestShrink = 1.0 / 16.0;
 constexpr double kLeastSlack = 1.0 / 64.0;  // of the gap; far above the error of a distance
 constexpr double kToleranceUsed = 0.99;     // the rest is for the error of a distance
+constexpr double kSureNormal = 1e-7;        // the normal of a shallower overlap is noise [m]
 constexpr double kNegligible = 1e-12;       // a motion too small to matter [m]
 constexpr double kLimitSlack = 1e-9;        // SPEC of an answer's joint limits [rad or m]
+
+// MuJoCo's depths of these can be too shallow.
+bool Curved(int type) { return type == mjGEOM_ELLIPSOID || type == mjGEOM_CYLINDER; }
 
 double HingeReach(const JointEntry& joint, double q, double dq) {
   const double bound = dq > 0.0 ? joint.hi : joint.lo;
@@ -224,10 +228,8 @@ Ccdg::Margin Ccdg::MarginOf(int pair, double enough) {
   if (m.geom_type[kept.geom1] == mjGEOM_PLANE) {
     margin.n_W = AsMatrix(posed.data()->geom_xmat + 9 * kept.geom1).col(2);
   }
-  const bool ellipsoid =
-      m.geom_type[kept.geom1] == mjGEOM_ELLIPSOID || m.geom_type[kept.geom2] == mjGEOM_ELLIPSOID;
-  if (ellipsoid && !kept.exact &&
-      near.distance < 0.0) {  // MuJoCo's depth of ellipsoids can be too shallow
+  const bool curved = Curved(m.geom_type[kept.geom1]) || Curved(m.geom_type[kept.geom2]);
+  if (curved && !kept.exact && near.distance < -kSureNormal) {
     const double proven = separation_.Distance(posed, kept.geom1, kept.geom2, margin.n_W);
     margin.value = std::min(margin.value, proven - Required(pair));
   }

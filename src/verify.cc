@@ -6,6 +6,7 @@
 
 #include "options.h"
 #include "verify_capsule_box.h"
+#include "verify_support.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -14,10 +15,12 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kFar = 1.0;              // beyond the clearance: min_distance is cut off there [m]
 constexpr double kLimitTolerance = 1e-6;  // joint limits [rad or m]
 constexpr double kTouching = 1e-9;        // [m]
-constexpr double kRestRounding = 1e-9;    // a contact of exactly `rest` still rests [m]
+constexpr double kSureNormal = 1e-7;      // the normal of a shallower overlap is noise [m]
+constexpr double kRestRounding = 1e-8;    // a contact of exactly `rest` still rests [m]
 constexpr double kDistanceTolerance = 1e-9;  // of the convex solver: 1e-6 jitters by 5e-7 m
 
 bool ContactOnly(int type) { return type == mjGEOM_SDF || type == mjGEOM_HFIELD; }
+bool Curved(int type) { return type == mjGEOM_ELLIPSOID || type == mjGEOM_CYLINDER; }
 
 std::uint64_t PairKey(int geom1, int geom2) {
   const auto [low, high] = std::minmax(geom1, geom2);
@@ -99,7 +102,9 @@ double Verifier::DepthAtRest(int pair) const {
   return required_[pair] < Usual(tables_.pairs[pair]) ? required_[pair] : 0.0;
 }
 
-// What each pair must keep. Empty q_in: nothing rests.
+// What each pair must keep. Empty q_in: nothing rests. Where the two readings of a depth differ,
+// the deeper one tells whether the contact rests at all, and the shallower one how deep it may
+// stay.
 void Verifier::UpdateRest(const std::vector<double>& q_in) {
   for (std::size_t i = 0; i < required_.size(); ++i) {
     required_[i] = Usual(tables_.pairs[i]);
@@ -109,11 +114,14 @@ void Verifier::UpdateRest(const std::vector<double>& q_in) {
   Measure(q_in, Depths::kMeasured);
   for (std::size_t i = 0; i < required_.size(); ++i) {
     const Reading& reading = readings_[i];
-    double d_in = reading.signed_distance;
+    double deepest = reading.signed_distance, shallowest = reading.as_told;
     if (!tables_.pairs[i].has_distance) {
-      d_in = reading.contact < 0 ? kInfinity : posed_.data()->contact[reading.contact].dist;
+      deepest = reading.contact < 0 ? kInfinity : posed_.data()->contact[reading.contact].dist;
+      shallowest = deepest;
     }
-    if (d_in < 0.0 && d_in >= -rest_ - kRestRounding) required_[i] = std::min(required_[i], d_in);
+    if (deepest < 0.0 && deepest >= -rest_ - kRestRounding) {
+      required_[i] = std::min(required_[i], shallowest);
+    }
   }
 }
 
@@ -121,7 +129,7 @@ void Verifier::Measure(const std::vector<double>& q, Depths depths) {
   ++queries_;
   posed_.Pose(Eigen::Map<const VectorXd>(q.data(), static_cast<Eigen::Index>(q.size())));
   for (Reading& reading : readings_) {
-    reading.signed_distance = kInfinity;
+    reading.signed_distance = reading.as_told = kInfinity;
     reading.contact = -1;
   }
   verdict_.min_distance = clearance_ + kFar;
@@ -135,11 +143,11 @@ void Verifier::AskCollision() {
   d.warning[mjWARN_CONTACTFULL].number = 0;
   mj_collision(&model_, &d);
   arena_full_ = d.warning[mjWARN_CONTACTFULL].number > 0;
-  strangers_.clear();
+  contacts_of_unkept_pairs_.clear();
   for (int c = 0; c < d.ncon; ++c) {
     const int pair = PairIndex(d.contact[c].geom[0], d.contact[c].geom[1]);
     if (pair < 0) {
-      strangers_.push_back(c);
+      contacts_of_unkept_pairs_.push_back(c);
       continue;
     }
     if (tables_.pairs[pair].exact) continue;
@@ -170,7 +178,8 @@ void Verifier::AskDistances(Depths depths) {
     Reading& reading = readings_[i];
     const double distance = SignedDistance(i, cutoff, depths, reading.fromto);
     if (distance >= cutoff) continue;
-    reading.signed_distance = std::isnan(distance) ? -kInfinity : distance;
+    reading.as_told = std::isnan(distance) ? -kInfinity : distance;
+    reading.signed_distance = std::min(reading.as_told, AlongNormal(pair, reading));
     verdict_.min_distance = std::min(verdict_.min_distance, reading.signed_distance);
   }
 }
@@ -227,19 +236,30 @@ double Verifier::SignedDistance(int index, double cutoff, Depths depths, double 
   const double distance =
       mj_geomDistance(&distance_model_, posed_.data(), pair.geom1, pair.geom2, cutoff, fromto);
   if (std::abs(distance) > kTouching) return distance;
-  return std::min(distance, DistanceBeside(pair, cutoff, fromto));
+  return std::min(distance, DistanceFromNudgedPose(pair, cutoff, fromto));
 }
 
 // Zero, or nearly, is what MuJoCo says of things that touch, and of solids whose middles coincide.
-double Verifier::DistanceBeside(const KeptPair& pair, double cutoff, double fromto[6]) {
-  constexpr double kBeside = 1e-6, kDeep = 2e-6;  // [m]
+double Verifier::DistanceFromNudgedPose(const KeptPair& pair, double cutoff, double fromto[6]) {
+  constexpr double kNudge = 1e-6, kDeep = 2e-6;  // [m]
   Eigen::Map<Vector3d> center(posed_.data()->geom_xpos + 3 * pair.geom2);
   const Vector3d kept = center;
-  center += kBeside * Vector3d(0.36, 0.48, 0.8);
+  center += kNudge * Vector3d(0.36, 0.48, 0.8);
   const double distance =
       mj_geomDistance(&distance_model_, posed_.data(), pair.geom1, pair.geom2, cutoff, fromto);
   center = kept;
   return distance < -kDeep ? distance : 0.0;
+}
+
+// MuJoCo's depths of ellipsoids and cylinders can be too shallow, by 2 mm of 16. The overlap along
+// any direction is at least the true one: along the normal of a true reading they are the same, so
+// that a reading shallower than that is wrong. Infinite where there is nothing to check.
+double Verifier::AlongNormal(const KeptPair& pair, const Reading& reading) const {
+  const int type1 = model_.geom_type[pair.geom1], type2 = model_.geom_type[pair.geom2];
+  if (pair.exact || type1 == mjGEOM_PLANE || !(Curved(type1) || Curved(type2))) return kInfinity;
+  if (!(reading.as_told < -kSureNormal)) return kInfinity;
+  const Vector3d n_W = (AsVector(reading.fromto) - AsVector(reading.fromto + 3)).normalized();
+  return DistanceAlong(model_, *posed_.data(), pair.geom1, pair.geom2, n_W, reading.as_told);
 }
 
 // Either witness is enough. One exception: where some overlap is permitted and the signed distance
@@ -277,9 +297,9 @@ void Verifier::JudgePair(int index) {
 }
 
 // Contacts of pairs that are not in our table: MuJoCo's word alone.
-void Verifier::JudgeStrangers() {
+void Verifier::JudgeContactsOfUnkeptPairs() {
   const mjData& d = *posed_.data();
-  for (const int c : strangers_) {
+  for (const int c : contacts_of_unkept_pairs_) {
     if (d.contact[c].dist >= tolerance_) continue;
     Finding finding;
     finding.contact.geom = {d.contact[c].geom[0], d.contact[c].geom[1]};
@@ -334,7 +354,7 @@ const Verdict& Verifier::Check(const std::vector<double>& q, const std::vector<d
   }
   Measure(q, depths);
   for (std::size_t i = 0; i < readings_.size(); ++i) JudgePair(static_cast<int>(i));
-  JudgeStrangers();
+  JudgeContactsOfUnkeptPairs();
   CheckLimits(q);
   WriteVerdict(model_, arena_full_, findings_, limit_reasons_, verdict_);
   return verdict_;

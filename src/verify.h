@@ -5,7 +5,9 @@
 // enough:
 //   1. mj_collision on the scene's verify_model with every margin and gap set to zero, so that a
 //      negative margin hides nothing and a positive one misplaces nothing;
-//   2. the signed distance of every kept pair: mj_geomDistance, for capsule-box our own.
+//   2. the signed distance of every kept pair: mj_geomDistance, for capsule-box our own; overlaps
+//   of
+//      ellipsoids and cylinders are checked along their own normal (verify_support.h).
 // Where a mesh collides as its triangles, mj_collision sees hulls and is not heard; witness 2 asks
 // FCL (verify_exact_mesh.h).
 #ifndef MJCF_PDG_SRC_VERIFY_H_
@@ -37,7 +39,7 @@ class Verifier {
 
   // Is q free? `q_in` is what `rest` refers to; without it nothing rests. Both have nq entries.
   // With skipped depths, min_distance and contacts say of exact pairs whether they overlap, no
-  // more. The verdict is ours until the next call. Allocates only to name contacts and reasons.
+  // more. The verdict is ours until the next call.
   const Verdict& Check(const std::vector<double>& q, const std::vector<double>* q_in = nullptr,
                        Depths depths = Depths::kMeasured);
 
@@ -49,8 +51,9 @@ class Verifier {
  private:
   struct Reading {                 // per kept pair
     double signed_distance = 0.0;  // by witness 2; infinite when beyond the cutoff [m]
+    double as_told = 0.0;          // the same before overlaps were checked along their normal [m]
     int contact = -1;              // index of the deepest mjContact; -1: none
-    double fromto[6] = {};         // witness points of signed_distance
+    double fromto[6] = {};         // witness points of as_told
   };
 
   void NeutraliseMargins();
@@ -64,9 +67,10 @@ class Verifier {
   double BoxBound(const KeptPair& pair) const;
   double SignedDistance(int pair, double cutoff, Depths depths, double fromto[6]);
   double Usual(const KeptPair& pair) const;  // distance that a pair must keep [m]
-  double DistanceBeside(const KeptPair& pair, double cutoff, double fromto[6]);
+  double DistanceFromNudgedPose(const KeptPair& pair, double cutoff, double fromto[6]);
+  double AlongNormal(const KeptPair& pair, const Reading& reading) const;
   void JudgePair(int pair);
-  void JudgeStrangers();
+  void JudgeContactsOfUnkeptPairs();
   void CheckLimits(const std::vector<double>& q);
 
   const SceneTables& tables_;
@@ -82,7 +86,7 @@ class Verifier {
   std::vector<double> rest_q_in_;                          // the q_in that required_ stands for
   std::vector<Reading> readings_;                          // per kept pair
   std::vector<std::pair<double, int>> order_;              // (bound, kept pair)
-  std::vector<int> strangers_;                             // contacts of pairs that are not kept
+  std::vector<int> contacts_of_unkept_pairs_;
   std::vector<Finding> findings_;
   std::vector<std::string> limit_reasons_;
   bool arena_full_ = false;

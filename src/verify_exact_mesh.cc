@@ -11,7 +11,6 @@
 #include <map>
 #include <utility>
 
-#include "solid.h"
 #include "verify_round.h"
 #include "verify_shape.h"
 #include "verify_triangles.h"
@@ -126,16 +125,15 @@ std::shared_ptr<const VerifierShapes> MakeVerifierShapes(const SceneTables& tabl
     for (const int g : {pair.geom1, pair.geom2}) {
       std::shared_ptr<const VerifierShape>& shape = shapes->of_geom[g];
       if (shape) continue;
-      const bool closed = tables.solids[g] && tables.solids[g]->closed(), exact = tables.exact[g];
       if (m.geom_type[g] == mjGEOM_BOX) {
         shape = std::make_shared<const VerifierShape>(BoxTriangles(AsVector(m.geom_size + 3 * g)),
-                                                      closed, true);
+                                                      true);
       } else if (m.geom_type[g] == mjGEOM_MESH) {
         const int mesh = m.geom_dataid[g];
+        const bool exact = tables.exact[g];
         std::shared_ptr<const VerifierShape>& known = built[{mesh, exact}];
         if (!known) {
-          known =
-              std::make_shared<const VerifierShape>(MeshTriangles(m, mesh, exact), closed, !exact);
+          known = std::make_shared<const VerifierShape>(MeshTriangles(m, mesh, exact), !exact);
         }
         shape = known;
       }

@@ -1,8 +1,12 @@
 // The independent check's word on pairs in which a mesh collides as its triangles.
 //
-// Shares nothing with the solver's queries. Meshes, boxes and convex hulls: FCL's own collide (its
-// triangle intersection) and distance. Planes and round primitives: every triangle in turn, with
-// signed distances of their own. What is inside a mesh: rays through FCL's tree, by winding.
+// Shares no code of ours with the solver's queries. Meshes, boxes and convex hulls: FCL's own
+// collide (its triangle intersection) and distance. Planes and round primitives: every triangle in
+// turn, with signed distances of their own. What is inside a mesh, and whether it is closed: its
+// own triangles, rays through FCL's tree, by winding.
+//
+// Shared are FCL's fitting of trees and its distance of two triangles. Overlaps are found without
+// the latter; that two meshes are as far apart as a clearance asks for rests on it on both sides.
 //
 // Triangles that intersect may only touch. How deep: the least move that parts two of them, the
 // largest over the pairs of triangles, or the depth of a vertex inside, the shortest way out along

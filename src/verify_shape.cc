@@ -25,8 +25,10 @@ std::vector<Vector3d> RayDirections() {
 
 }  // namespace
 
-VerifierShape::VerifierShape(Triangles mesh, bool is_closed, bool is_convex)
-    : triangles(std::move(mesh)), closed(is_closed), convex(is_convex) {
+VerifierShape::VerifierShape(Triangles mesh, bool is_convex)
+    : triangles(std::move(mesh)),
+      convex(is_convex),
+      closed(is_convex || CountOpenEdges(triangles) == 0) {
   tree.beginModel();
   for (const auto& t : triangles) {
     tree.addTriangle(kMillimetres * t[0], kMillimetres * t[1], kMillimetres * t[2]);

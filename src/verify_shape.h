@@ -16,7 +16,7 @@ struct VerifierShape {
   using Bvh = fcl::BVHModel<fcl::OBBRSS<double>>;
   static constexpr double kMillimetres = 1e3;  // FCL's thresholds are absolute: its trees are in mm
 
-  VerifierShape(Triangles mesh, bool is_closed, bool is_convex);
+  VerifierShape(Triangles mesh, bool is_convex);
 
   // A point that tells whether one of the connected pieces is inside another body.
   struct Probe {
@@ -26,8 +26,8 @@ struct VerifierShape {
 
   Triangles triangles;  // geom frame [m]; empty for planes and round primitives
   std::vector<Probe> probes;
-  bool closed = false;
   bool convex = false;  // box or hull: inside is below every face
+  bool closed = false;  // else nothing is inside
   Bvh tree;
 
   // How deep p is inside, and the way out; 0 outside. Geom frame.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <utility>
 
@@ -76,6 +77,22 @@ double LeastMove(const std::array<Vector3d, 3>& s, const std::array<Vector3d, 3>
     direction = up < down ? n : Vector3d(-n);
   }
   return std::isfinite(least) ? std::max(least, 0.0) : 0.0;
+}
+
+int CountOpenEdges(const Triangles& triangles) {
+  using Place = std::array<double, 3>;
+  std::map<std::pair<Place, Place>, int> surplus;  // of an edge's triangles one way
+  for (const auto& triangle : triangles) {
+    Place corners[3];
+    for (int k = 0; k < 3; ++k) corners[k] = {triangle[k][0], triangle[k][1], triangle[k][2]};
+    for (int k = 0; k < 3; ++k) {
+      const Place &from = corners[k], &to = corners[(k + 1) % 3];
+      if (from < to) ++surplus[{from, to}];
+      if (to < from) --surplus[{to, from}];
+    }
+  }
+  return static_cast<int>(std::count_if(surplus.begin(), surplus.end(),
+                                        [](const auto& edge) { return edge.second != 0; }));
 }
 
 std::vector<std::vector<int>> Pieces(const Triangles& triangles) {

@@ -20,6 +20,10 @@ Triangles MeshTriangles(const mjModel& m, int mesh, bool exact);
 double LeastMove(const std::array<Vector3d, 3>& s, const std::array<Vector3d, 3>& t,
                  Vector3d& direction);
 
+// Edges that are not shared by as many triangles one way as the other; corners at the same place
+// are one. With none the surface is closed: there is an inside.
+int CountOpenEdges(const Triangles& triangles);
+
 // The connected pieces, by the indices of their triangles.
 std::vector<std::vector<int>> Pieces(const Triangles& triangles);
 

@@ -8,6 +8,7 @@
 
 #include "ccdg.h"
 #include "test_support.h"
+#include "verify.h"
 
 namespace mjcf_pdg::test {
 namespace {
@@ -203,7 +204,7 @@ TEST_F(CcdgRandomTest, NoneOf20000MotionsOfTwoGeomsEndsLate) {
   ExpectGood(RandomMotions(741, 12));
 }
 
-// Whole robots: no kept pair overlaps on the way; asked of ContactFinder at 1/500 of it.
+// Whole robots: no kept pair overlaps on the way; asked of the independent check at 1/500 of it.
 TEST_F(CcdgRandomTest, NoMotionOfARobotAmongObstaclesEndsLate) {
   Random rng(8);
   long poses = 0, motions = 0, contacts = 0, free = 0;
@@ -214,6 +215,7 @@ TEST_F(CcdgRandomTest, NoMotionOfARobotAmongObstaclesEndsLate) {
     const SceneTables& tables = scene.tables();
     ContactFinder finder(tables);
     Ccdg ccdg(tables, finder);
+    Verifier verifier(tables, {});
     for (int i = 0; i < 40; ++i) {
       const VectorXd q0 = RandomConfiguration(scene, rng);
       const VectorXd q1 = RandomConfiguration(scene, rng);
@@ -229,11 +231,9 @@ TEST_F(CcdgRandomTest, NoMotionOfARobotAmongObstaclesEndsLate) {
       EXPECT_LE(LimitExcess(tables, result.q), 1.1e-9);
       for (int k = 0; k <= 500; ++k) {
         Integrate(tables, q0, dq * (result.t * k / 500), q);
-        finder.Pose(q);
-        for (const NearPair& near : finder.Find(0.0)) {
-          if (!tables.pairs[near.pair].moves) continue;
-          EXPECT_GE(near.distance, -1.1e-6) << Join(q0) << "\n" << Join(dq) << "\n" << k;
-        }
+        EXPECT_GE(verifier.Check(ToVector(q)).min_distance, -1.1e-6) << Join(q0) << "\n"
+                                                                     << Join(dq) << "\n"
+                                                                     << k;
       }
     }
   }

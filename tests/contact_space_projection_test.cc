@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "test_support.h"
+#include "verify.h"
 
 namespace mjcf_pdg::test {
 namespace {
@@ -17,18 +18,11 @@ struct Projector {
         tables(scene.tables()),
         finder(tables),
         ccd(tables, finder),
-        projection(tables, ccd) {}
+        projection(tables, ccd),
+        verifier(tables, {}) {}
 
-  // Smallest margin over the pairs that can move [m], at most 1 cm.
-  double Margin(const VectorXd& q) {
-    double least = 0.01;
-    finder.Pose(q);
-    for (const NearPair& near : finder.Find(0.01)) {
-      const KeptPair& pair = tables.pairs[near.pair];
-      if (pair.moves) least = std::min(least, near.distance + pair.allowed);
-    }
-    return least;
-  }
+  // Smallest signed distance [m], at most 1 m, as the independent check says.
+  double Margin(const VectorXd& q) { return verifier.Check(ToVector(q)).min_distance; }
   double Left(const VectorXd& q, const VectorXd& q_in) const {
     VectorXd dq;
     Difference(tables, q, q_in, dq);
@@ -40,6 +34,7 @@ struct Projector {
   ContactFinder finder;
   Ccdg ccd;
   ContactSpaceProjection projection;
+  Verifier verifier;
 };
 
 std::string World(const std::string& inside) {

@@ -11,13 +11,17 @@
 
 #include "problem.h"
 #include "test_support.h"
+#include "verify.h"
 
 namespace mjcf_pdg::test {
 
-// A scene with a Problem, set up as the solver does.
+// A scene with a Problem, set up as the solver does, and the independent check of it.
 struct PosedProblem {
   explicit PosedProblem(const std::string& xml, const Options& user_options = {})
-      : scene(Scene::FromString(xml)), options(user_options), problem(scene.tables(), options) {
+      : scene(Scene::FromString(xml)),
+        options(user_options),
+        problem(scene.tables(), options),
+        verifier(scene.tables(), Loosened(options)) {
     SetInput(ToEigen(scene.DefaultQpos()));
   }
   PosedProblem(const PosedProblem&) = delete;
@@ -32,21 +36,22 @@ struct PosedProblem {
     }
   }
 
-  // Smallest margin over the pairs that can move [m], at most `cutoff`.
-  double Margin(const VectorXd& q, double cutoff = 0.01) {
-    double least = cutoff;
-    problem.finder.Pose(q);
-    for (const NearPair& near : problem.finder.Find(options.clearance + cutoff)) {
-      if (!scene.tables().pairs[near.pair].moves) continue;
-      least = std::min(least, near.distance - problem.required[near.pair]);
-    }
-    return least;
+  // Smallest signed distance less the clearance, at most 1 m. For models that allow no overlap.
+  double Margin(const VectorXd& q) {
+    return verifier.Check(ToVector(q)).min_distance - options.clearance;
   }
-  bool Free(const VectorXd& q) { return Margin(q) >= -options.tolerance; }
+  // By hardly more than the tolerance: MuJoCo's distances jitter.
+  bool Free(const VectorXd& q) { return verifier.Check(ToVector(q)).free; }
+
+  static Options Loosened(Options options) {
+    options.tolerance *= 1.1;
+    return options;
+  }
 
   Scene scene;
   Options options;
   Problem problem;
+  Verifier verifier;
 };
 
 inline std::string InWorld(const std::string& inside, const std::string& extra = {}) {

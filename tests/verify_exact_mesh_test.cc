@@ -1,8 +1,13 @@
 // The independent check where meshes collide as their triangles.
+#include "verify_exact_mesh.h"
+
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <utility>
 
+#include "brute_mesh.h"
 #include "contacts.h"
 #include "mesh_shapes.h"
 #include "mjcf_pdg/pdg.h"
@@ -29,7 +34,7 @@ const char* const kGeoms[] = {"type='sphere' size='0.04'",
                               "type='box' size='0.02 0.03 0.05'",
                               "type='mesh' mesh='moving'"};
 
-// Two implementations that share nothing agree on what is free and how far apart it is.
+// Two implementations that share FCL's triangle distance, but nothing of what is an overlap, agree.
 TEST_F(VerifyExactMeshTest, AgreesWithTheSolversQueriesAgainstEveryType) {
   Random rng(31);
   const MeshShape fixed[] = {test::TorusKnot(0.1, 0.03, 60, 8), test::Cup(0.12, 0.2, 0.03, 16)};
@@ -92,6 +97,44 @@ TEST_F(VerifyExactMeshTest, AnOverlapWithinTheToleranceIsFree) {
   Verifier verifier(scene.tables(), Options());
   for (const auto& [depth, free] : {std::pair(0.5e-6, true), {0.9e-6, true}, {1.1e-6, false}}) {
     EXPECT_EQ(verifier.Check(FreePose({0, 0, 0.04 - depth}, {1, 0, 0, 0})).free, free) << depth;
+  }
+}
+
+// A third that shares nothing: every triangle, and no tree.
+TEST_F(VerifyExactMeshTest, DistancesAreThoseOfEveryPairOfTriangles) {
+  constexpr double kRadius = 0.04;
+  Random rng(34);
+  const MeshShape fixed[] = {test::TorusKnot(0.1, 0.03, 60, 8), test::Cup(0.12, 0.2, 0.03, 16)};
+  const MeshShape torus = test::Torus(0.08, 0.02, 20, 8);
+  const std::pair<const char*, MeshShape> moving[] = {
+      {"type='sphere' size='0.04'", {}},
+      {"type='box' size='0.02 0.03 0.05'", test::BoxMesh({0.02, 0.03, 0.05})},
+      {"type='mesh' mesh='moving'", torus}};
+  for (const MeshShape& mesh : fixed) {
+    for (const auto& [geom, shape] : moving) {
+      const Scene scene = MeshScene(mesh, geom, torus);
+      Verifier verifier(scene.tables(), Options());
+      int free = 0, crossing = 0;
+      for (int i = 0; i < 60; ++i) {
+        const Vector3d p = rng.InBox(0.2);
+        const Eigen::Quaterniond r = rng.UnitQuat();
+        const double surface =
+            shape.faces.empty()
+                ? std::max(0.0, test::BruteDistance(mesh, p) - kRadius)
+                : test::BruteDistance(mesh, test::Moved(shape, r.toRotationMatrix(), p));
+        const Verdict& verdict = verifier.Check(FreePose(p, r));
+        if (verdict.free) {
+          EXPECT_NEAR(verdict.min_distance, surface, 1e-6) << geom << " " << i;
+        }
+        if (surface == 0.0) {
+          EXPECT_FALSE(verdict.free) << geom << " " << i;
+        }
+        free += verdict.free;
+        crossing += surface == 0.0;
+      }
+      EXPECT_GT(free, 5) << geom;
+      EXPECT_GT(crossing, 5) << geom;
+    }
   }
 }
 
@@ -247,6 +290,20 @@ TEST_F(VerifyExactMeshTest, CoplanarAndCrossedTouchesAreFree) {
       MeshScene(box, "type='mesh' mesh='moving'", test::BoxMesh({0.125, 0.125, 0.05}));
   EXPECT_FALSE(Verify(plug, FreePose({0, 0, 0.125})).free);
   EXPECT_TRUE(Verify(plug, FreePose({0, 0, 0.175})).free);
+}
+
+// The solver's word that a mesh is open, were it wrong, would hide what is wholly inside from both.
+TEST_F(VerifyExactMeshTest, WhetherAMeshIsClosedItFindsItself) {
+  MeshShape open = test::BoxMesh({0.4, 0.4, 0.4});
+  open.faces.resize(10);
+  for (const char* geom : {kGeoms[0], kGeoms[5]}) {
+    const Scene scene = MeshScene(Angle(), geom);
+    SceneTables tables = scene.tables();
+    tables.solids.assign(tables.solids.size(),
+                         std::make_shared<const Solid>(test::MakeSolid(open)));
+    tables.verifier_shapes = MakeVerifierShapes(tables);
+    EXPECT_FALSE(Verifier(tables, Options()).Check(FreePose({0.05, 0.05, 0.05})).free) << geom;
+  }
 }
 
 TEST_F(VerifyExactMeshTest, AnOpenMeshHasASurfaceOnly) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mjcf_pdg/pdg.h"
+#include "shallow_depths.h"
 #include "test_support.h"
 #include "verify_scenes.h"
 
@@ -143,6 +144,66 @@ TEST_F(VerifyHiddenOverlapTest, NativeConvexCollisionDisabledHidesNothing) {
     missed += depth == 0.0;
   }
   EXPECT_GT(missed, 2) << "MuJoCo sees them all: no hole";
+}
+
+constexpr int kPoses = 20000;  // of each pair
+// MuJoCo's depth is right if it is no shallower than this, and wrong from that on [m].
+constexpr double kRight = 1e-6, kWrong = 2e-5;
+const struct {
+  CurvedPair pair;
+  double spread;  // of the middles [m]
+} kCurved[] = {
+    {{"type='cylinder' size='.05 .004'", "type='ellipsoid' size='.04 .03 .005'"}, 0.05},
+    {{"type='ellipsoid' size='.02 .03 .1'", "type='ellipsoid' size='.03 .08 .006'"}, 0.05},
+    {{"type='sphere' size='.05'", "type='ellipsoid' size='.02 .1 .005'"}, 0.05},
+    {{"type='capsule' size='.03 .06'", "type='cylinder' size='.06 .05'"}, 1e-4}};
+
+TEST_F(VerifyHiddenOverlapTest, ATooShallowDepthHidesNoMoreThanANegativeMarginAllows) {
+  int right = 0, wrong = 0;
+  for (const auto& [pair, spread] : kCurved) {
+    for (const Overlap& overlap : RandomOverlaps(pair.Make(), kPoses, spread)) {
+      auto free = [&](double allowed) { return Verify(pair.Make(allowed), overlap.q).free; };
+      const std::string where = pair.second + Join(ToEigen(overlap.q));
+      EXPECT_FALSE(free(-overlap.truth - kWrong)) << where;
+      if (overlap.hidden() <= kRight) {
+        EXPECT_TRUE(free(-overlap.truth + kWrong)) << where;
+        ++right;
+      }
+      if (overlap.hidden() < kWrong) continue;
+      ++wrong;
+      for (const double share : {0.0, 0.2, 0.4, 0.6, 0.8}) {
+        EXPECT_FALSE(free(-overlap.told + share * overlap.hidden())) << share << " " << where;
+      }
+    }
+  }
+  EXPECT_GT(right, 100);
+  EXPECT_GT(wrong, 30) << "MuJoCo is right: no hole";
+}
+
+// At rest the smaller of two depths is the safe one: that of MuJoCo, which is never too deep.
+TEST_F(VerifyHiddenOverlapTest, ATooShallowDepthNeitherRestsTooDeepNorPermitsMoreThanMujocoSays) {
+  int right = 0, wrong = 0;
+  for (const auto& [pair, spread] : kCurved) {
+    const Scene scene = pair.Make();
+    for (const Overlap& overlap : RandomOverlaps(scene, kPoses, spread)) {
+      auto free = [&](double rest) {
+        Options options;
+        options.rest = rest;
+        return Verify(scene, overlap.q, options, &overlap.q).free;
+      };
+      const std::string where = pair.second + Join(ToEigen(overlap.q));
+      EXPECT_FALSE(free(-overlap.truth - kWrong)) << where;
+      if (overlap.hidden() <= kRight) {
+        EXPECT_TRUE(free(-overlap.truth + kWrong)) << where;
+        ++right;
+      }
+      if (overlap.hidden() < kWrong) continue;
+      EXPECT_FALSE(free(1.0)) << where;
+      ++wrong;
+    }
+  }
+  EXPECT_GT(right, 100);
+  EXPECT_GT(wrong, 30) << "MuJoCo is right: no hole";
 }
 
 TEST_F(VerifyHiddenOverlapTest, AnOverriddenMarginHidesNothing) {
