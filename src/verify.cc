@@ -253,13 +253,16 @@ double Verifier::DistanceFromNudgedPose(const KeptPair& pair, double cutoff, dou
 
 // MuJoCo's depths of ellipsoids and cylinders can be too shallow, by 2 mm of 16. The overlap along
 // any direction is at least the true one: along the normal of a true reading they are the same, so
-// that a reading shallower than that is wrong. Infinite where there is nothing to check.
+// that a reading shallower than that is wrong. Infinite where there is nothing to check: what is
+// not permitted anyway may be as deep as it is told.
 double Verifier::AlongNormal(const KeptPair& pair, const Reading& reading) const {
   const int type1 = model_.geom_type[pair.geom1], type2 = model_.geom_type[pair.geom2];
   if (pair.exact || type1 == mjGEOM_PLANE || !(Curved(type1) || Curved(type2))) return kInfinity;
-  if (!(reading.as_told < -kSureNormal)) return kInfinity;
+  const double permitted = tolerance_ + pair.allowed + rest_ + kRestRounding;
+  if (reading.as_told < -permitted || reading.as_told >= -kSureNormal) return kInfinity;
   const Vector3d n_W = (AsVector(reading.fromto) - AsVector(reading.fromto + 3)).normalized();
-  return DistanceAlong(model_, *posed_.data(), pair.geom1, pair.geom2, n_W, reading.as_told);
+  return DistanceAlong(model_, *posed_.data(), pair.geom1, pair.geom2, n_W,
+                       reading.as_told - kTouching);
 }
 
 // Either witness is enough. One exception: where some overlap is permitted and the signed distance
