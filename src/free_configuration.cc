@@ -27,11 +27,6 @@ void ConfigurationCache::Add(const VectorXd& q) {
   next_ = (next_ + 1) % capacity_;
 }
 
-void ConfigurationCache::Clear() {
-  entries_.clear();
-  next_ = 0;
-}
-
 std::vector<VectorXd> ConfigurationCache::NearestFirst(Problem& problem) const {
   std::vector<double> sigma;
   for (const VectorXd& q : entries_) sigma.push_back(problem.norm.Sigma(q));
@@ -103,11 +98,6 @@ void FreeConfigurationSelection::RememberFree(const VectorXd& q) {
 
 std::optional<VectorXd> FreeConfigurationSelection::NearestRemembered() {
   return free_.empty() ? Selected() : free_.NearestFirst(problem_).front();
-}
-
-void FreeConfigurationSelection::Forget() {
-  free_.Clear();
-  self_collision_free_.Clear();
 }
 
 // Cached configurations may no longer be free: obstacles (mocap bodies) move too.

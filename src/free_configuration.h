@@ -35,7 +35,6 @@ class ConfigurationCache {
   explicit ConfigurationCache(std::size_t capacity) : capacity_(capacity) {}
 
   void Add(const VectorXd& q);
-  void Clear();
   bool empty() const { return entries_.empty(); }
   // Nearest to q_in first, by σ.
   std::vector<VectorXd> NearestFirst(Problem& problem) const;
@@ -65,7 +64,6 @@ class FreeConfigurationSelection {
   void RememberFree(const VectorXd& q);  // known to be
   // The nearest to q_in of those that were free; not asked again.
   std::optional<VectorXd> NearestRemembered();
-  void Forget();
 
   int tried() const { return tried_; }  // selections since Begin
 

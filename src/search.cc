@@ -9,7 +9,7 @@ namespace mjcf_pdg {
 // How far to go, by effort. Measured in bench/: success first, then σ, then time.
 struct Search::Plan {
   // Independent starts at the best answer that end the search: about one, this many per relative
-  // depth of the input, and Crowd; between these bounds.
+  // depth of the input, and StartsForManyBodies; between these bounds.
   double agree_per_depth = 1.0;
   int agree_least = 3, agree_most = 6;
   int queries = 600;           // collision queries after which no further start is made
@@ -24,16 +24,17 @@ constexpr char kDirect[] = "direct", kMirror[] = "mirror", kNoiseStart[] = "nois
 constexpr char kPairByPair[] = "pair_by_pair";
 constexpr char kTranslation[] = "constrained_translation", kAnywhereStart[] = "anywhere";
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kAgreement = 1.01;
-constexpr double kGiveUp = 1.15;    // a start whose prediction is worse than this is dropped
-constexpr double kWorthARun = 5.0;  // σ over the best, where a varied start comes free
-constexpr double kDragged = 1.2;    // σ over that of the frame whose rays were tried last
-constexpr int kFramesPerRays = 4;
-constexpr double kFarthest = 4.0;  // times the distance of a start: where its ray ends
-constexpr int kHintChances = 3;    // LocalOptions::last_chances of a start near its answer
-constexpr int kBlind = 20;         // noisy starts while nothing is free
-constexpr int kAnywhere = 20;      // uniform starts, if nothing else came free
-constexpr double kNoise[] = {5.0, 2.0, 3.0, 8.0};  // spreads of the noisy starts, in turn
+constexpr double kAgreement = 1.01;  // σ over the best: the same answer
+constexpr double kGiveUp = 1.15;     // a start whose prediction is worse than this is dropped
+constexpr double kWorthARun = 5.0;   // σ over the best, where a varied start comes free
+constexpr double kDragged = 1.2;     // σ over that of the frame whose rays were tried last
+constexpr int kFramesPerRays = 4;    // frames of a trajectory that trust the last ones'
+constexpr double kFarthest = 4.0;    // times the distance of a start: where its ray ends
+constexpr int kHintChances = 3;      // LocalOptions::last_chances of a start near its answer
+constexpr int kBlind = 20;           // noisy starts while nothing is free
+constexpr int kAnywhere = 20;        // uniform starts, if nothing else came free
+// Spreads of the noisy starts, in turn: how far the nearest answer's basin reaches is not known.
+constexpr double kNoise[] = {5.0, 2.0, 3.0, 8.0};
 // Time of a query and of a pair distance [evaluations], the latter over those at q_in but no fewer
 // than kFewDistances: fits what bench/ measures within about a third.
 constexpr double kPerQuery = 0.3, kPerDistance = 0.8;
@@ -41,7 +42,7 @@ constexpr int kFewDistances = 4;
 constexpr double kFewBodies = 8.0, kLargestCrowd = 2.0;  // of those that overlap
 constexpr Hop kHops[] = {Hop::kFromBest, Hop::kFromInput, Hop::kMirrored};
 
-LocalOptions Loose() {
+LocalOptions Coarse() {
   LocalOptions options;
   options.max_iterations = 40;
   options.convergence = 1e-3;
@@ -116,7 +117,7 @@ double Search::RelativeDepth(const std::vector<NearPair>& overlaps) const {
 }
 
 // Each body that must move may do so in several ways: many of them have many minima.
-double Search::Crowd(const std::vector<NearPair>& overlaps) const {
+double Search::StartsForManyBodies(const std::vector<NearPair>& overlaps) const {
   const mjModel& m = *problem_.tables.model;
   std::set<int> bodies;
   for (const NearPair& near : overlaps) {
@@ -189,7 +190,7 @@ void Search::TryTranslations(const std::vector<NearPair>& overlaps) {
 void Search::TryRays(const std::vector<NearPair>& overlaps) {
   const std::vector<VectorXd> far = ConstrainedTranslation(problem_, overlaps, center_);
   for (const FreeOnRay& free : FirstFree(problem_, center_, far, kInfinity)) {
-    Try(free.q, kTranslation, Loose());
+    Try(free.q, kTranslation, Coarse());
   }
   sigma_of_rays_ = BestSigma();
 }
@@ -206,10 +207,10 @@ bool Search::StillNear(const Plan& plan) {
 // How deep two triangle meshes overlap says little: the way there, and beyond, is followed to where
 // they are apart first.
 void Search::TryOnRay(const VectorXd& q, const std::string& start) {
-  if (!exact_) return Try(q, start, Loose());
+  if (!exact_) return Try(q, start, Coarse());
   const VectorXd far = Beyond(problem_, center_, q, kFarthest);
   for (const FreeOnRay& free : FirstFree(problem_, center_, {far}, kWorthARun * BestSigma())) {
-    Try(free.q, start, Loose());
+    Try(free.q, start, Coarse());
   }
 }
 
@@ -261,10 +262,10 @@ void Search::TryExact(const Plan& plan, const std::vector<NearPair>& overlaps) {
     return MovedByFreeJointsOnly(problem_.tables, near.pair);
   });
   if (!rigid && problem_.Uses(kPairByPair)) {
-    if (const std::optional<VectorXd> q = parting_.Start(center_)) Try(*q, kPairByPair, Loose());
+    if (const std::optional<VectorXd> q = parting_.Start(center_)) Try(*q, kPairByPair, Coarse());
   }
   if (problem_.Uses(kTranslation)) TryRays(overlaps);
-  if (!Done(plan) && problem_.Uses(kDirect)) Try(center_, kDirect, Loose());
+  if (!Done(plan) && problem_.Uses(kDirect)) Try(center_, kDirect, Coarse());
 }
 
 SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
@@ -281,7 +282,7 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
   if (exact_) {
     plan.queries *= 2;  // most only ask whether a configuration is free, the others cost more
     plan.evaluations = kInfinity;
-    LocalOptions near = Loose();
+    LocalOptions near = Coarse();
     near.last_chances = kHintChances;
     if (hint) Try(hint->q, hint->start, near);
     TryExact(plan, overlaps);
@@ -290,8 +291,10 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
     if (problem_.Uses(kDirect)) Try(center_, kDirect, LocalOptions{});
     if (hint) Try(hint->q, hint->start, LocalOptions{});
   }
-  const double agree = 1.5 + Crowd(overlaps) + plan.agree_per_depth * RelativeDepth(overlaps);
-  plan.agree = static_cast<int>(std::clamp<double>(agree, plan.agree_least, plan.agree_most));
+  const double agree =
+      1.0 + StartsForManyBodies(overlaps) + plan.agree_per_depth * RelativeDepth(overlaps);
+  plan.agree =
+      static_cast<int>(std::lround(std::clamp<double>(agree, plan.agree_least, plan.agree_most)));
   if (HasFree() && !Done(plan) && problem_.Uses(kMirror)) {
     TryOnRay(MirroredStart(problem_, outcome_.free.front().q), kMirror);
   }

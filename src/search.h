@@ -76,7 +76,7 @@ class Search {
   double Evaluations() const;
   bool Done(const Plan& plan) const;
   // By how many starts more than one those should agree that part so many bodies.
-  double Crowd(const std::vector<NearPair>& overlaps) const;
+  double StartsForManyBodies(const std::vector<NearPair>& overlaps) const;
   // Deepest overlap in units of the thinner geom's half-thickness.
   double RelativeDepth(const std::vector<NearPair>& overlaps) const;
 

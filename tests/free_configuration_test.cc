@@ -68,8 +68,6 @@ TEST_F(FreeConfigurationTest, MotionCoherenceAloneKnowsAHiddenPocket) {
   s.selection.Remember(Eigen::Vector2d(0.83, 0.71));
   EXPECT_TRUE(s.selection.NearestRemembered());
   EXPECT_EQ(s.Solving(), std::vector<std::string>{"motion_coherence"});
-  s.selection.Forget();
-  EXPECT_EQ(s.Solving(), std::vector<std::string>{});
 }
 
 TEST_F(FreeConfigurationTest, CentroidDifferenceAloneMovesARigidPlateAlongTheDiagonal) {
