@@ -155,6 +155,16 @@ TEST_F(CliImportTest, NamesAreMadeFitForMjcfAndUnique) {
   EXPECT_STREQ(m->text_data, "my_mesh__ my_mesh___2");
 }
 
+TEST_F(CliImportTest, SolidsThatTouchHaveTheirExactMassAndAreReadAgainWithoutLoss) {
+  const TriangleMesh cubes = Together(CubeMesh(), CubeMesh({1, 0, 0}));
+  const nlohmann::json json = ImportJson(cubes, "out.xml");
+  EXPECT_EQ(json["parts"], 2);
+  EXPECT_NEAR(json["volume"], 2.0, 1e-9);
+  EXPECT_NEAR(Load("out.xml")->body_mass[1], 2000.0, 1e-2);
+  EXPECT_EQ(Run({"import", "out_meshes/mesh.obj", "-o", "again.xml"}).exit_code, 0);
+  EXPECT_TRUE(Read("again_meshes/mesh.obj") == Read("out_meshes/mesh.obj"));
+}
+
 TEST_F(CliImportTest, TheSceneIsReadyForTheOtherVerbs) {
   Write("a.obj", ObjText(CubeMesh()));
   Write("b.obj", ObjText(CubeMesh({0.9, 0.1, 0.2})));

@@ -11,6 +11,8 @@
 #include <limits>
 
 #include "hand_made_meshes.h"
+#include "mesh_components.h"
+#include "mesh_repair.h"
 #include "temporary_folder.h"
 #include "test_support.h"
 

@@ -7,6 +7,8 @@
 
 #include "mesh_import.h"
 #include "test_support.h"
+#include "mesh_components.h"
+#include "mesh_repair.h"
 #include "triangle_mesh.h"
 
 namespace mjcf_pdg::test {
