@@ -99,23 +99,16 @@ void LeaveBeforeEntering(std::vector<Meeting>* meetings) {
   }
 }
 
-// As parentheses are matched, around a circle.
+// Only if solids follow each other around the edge: if not, they overlap or face against each
+// other.
 void LinkBySolids(std::vector<Meeting> meetings, std::vector<Link>* links) {
-  const auto entering = std::count_if(meetings.begin(), meetings.end(),
-                                      [](const Meeting& meeting) { return meeting.enters; });
-  if (2 * entering != static_cast<std::ptrdiff_t>(meetings.size())) return;
   LeaveBeforeEntering(&meetings);
-  std::vector<EdgeUse> entered;
-  for (int round = 0; round < 2; ++round) {
-    for (Meeting& meeting : meetings) {
-      if (meeting.enters && round == 0) {
-        entered.push_back(meeting.use);
-      } else if (!meeting.enters && !entered.empty() && meeting.use.triangle >= 0) {
-        links->push_back({entered.back(), meeting.use});
-        entered.pop_back();
-        meeting.use.triangle = -1;  // has been left
-      }
-    }
+  const auto next = [&](std::size_t i) { return meetings[(i + 1) % meetings.size()]; };
+  for (std::size_t i = 0; i < meetings.size(); ++i) {
+    if (meetings[i].enters == next(i).enters) return;
+  }
+  for (std::size_t i = 0; i < meetings.size(); ++i) {
+    if (meetings[i].enters) links->push_back({meetings[i].use, next(i).use});
   }
 }
 

@@ -18,8 +18,8 @@ struct Link {
 // not looked at.
 std::vector<Link> FindCertainLinks(const Eigen::Matrix3Xi& triangles);
 
-// The same, and where as many triangles use an edge one way as the other: there the solid between
-// two triangles decides, so that solids that touch come apart. For consistent orientation.
+// The same, and where solids follow each other around an edge: the two triangles of each belong
+// together, so that solids that touch come apart. For consistent orientation.
 std::vector<Link> FindLinks(const TriangleMesh& mesh);
 
 // Repeats vertices so that triangles hang together by links only. Returns the number of edges of

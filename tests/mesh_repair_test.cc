@@ -227,6 +227,25 @@ TEST(MeshRepairTest, RandomHeapsOfCubesComeApartIntoCubes) {
   }
 }
 
+TEST(MeshRepairTest, TouchingSolidsThatFaceAgainstEachOtherAreNotMadeIntoOne) {
+  Random random(9);
+  int open = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    TriangleMesh heap = {Eigen::Matrix3Xd(3, 0), Eigen::Matrix3Xi(3, 0)};
+    for (const Vector3d& low : {Vector3d(0, 0, 0), Vector3d(0, 1, 0), Vector3d(1, 0, 0)}) {
+      TriangleMesh cube = CubeMesh(low);
+      if (random.Chance(0.5)) cube = Mirrored(CubeMesh({-low.x() - 1.0, low.y(), low.z()}));
+      heap = Together(heap, random.Chance(0.5) ? cube : InsideOut(cube));
+    }
+    const Repaired result = Repair(heap);
+    if (result.topology.open_edges == 0) {
+      EXPECT_NEAR(result.solid.volume, 3.0, 1e-12);
+    }
+    open += result.topology.open_edges > 0;
+  }
+  EXPECT_LT(open, 180);  // in a quarter of the trials all face the same way
+}
+
 TEST(MeshRepairTest, ADoubleSidedSolidIsTheSolid) {
   for (const TriangleMesh& mesh : {CubeMesh(), TetrahedronMesh(), TorusMesh(2.0, 0.5, 12)}) {
     for (const TriangleMesh& both : {DoubleSided(mesh), DoubleSided(InsideOut(mesh))}) {
