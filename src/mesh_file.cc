@@ -10,6 +10,7 @@
 #include <fstream>
 #include <string_view>
 
+#include "glb_check.h"
 #include "mjcf_pdg/types.h"
 #include "ply_check.h"
 
@@ -104,10 +105,13 @@ std::string CheckMeshFile(const std::string& path) {
   if (format == "ply" && !IsWholePly(stream)) {
     throw Error(path + ": the file ends too early or its header is wrong");
   }
-  if (!is_marked && format != "stl" && format != "dae") return "";
+  if (!is_marked && format != "stl" && format != "dae" && format != "glb") return "";
   rewind();
   const std::string bytes(std::istreambuf_iterator<char>(stream), {});
   if (format == "dae") CheckColladaUnit(path, bytes);
+  if (format == "glb" && GlbHasMissingCorners(bytes)) {
+    throw Error(path + ": a face has a corner that does not exist");
+  }
   const std::string wanted = format == "stl" ? Stl(path, bytes) : bytes;
   return is_marked || wanted != bytes ? wanted : "";
 }

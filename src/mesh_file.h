@@ -11,7 +11,7 @@ namespace mjcf_pdg {
 std::string MeshFormat(const std::string& path);
 
 // Throws Error, which names the file: missing, empty, unreadable, ends too early (PLY, ASCII STL),
-// or in a unit that is no length (COLLADA).
+// in a unit that is no length (COLLADA), or with corners that do not exist (GLB).
 //
 // Returns what assimp is to be given instead of the file, or nothing if the file will do. Dropped
 // are a byte order mark, which would hide the first line, and padding behind the triangles of a

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <assimp/Exporter.hpp>
 #include <cctype>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -229,6 +230,27 @@ TEST_F(MeshImportTest, AColladaFileWhoseUnitIsNoLengthIsRefused) {
     EXPECT_NE(error.find("is not a positive number"), std::string::npos) << error;
   }
   EXPECT_NEAR(SurfaceArea(ReadMeshFile(with_unit("'0.01'"))), 6e-4, 1e-9);
+}
+
+TEST_F(MeshImportTest, AGlbFileWithACornerThatDoesNotExistIsRefused) {
+  Export(CubeMesh(), "glb2", Path("cube.glb"));
+  std::string bytes = Text(Path("cube.glb"));
+  // The corners of the first triangle, as 16-bit or 32-bit numbers: the first becomes a far one.
+  const Eigen::Vector3i corners = CubeMesh().triangles.col(0);
+  const auto replace_first = [&](auto number) {
+    decltype(number) wanted[3];
+    for (int k = 0; k < 3; ++k) wanted[k] = static_cast<decltype(number)>(corners[k]);
+    const std::string words(reinterpret_cast<const char*>(wanted), sizeof wanted);
+    const std::size_t place = bytes.find(words);
+    if (place == std::string::npos) return false;
+    wanted[0] = 999;
+    bytes.replace(place, words.size(), reinterpret_cast<const char*>(wanted), sizeof wanted);
+    return true;
+  };
+  ASSERT_TRUE(replace_first(std::uint16_t{}) || replace_first(std::uint32_t{}));
+  const std::string error = ErrorOf([&] { ReadMeshFile(Write("far.glb", bytes)); });
+  EXPECT_NE(error.find("far.glb: a face has a corner that does not exist"), std::string::npos)
+      << error;
 }
 
 TEST_F(MeshImportTest, PolygonsWithCornersInTheMiddleOfASideLeaveNoCracks) {
