@@ -72,6 +72,10 @@ std::vector<int> FindTwins(const Matrix3Xi& triangles) {
   return twins;
 }
 
+bool HasTwins(const std::vector<int>& twins) {
+  return std::any_of(twins.begin(), twins.end(), [](int twin) { return twin >= 0; });
+}
+
 // Twins that meet at edges, whatever else is there.
 OrientedSets FindPatches(const std::vector<EdgeUse>& uses, const std::vector<int>& twins) {
   OrientedSets patches(static_cast<int>(twins.size()));
@@ -90,6 +94,7 @@ OrientedSets FindPatches(const std::vector<EdgeUse>& uses, const std::vector<int
 // needed: that of the earlier triangles stays.
 int DropNeedlessTwins(Matrix3Xi* triangles) {
   const std::vector<int> twins = FindTwins(*triangles);
+  if (!HasTwins(twins)) return 0;
   const std::vector<EdgeUse> uses = SortedEdgeUses(*triangles);
   OrientedSets patches = FindPatches(uses, twins);
   std::vector<char> is_needed(twins.size(), 0);  // per root
@@ -158,7 +163,7 @@ std::vector<TwoSided> FindTwoSided(const TriangleMesh& mesh, const std::vector<i
 // patch that is a fold of a solid into itself goes.
 int DropOtherSides(TriangleMesh* mesh) {
   const std::vector<int> twins = FindTwins(mesh->triangles);
-  if (std::all_of(twins.begin(), twins.end(), [](int twin) { return twin < 0; })) return 0;
+  if (!HasTwins(twins)) return 0;
   const int n = static_cast<int>(twins.size());
   const std::vector<Link> links = FindLinks(*mesh);
   OrientedSets surfaces(n), patches = FindPatches(SortedEdgeUses(mesh->triangles), twins);

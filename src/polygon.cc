@@ -78,9 +78,15 @@ class EarCutter {
 
   // If a corner is in the way, then also one that is not convex.
   bool IsEar(int i, double slack) const {
-    return Turn(i) > slack && std::none_of(not_convex_.begin(), not_convex_.end(), [&](int other) {
-             return Covers(i, p_.col(other), slack);
-           });
+    if (Turn(i) <= slack) return false;
+    Eigen::AlignedBox2d box(Vector2d(p_.col(i)));
+    box.extend(Vector2d(p_.col(previous_[i]))).extend(Vector2d(p_.col(next_[i])));
+    const Vector2d margin = Vector2d::Constant(kFlat * box.sizes().maxCoeff());
+    const Eigen::AlignedBox2d near(box.min() - margin, box.max() + margin);
+    return std::none_of(not_convex_.begin(), not_convex_.end(), [&](int other) {
+      const Vector2d x = p_.col(other);
+      return near.contains(x) && Covers(i, x, slack);
+    });
   }
 
   // A corner at the same place is not in the way: holes hang on a bridge of two equal sides.
