@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "mesh_edges.h"
 #include "solid.h"
@@ -87,21 +88,23 @@ class ComponentBoxes {
   std::vector<Node> nodes_;  // the first child follows its parent
 };
 
-// A point of the solid just under the largest triangle, so that a neighbour that touches there does
-// not have it on its surface.
-Vector3d PointInside(const Eigen::Matrix3Xd& vertices, const Component& component) {
+// Points of the solid just under some of its triangles, so that a neighbour that touches there does
+// not have them on its surface.
+std::vector<Vector3d> PointsInside(const Eigen::Matrix3Xd& vertices, const Component& component) {
   constexpr double kDepth = 1e-5;  // of the triangle's size
-  Vector3d largest = Vector3d::Zero(), middle = Vector3d::Zero();
-  for (const auto& corners : component.triangles.colwise()) {
+  constexpr Index kMost = 16;
+  const double inwards = component.volume < 0.0 ? 1.0 : -1.0;
+  const Index n = component.triangles.cols();
+  std::vector<Vector3d> points;
+  for (Index k = 0; k < std::min(n, kMost); ++k) {
+    const auto corners = component.triangles.col(k * n / std::min(n, kMost));
     const Vector3d a = vertices.col(corners[0]), b = vertices.col(corners[1]),
                    c = vertices.col(corners[2]);
     const Vector3d normal = (b - a).cross(c - a);
-    if (normal.squaredNorm() <= largest.squaredNorm()) continue;
-    largest = normal;
-    middle = (a + b + c) / 3.0;
+    const double depth = inwards * kDepth * std::sqrt(normal.norm());
+    points.push_back((a + b + c) / 3.0 + depth * normal.normalized());
   }
-  const double inwards = component.volume < 0.0 ? 1.0 : -1.0;
-  return middle + inwards * kDepth * std::sqrt(largest.norm()) * largest.normalized();
+  return points;
 }
 
 // How often the surface goes around p, from solid angles (van Oosterom & Strackee 1983).
@@ -125,22 +128,8 @@ Solid SolidOf(const Eigen::Matrix3Xd& vertices, const Component& component) {
   return {vertices(Eigen::all, corners), triangles};
 }
 
-std::vector<char> Contains(const Eigen::Matrix3Xd& vertices, const Component& component,
-                           const std::vector<Vector3d>& points) {
-  constexpr std::size_t kFew = 20;  // that are sooner looked at than a tree is built
-  std::vector<char> contains;
-  if (points.size() <= kFew) {
-    for (const Vector3d& p : points) {
-      contains.push_back(std::abs(WindingNumber(vertices, component.triangles, p)) > 0.5);
-    }
-    return contains;
-  }
-  const Solid solid = SolidOf(vertices, component);
-  for (const Vector3d& p : points) contains.push_back(solid.Contains(kTreeUnits * p));
-  return contains;
-}
-
 void FindContainers(const Eigen::Matrix3Xd& vertices, std::vector<Component>* components) {
+  constexpr std::size_t kFew = 3;  // candidates that are sooner looked at than a tree is built
   const ComponentBoxes boxes(*components);
   std::vector<std::vector<int>> candidates(components->size());  // to be inside each
   for (int i = 0; i < static_cast<int>(components->size()); ++i) {
@@ -152,11 +141,17 @@ void FindContainers(const Eigen::Matrix3Xd& vertices, std::vector<Component>* co
   }
   for (int outer = 0; outer < static_cast<int>(components->size()); ++outer) {
     if (candidates[outer].empty()) continue;
-    std::vector<Vector3d> points;
-    for (const int i : candidates[outer]) points.push_back(PointInside(vertices, (*components)[i]));
-    const std::vector<char> contains = Contains(vertices, (*components)[outer], points);
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      if (contains[k]) (*components)[candidates[outer][k]].containers.push_back(outer);
+    std::optional<Solid> tree;
+    if (candidates[outer].size() > kFew) tree.emplace(SolidOf(vertices, (*components)[outer]));
+    const auto contains = [&](const Vector3d& p) {
+      return tree ? tree->Contains(kTreeUnits * p)
+                  : std::abs(WindingNumber(vertices, (*components)[outer].triangles, p)) > 0.5;
+    };
+    for (const int i : candidates[outer]) {
+      Component& inner = (*components)[i];
+      // All of them: parts that reach into each other are not inside.
+      const std::vector<Vector3d> points = PointsInside(vertices, inner);
+      if (std::all_of(points.begin(), points.end(), contains)) inner.containers.push_back(outer);
     }
   }
 }

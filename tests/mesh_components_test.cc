@@ -83,6 +83,18 @@ TEST(MeshComponentsTest, ASolidInTheDentOfAnotherIsNotInsideIt) {
   }
 }
 
+TEST(MeshComponentsTest, APartThatReachesOutOfAnotherIsNotInsideIt) {
+  // Through the dent of the L, within the box around it.
+  const TriangleMesh bar = BoxMesh({1.5, 0.2, 0.2}, {0.2, 0.9, 0.4});
+  for (int first = 0; first < 12; ++first) {
+    TriangleMesh turned = bar;
+    for (int t = 0; t < 12; ++t) turned.triangles.col(t) = bar.triangles.col((first + t) % 12);
+    const std::vector<Component> components = FindComponents(Together(AngleMesh(), turned));
+    ASSERT_EQ(components.size(), 2u);
+    EXPECT_TRUE(components[1].containers.empty()) << first;
+  }
+}
+
 TEST(MeshComponentsTest, AHundredThousandPartsTakeSeconds) {
   std::vector<Vector3d> places = Grid(46, 1.0);
   const TriangleMesh mesh = Together(Tetrahedra(places, 0.3), BoxMesh({50, 50, 50}, {-1, -1, -1}));
