@@ -5,10 +5,10 @@
 #include <map>
 #include <set>
 
-#include "mesh_import.h"
-#include "test_support.h"
 #include "mesh_components.h"
+#include "mesh_import.h"
 #include "mesh_repair.h"
+#include "test_support.h"
 #include "triangle_mesh.h"
 
 namespace mjcf_pdg::test {
