@@ -88,7 +88,7 @@ int RunImport(const ImportArguments& arguments) {
     meshes.push_back(ImportMesh(path, arguments.scale, meshes));
   }
   std::vector<SceneFile> files = MakeScene(scene_path.stem().string(), meshes, arguments.density);
-  CheckScene(files);
+  CheckScene(files, meshes);
 
   OutputFiles outputs;
   const auto beside_scene = [&](const std::string& name) {
@@ -132,10 +132,13 @@ Verb AddImportVerb(CLI::App& program) {
       ->required();
   AddNumber(*command, {"--density", "KG/M^3", "of all bodies", {.above_low = true}},
             arguments->density);
-  AddNumber(
-      *command,
-      {"--scale", "S", "metres per unit of the files (0.001: millimetres)", {.above_low = true}},
-      arguments->scale);
+  AddNumber(*command,
+            {"--scale",
+             "S",
+             "metres per unit of the files (0.001: millimetres); units that dae files state count "
+             "besides, those of 3mf files are not read",
+             {.above_low = true}},
+            arguments->scale);
   AddJson(*command, arguments->json);
   return {command, [arguments] { return RunImport(*arguments); }};
 }

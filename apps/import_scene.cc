@@ -2,6 +2,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <memory>
@@ -13,6 +14,7 @@ namespace mjcf_pdg::app {
 namespace {
 
 constexpr int kErrorSize = 2000;
+constexpr double kAnyDensity = 1000.0;
 constexpr char kFreeColour[] = "0.85 0.35 0.25 1", kStandingColour[] = "0.6 0.65 0.7 1";
 
 std::string Escaped(const std::string& text) {
@@ -92,6 +94,26 @@ std::string MjcfText(const std::string& scene_name, const std::string& mesh_fold
          "  </keyframe>\n</mujoco>\n";
 }
 
+// Empty if it compiles. Without the place, which is in a file that will never be written.
+std::string MujocosComplaint(const std::vector<SceneFile>& files) {
+  mjVFS vfs;
+  mj_defaultVFS(&vfs);
+  const std::unique_ptr<mjVFS, void (*)(mjVFS*)> owner(&vfs, mj_deleteVFS);
+  for (const SceneFile& file : files) {
+    if (mj_addBufferVFS(&vfs, file.name.c_str(), file.content.data(),
+                        static_cast<int>(file.content.size())) != 0) {
+      throw Error(file.name + ": MuJoCo cannot hold it in memory");
+    }
+  }
+  std::string error(kErrorSize, '\0');
+  const std::unique_ptr<mjModel, void (*)(mjModel*)> model(
+      mj_loadXML(files.front().name.c_str(), &vfs, error.data(), kErrorSize), mj_deleteModel);
+  if (model) return "";
+  error.resize(std::min(error.find('\0'), error.find("\nElement ")));
+  const std::string prefix = "Error: ";
+  return OneLine(error.rfind(prefix, 0) == 0 ? error.substr(prefix.size()) : error);
+}
+
 }  // namespace
 
 std::vector<SceneFile> MakeScene(const std::string& scene_name,
@@ -105,20 +127,14 @@ std::vector<SceneFile> MakeScene(const std::string& scene_name,
   return files;
 }
 
-void CheckScene(const std::vector<SceneFile>& files) {
-  mjVFS vfs;
-  mj_defaultVFS(&vfs);
-  const std::unique_ptr<mjVFS, void (*)(mjVFS*)> owner(&vfs, mj_deleteVFS);
-  for (const SceneFile& file : files) {
-    if (mj_addBufferVFS(&vfs, file.name.c_str(), file.content.data(),
-                        static_cast<int>(file.content.size())) != 0) {
-      throw Error(file.name + ": MuJoCo cannot hold it in memory");
-    }
+void CheckScene(const std::vector<SceneFile>& files, const std::vector<ImportedMesh>& meshes) {
+  const std::string complaint = MujocosComplaint(files);
+  if (complaint.empty()) return;
+  for (const ImportedMesh& mesh : meshes) {
+    const std::string cause = MujocosComplaint(MakeScene("alone", {mesh}, kAnyDensity));
+    if (!cause.empty()) throw Error(mesh.file + ": MuJoCo refuses it: " + cause);
   }
-  std::string error(kErrorSize, '\0');
-  mjModel* const model = mj_loadXML(files.front().name.c_str(), &vfs, error.data(), kErrorSize);
-  if (!model) throw Error("MuJoCo refuses the scene: " + OneLine(error.c_str()));
-  mj_deleteModel(model);
+  throw Error("MuJoCo refuses the scene: " + complaint);
 }
 
 }  // namespace mjcf_pdg::app

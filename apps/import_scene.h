@@ -20,8 +20,8 @@ struct SceneFile {
 std::vector<SceneFile> MakeScene(const std::string& scene_name,
                                  const std::vector<ImportedMesh>& meshes, double density);
 
-// Throws Error if MuJoCo does not compile it.
-void CheckScene(const std::vector<SceneFile>& files);
+// Throws Error if MuJoCo does not compile it, which names the mesh file if it is that.
+void CheckScene(const std::vector<SceneFile>& files, const std::vector<ImportedMesh>& meshes);
 
 }  // namespace mjcf_pdg::app
 

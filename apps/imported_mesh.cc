@@ -21,8 +21,12 @@ std::string UniqueName(const std::string& path, const std::vector<ImportedMesh>&
     if (!plain) c = '_';
   }
   std::string name = stem;
-  const auto is_taken = [&](const ImportedMesh& mesh) { return mesh.name == name; };
-  for (int i = 2; std::any_of(taken.begin(), taken.end(), is_taken); ++i) {
+  const auto is_taken = [&] {
+    return name == "world" ||  // MuJoCo's own body
+           std::any_of(taken.begin(), taken.end(),
+                       [&](const ImportedMesh& mesh) { return mesh.name == name; });
+  };
+  for (int i = 2; is_taken(); ++i) {
     name = stem + "_" + std::to_string(i);
   }
   return name;

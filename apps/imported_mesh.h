@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "mesh_components.h"
+#include "mesh_repair.h"
 #include "triangle_mesh.h"
 
 namespace mjcf_pdg::app {

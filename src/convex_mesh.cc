@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "mesh_components.h"
 #include "solid.h"
 
 namespace mjcf_pdg {

@@ -14,39 +14,19 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
+#include <span>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
+#include "mesh_file.h"
 #include "mjcf_pdg/types.h"
-#include "ply_check.h"
+#include "polygon.h"
 
 namespace mjcf_pdg {
 namespace {
 
 constexpr double kMaxCoordinate = 1e10;  // MuJoCo's own limit (mjMAXVAL)
-
-// In lower case.
-std::string Ending(const std::string& path) {
-  std::string ending = std::filesystem::path(path).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return ending;
-}
-
-void CheckFile(const std::string& path) {
-  std::error_code ec;
-  if (!std::filesystem::exists(path, ec)) throw Error(path + ": no such file");
-  if (!std::filesystem::is_regular_file(path, ec)) throw Error(path + ": is not a file");
-  if (std::filesystem::file_size(path, ec) == 0) throw Error(path + ": the file is empty");
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw Error(path + ": cannot be read");
-  if (Ending(path) == ".ply" && !IsWholePly(stream)) {
-    throw Error(path + ": the file ends too early or its header is wrong");
-  }
-}
 
 struct Part {
   const aiMesh* mesh;
@@ -74,7 +54,7 @@ void CollectParts(const aiScene& scene, const aiNode& node, const Eigen::Affine3
 // assimp turns 3ds files by this, from z up to y up.
 Eigen::Affine3d AxesOfFile(const std::string& path) {
   Eigen::Affine3d turn = Eigen::Affine3d::Identity();
-  if (Ending(path) == ".3ds") turn.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  if (MeshFormat(path) == "3ds") turn.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
   return turn;
 }
 
@@ -82,7 +62,9 @@ Size SizeOf(const std::vector<Part>& parts) {
   Size size;
   for (const Part& part : parts) {
     size.vertices += part.mesh->mNumVertices;
-    size.triangles += part.mesh->mNumFaces;
+    for (unsigned i = 0; i < part.mesh->mNumFaces; ++i) {
+      size.triangles += std::max(part.mesh->mFaces[i].mNumIndices, 2u) - 2;
+    }
   }
   return size;
 }
@@ -94,32 +76,53 @@ struct FloatMesh {
   Eigen::Matrix3Xi triangles;
 };
 
-// Fills the columns after the first `begin.vertices` and `begin.triangles`.
-void FillPart(const Part& part, const std::string& path, Size begin, FloatMesh* mesh) {
+Eigen::Vector3d Position(const aiMesh& mesh, unsigned vertex) {
+  const aiVector3D& v = mesh.mVertices[vertex];
+  return {v.x, v.y, v.z};
+}
+
+// assimp's own triangulation drops corners in the middle of a side, which leaves cracks.
+std::vector<std::array<int, 3>> CutFace(const aiMesh& mesh, const aiFace& face) {
+  Eigen::Matrix3Xd corners(3, face.mNumIndices);
+  for (unsigned k = 0; k < face.mNumIndices; ++k) {
+    corners.col(k) = Position(mesh, face.mIndices[k]);
+  }
+  std::vector<std::array<int, 3>> triangles = CutPolygon(corners);
+  for (std::array<int, 3>& triangle : triangles) {
+    for (int& corner : triangle) corner = static_cast<int>(face.mIndices[corner]);
+  }
+  return triangles;
+}
+
+// Fills the columns from `*filled` on, which counts them.
+void FillPart(const Part& part, const std::string& path, Size* filled, FloatMesh* mesh) {
   const aiMesh& source = *part.mesh;
   const bool mirrored = part.pose.linear().determinant() < 0.0;
   for (unsigned i = 0; i < source.mNumVertices; ++i) {
-    const aiVector3D& v = source.mVertices[i];
-    const Eigen::Vector3d p = part.pose * Eigen::Vector3d(v.x, v.y, v.z);
+    const Eigen::Vector3d p = part.pose * Position(source, i);
     if (!p.allFinite()) throw Error(path + ": a vertex is not finite");
     if (p.cwiseAbs().maxCoeff() > kMaxCoordinate) {
       throw Error(path + ": a coordinate is beyond 1e10 m");
     }
-    mesh->vertices.col(static_cast<Eigen::Index>(begin.vertices + i)) = p.cast<float>();
+    mesh->vertices.col(static_cast<Eigen::Index>(filled->vertices + i)) = p.cast<float>();
   }
   for (unsigned i = 0; i < source.mNumFaces; ++i) {
     const aiFace& face = source.mFaces[i];
-    if (face.mNumIndices != 3 ||
-        *std::max_element(face.mIndices, face.mIndices + 3) >= source.mNumVertices) {
+    const std::span<const unsigned> indices(face.mIndices, face.mNumIndices);
+    if (indices.size() < 3 || std::ranges::max(indices) >= source.mNumVertices) {
       throw Error(path + ": a face has a corner that does not exist");
     }
-    auto corners = mesh->triangles.col(static_cast<Eigen::Index>(begin.triangles + i));
-    for (int k = 0; k < 3; ++k) corners[k] = static_cast<int>(begin.vertices + face.mIndices[k]);
-    if (mirrored) std::swap(corners[1], corners[2]);
+    for (const std::array<int, 3>& triangle : CutFace(source, face)) {
+      auto corners = mesh->triangles.col(static_cast<Eigen::Index>(filled->triangles++));
+      for (int k = 0; k < 3; ++k) corners[k] = static_cast<int>(filled->vertices) + triangle[k];
+      if (mirrored) std::swap(corners[1], corners[2]);
+    }
   }
+  filled->vertices += source.mNumVertices;
 }
 
-FloatMesh ReadThroughAssimp(const std::string& path, double scale) {
+// `instead`, if not empty, are the bytes to read in place of the file's.
+FloatMesh ReadThroughAssimp(const std::string& path, const std::string& instead, double scale) {
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                               aiPrimitiveType_POINT | aiPrimitiveType_LINE);
@@ -128,8 +131,12 @@ FloatMesh ReadThroughAssimp(const std::string& path, double scale) {
                                   aiComponent_TEXTURES | aiComponent_MATERIALS |
                                   aiComponent_ANIMATIONS);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  const aiScene* const scene = importer.ReadFile(
-      path, aiProcess_RemoveComponent | aiProcess_Triangulate | aiProcess_SortByPType);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
+  constexpr unsigned kSteps = aiProcess_RemoveComponent | aiProcess_SortByPType;
+  const aiScene* const scene = instead.empty()
+                                   ? importer.ReadFile(path, kSteps)
+                                   : importer.ReadFileFromMemory(instead.data(), instead.size(),
+                                                                 kSteps, MeshFormat(path).c_str());
   if (!scene || !scene->mRootNode) {
     throw Error(path + ": cannot be read as a mesh: " + importer.GetErrorString());
   }
@@ -145,11 +152,7 @@ FloatMesh ReadThroughAssimp(const std::string& path, double scale) {
   }
   FloatMesh mesh = {Eigen::Matrix3Xf(3, size.vertices), Eigen::Matrix3Xi(3, size.triangles)};
   Size filled;
-  for (const Part& part : parts) {
-    FillPart(part, path, filled, &mesh);
-    filled.vertices += part.mesh->mNumVertices;
-    filled.triangles += part.mesh->mNumFaces;
-  }
+  for (const Part& part : parts) FillPart(part, path, &filled, &mesh);
   return mesh;
 }
 
@@ -166,7 +169,8 @@ void Send(int pipe, const void* data, std::size_t size) {
 }
 
 // The child: sends counts and arrays, or two zeros and what is wrong.
-[[noreturn]] void ReadAndSend(const std::string& path, double scale, int pipe) {
+[[noreturn]] void ReadAndSend(const std::string& path, const std::string& instead, double scale,
+                              int pipe) {
   const rlimit no_core = {0, 0}, time = {kMaxSeconds, kMaxSeconds};
   ::setrlimit(RLIMIT_CORE, &no_core);
   ::setrlimit(RLIMIT_CPU, &time);
@@ -174,7 +178,7 @@ void Send(int pipe, const void* data, std::size_t size) {
   FloatMesh mesh;
   std::string complaint;
   try {
-    mesh = ReadThroughAssimp(path, scale);
+    mesh = ReadThroughAssimp(path, instead, scale);
   } catch (const Error& e) {
     complaint = e.what();
   } catch (const std::exception& e) {
@@ -212,11 +216,11 @@ FloatMesh Unpack(const std::string& bytes) {
 }  // namespace
 
 TriangleMesh ReadMeshFile(const std::string& path, double scale) {
-  CheckFile(path);
+  const std::string instead = CheckMeshFile(path);
   int ends[2];
   if (::pipe(ends) != 0) throw std::runtime_error("cannot make a pipe");
   const pid_t child = ::fork();
-  if (child == 0) ReadAndSend(path, scale, ends[1]);
+  if (child == 0) ReadAndSend(path, instead, scale, ends[1]);
   ::close(ends[1]);
   const std::string bytes = child > 0 ? Receive(ends[0]) : "";
   ::close(ends[0]);

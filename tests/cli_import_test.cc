@@ -155,6 +155,27 @@ TEST_F(CliImportTest, NamesAreMadeFitForMjcfAndUnique) {
   EXPECT_STREQ(m->text_data, "my_mesh__ my_mesh___2");
 }
 
+TEST_F(CliImportTest, AFileNamedAsMujocosOwnBodyIsRenamed) {
+  Write("world.obj", ObjText(CubeMesh()));
+  Write("x/world.obj", ObjText(CubeMesh()));
+  const Outcome outcome = Run({"import", "world.obj", "x/world.obj", "-o", "out.xml"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const ModelPtr m = Load("out.xml");
+  ASSERT_NE(m, nullptr);
+  EXPECT_EQ(mj_name2id(m.get(), mjOBJ_BODY, "world_2"), 1);
+  EXPECT_EQ(mj_name2id(m.get(), mjOBJ_BODY, "world_3"), 2);
+}
+
+TEST_F(CliImportTest, SolidsThatTouchHaveTheirExactMassAndAreReadAgainWithoutLoss) {
+  const TriangleMesh cubes = Together(CubeMesh(), CubeMesh({1, 0, 0}));
+  const nlohmann::json json = ImportJson(cubes, "out.xml");
+  EXPECT_EQ(json["parts"], 2);
+  EXPECT_NEAR(json["volume"], 2.0, 1e-9);
+  EXPECT_NEAR(Load("out.xml")->body_mass[1], 2000.0, 1e-2);
+  EXPECT_EQ(Run({"import", "out_meshes/mesh.obj", "-o", "again.xml"}).exit_code, 0);
+  EXPECT_TRUE(Read("again_meshes/mesh.obj") == Read("out_meshes/mesh.obj"));
+}
+
 TEST_F(CliImportTest, TheSceneIsReadyForTheOtherVerbs) {
   Write("a.obj", ObjText(CubeMesh()));
   Write("b.obj", ObjText(CubeMesh({0.9, 0.1, 0.2})));
@@ -189,7 +210,8 @@ TEST_F(CliImportTest, BadInputIsRefusedAndNothingWritten) {
   ExpectRefused({"import", "a.obj"}, "-o");
   ExpectRefused({"import", "nowhere.obj", "-o", "new.xml"}, "nowhere.obj: no such file");
   ExpectRefused({"import", "a.obj", "empty.obj", "-o", "new.xml"}, "empty.obj: the file is empty");
-  ExpectRefused({"import", "flat.obj", "-o", "new.xml"}, "MuJoCo refuses");
+  ExpectRefused({"import", "a.obj", "flat.obj", "-o", "new.xml"},
+                "error: flat.obj: MuJoCo refuses it: mesh 'flat' has coplanar vertices");
   ExpectRefused({"import", "line.obj", "-o", "new.xml"}, "line.obj");
   ExpectRefused({"import", "a.obj", "-o", "new.obj"}, "does not end in .xml");
   ExpectRefused({"import", "a.obj", "-o", "-"}, "does not end in .xml");

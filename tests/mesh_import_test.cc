@@ -4,13 +4,19 @@
 #include <assimp/scene.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <assimp/Exporter.hpp>
+#include <cctype>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <sstream>
 
 #include "hand_made_meshes.h"
+#include "mesh_components.h"
+#include "mesh_repair.h"
 #include "temporary_folder.h"
 #include "test_support.h"
 
@@ -26,6 +32,10 @@ class MeshImportTest : public ::testing::Test {
     return folder_ / name;
   }
   std::string Path(const std::string& name) const { return folder_ / name; }
+  static std::string Text(const std::string& path) {
+    std::ifstream stream(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
 
  private:
   TemporaryFolder folder_;
@@ -126,8 +136,7 @@ TEST_F(MeshImportTest, PolygonsAreCutAndLinesAndPointsLeftOut) {
 
 TEST_F(MeshImportTest, AxesOfAColladaFileStayWhateverItCallsUp) {
   Export(TetrahedronMesh(), "collada", Path("t.dae"));
-  std::ifstream stream(Path("t.dae"));
-  std::string text(std::istreambuf_iterator<char>(stream), {});
+  std::string text = Text(Path("t.dae"));
   const std::size_t up = text.find("Y_UP");
   ASSERT_NE(up, std::string::npos);
   const TriangleMesh y_up = Import(Path("t.dae"));
@@ -169,7 +178,108 @@ TEST_F(MeshImportTest, BadFilesAreRefusedInOneLineThatNamesThem) {
   refused(Write("lines.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2 3\n"), "");
   refused(Write("far.obj", "v 0 0 0\nv 1e30 0 0\nv 0 1 0\nf 1 2 3\n"), "beyond 1e10");
   refused(Write("nowhere.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n"), "not finite");
+  refused(Write("cut.stl", "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n"),
+          "ends too early");
+  refused(Write("bones.bvh",
+                "HIERARCHY\nROOT Hips\n{\nOFFSET 0 0 0\nCHANNELS 0\nJOINT A\n{\nOFFSET 0 5 0\n"
+                "CHANNELS 0\nEnd Site\n{\nOFFSET 3 5 0\n}\n}\n}\nMOTION\nFrames: 1\n"
+                "Frame Time: 0.033\n0\n"),
+          "has no triangles");
   refused(Write("corner.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"), "");
+}
+
+TEST_F(MeshImportTest, AByteOrderMarkHidesNothing) {
+  for (const Format format : {Format{"obj", "obj"}, Format{"stl", "stl"}, Format{"ply", "ply"},
+                              Format{"collada", "dae"}}) {
+    SCOPED_TRACE(format.id);
+    const std::string plain = Path(std::string("plain.") + format.ending);
+    Export(CubeMesh({1, 2, 3}), format.id, plain, false);
+    // assimp's files begin with a comment, which may as well be lost.
+    const std::string text = Text(plain);
+    const std::size_t begin = format.id == std::string("obj") ? text.find("v ") : 0;
+    const std::string marked =
+        Write(std::string("marked.") + format.ending, "\xEF\xBB\xBF" + text.substr(begin));
+    const TriangleMesh expected = ReadMeshFile(plain), read = ReadMeshFile(marked);
+    EXPECT_EQ(read.vertices, expected.vertices);
+    EXPECT_EQ(read.triangles, expected.triangles);
+  }
+}
+
+TEST_F(MeshImportTest, AnStlFileInCapitalsOrWithPaddingIsRead) {
+  Export(CubeMesh(), "stl", Path("ascii.stl"), false);
+  Export(CubeMesh(), "stlb", Path("binary.stl"), false);
+  std::string capitals = Text(Path("ascii.stl"));
+  std::transform(capitals.begin(), capitals.end(), capitals.begin(), ::toupper);
+  const Eigen::Matrix3Xd expected = ReadMeshFile(Path("ascii.stl")).vertices;
+  EXPECT_EQ(ReadMeshFile(Write("capitals.stl", capitals)).vertices, expected);
+  const std::string padded = Text(Path("binary.stl")) + std::string(20, '\0');
+  EXPECT_EQ(ReadMeshFile(Write("padded.stl", padded)).vertices, expected);
+}
+
+TEST_F(MeshImportTest, AColladaFileWhoseUnitIsNoLengthIsRefused) {
+  Export(CubeMesh(), "collada", Path("cube.dae"), false);
+  std::string text = Text(Path("cube.dae"));
+  const std::string unit = "meter=\"1\"";
+  const std::size_t place = text.find(unit);
+  ASSERT_NE(place, std::string::npos);
+  const auto with_unit = [&](const std::string& value) {
+    return Write("unit.dae", std::string(text).replace(place, unit.size(), "meter=" + value));
+  };
+  for (const char* const value : {"\"abc\"", "\"0\"", "\"-1\"", "\"nan\"", "\"\"", "'1 m'"}) {
+    const std::string error = ErrorOf([&] { ReadMeshFile(with_unit(value)); });
+    EXPECT_NE(error.find("is not a positive number"), std::string::npos) << error;
+  }
+  EXPECT_NEAR(SurfaceArea(ReadMeshFile(with_unit("'0.01'"))), 6e-4, 1e-9);
+}
+
+TEST_F(MeshImportTest, AGlbFileWithACornerThatDoesNotExistIsRefused) {
+  Export(CubeMesh(), "glb2", Path("cube.glb"));
+  std::string bytes = Text(Path("cube.glb"));
+  // The corners of the first triangle, as 16-bit or 32-bit numbers: the first becomes a far one.
+  const Eigen::Vector3i corners = CubeMesh().triangles.col(0);
+  const auto replace_first = [&](auto number) {
+    decltype(number) wanted[3];
+    for (int k = 0; k < 3; ++k) wanted[k] = static_cast<decltype(number)>(corners[k]);
+    const std::string words(reinterpret_cast<const char*>(wanted), sizeof wanted);
+    const std::size_t place = bytes.find(words);
+    if (place == std::string::npos) return false;
+    wanted[0] = 999;
+    bytes.replace(place, words.size(), reinterpret_cast<const char*>(wanted), sizeof wanted);
+    return true;
+  };
+  ASSERT_TRUE(replace_first(std::uint16_t{}) || replace_first(std::uint32_t{}));
+  const std::string error = ErrorOf([&] { ReadMeshFile(Write("far.glb", bytes)); });
+  EXPECT_NE(error.find("far.glb: a face has a corner that does not exist"), std::string::npos)
+      << error;
+}
+
+TEST_F(MeshImportTest, PolygonsWithCornersInTheMiddleOfASideLeaveNoCracks) {
+  // A comb; its teeth's roots are in one line.
+  const std::vector<Vector3d> profile = {{0, -1, 0}, {6, -1, 0}, {6, 0, 0}, {6, 1, 0}, {5, 1, 0},
+                                         {5, 0, 0},  {4, 0, 0},  {4, 2, 0}, {3, 2, 0}, {3, 0, 0},
+                                         {2, 0, 0},  {2, 1, 0},  {1, 1, 0}, {1, 0, 0}, {0, 0, 0}};
+  const int n = static_cast<int>(profile.size());
+  Random random(6);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Eigen::Matrix3d turn = random.UnitQuat().toRotationMatrix();
+    std::ostringstream text;
+    text.precision(9);
+    for (const double z : {0.0, 1.0}) {
+      for (const Vector3d& p : profile) {
+        text << "v " << (turn * (p + z * Vector3d::UnitZ())).transpose() << "\n";
+      }
+    }
+    for (int i = 0; i < n; ++i) text << (i == 0 ? "f " : " ") << n - i;
+    for (int i = 0; i < n; ++i) text << (i == 0 ? "\nf " : " ") << n + i + 1;
+    for (int i = 1; i <= n; ++i) {
+      const int next = i % n + 1;
+      text << "\nf " << i << " " << next << " " << n + next << " " << n + i;
+    }
+    const TriangleMesh comb = Import(Write("comb.obj", text.str() + "\n"));
+    EXPECT_EQ(comb.triangles.cols(), 4 * n - 4);
+    EXPECT_EQ(FindTopology(comb).open_edges, 0);
+    EXPECT_NEAR(FindSolidProperties(comb).volume, 10.0, 1e-5);
+  }
 }
 
 TEST_F(MeshImportTest, TruncatedFilesAreRefusedOrReadNeverACrash) {
@@ -179,8 +289,7 @@ TEST_F(MeshImportTest, TruncatedFilesAreRefusedOrReadNeverACrash) {
                               Format{"obj", "obj"}, Format{"collada", "dae"}}) {
     const std::string whole = Path(std::string("whole.") + format.ending);
     Export(CubeMesh(), format.id, whole);
-    std::ifstream stream(whole, std::ios::binary);
-    const std::string bytes(std::istreambuf_iterator<char>(stream), {});
+    const std::string bytes = Text(whole);
     for (int part = 1; part < 40; ++part) {
       const std::string path =
           Write(std::string("part.") + format.ending, bytes.substr(0, bytes.size() * part / 40));

@@ -5,7 +5,9 @@
 #include <map>
 #include <set>
 
+#include "mesh_components.h"
 #include "mesh_import.h"
+#include "mesh_repair.h"
 #include "test_support.h"
 #include "triangle_mesh.h"
 
