@@ -29,7 +29,7 @@ void AskSolids(const SolidPair& pair, double margin, ExactQuery query, NearestTr
     if (query == ExactQuery::kUnmeasuredFeatures) {
       return out.push_back(Unmeasured(crossing ? TriangleGap(pair, near) : SignedGap()));
     }
-    AppendOverlaps(pair, out);
+    AppendOverlaps(pair, query == ExactQuery::kSearchedFeatures ? kManyParts : kFewParts, out);
     if (nearest_alone) return;
   }
   if (near.a < 0 || near.distance >= margin) return;
@@ -98,8 +98,10 @@ bool ExactContacts::Distance(const PosedModel& posed, int pair, double cutoff, S
 
 void ExactContacts::Features(const PosedModel& posed, int pair, double margin, Depths depths,
                              std::vector<SignedGap>& out) {
-  const bool measured = depths == Depths::kMeasured;
-  Ask(posed, pair, margin, measured ? ExactQuery::kFeatures : ExactQuery::kUnmeasuredFeatures, out);
+  const ExactQuery query = depths == Depths::kMeasured   ? ExactQuery::kFeatures
+                           : depths == Depths::kSearched ? ExactQuery::kSearchedFeatures
+                                                         : ExactQuery::kUnmeasuredFeatures;
+  Ask(posed, pair, margin, query, out);
 }
 
 }  // namespace mjcf_pdg

@@ -71,7 +71,7 @@ void LocalOptimization::MeasureOverlap(std::size_t k, double margin, Iterate& ou
   features_.Append(problem_.tables, problem_.finder.posed(), crossing.pair, measured);
   const bool by_planes = !measured.empty();
   if (!by_planes) {
-    problem_.finder.AppendFeatures(crossing.pair, margin, Depths::kMeasured, measured);
+    problem_.finder.AppendFeatures(crossing.pair, margin, depths_, measured);
   }
   if (by_planes || measured.empty()) {
     out.worst = std::max(out.worst, problem_.tolerances.accept);
@@ -312,7 +312,8 @@ void LocalOptimization::Begin(const VectorXd& q, Descent& d) {
   mu_ = kFirstPrice * scale_;
   merit_price_ = 0.0;
   damping_ = kFirstDamping;
-  d.radius = d.largest_radius = d.options.trust_radius * scale_;
+  depths_ = d.options.depths;
+  d.radius = d.largest_radius = std::min(d.options.trust_radius * scale_, d.options.largest_step);
   next_ = q;
   ClampToLimits(problem_.tables, next_);
   Look(next_, kFirstMargin * problem_.size, d.current);

@@ -28,7 +28,9 @@ struct LocalOptions {
   int max_iterations = 60;
   double trust_radius = 0.3;  // largest step, √σ units [m]; grows with large scenes
   double convergence = 1e-4;  // relative decrease of σ that still counts
-  int last_chances = 4;       // steps without a lower σ of exact meshes that end it
+  double largest_step = std::numeric_limits<double>::infinity();  // whatever the scene [m]
+  Depths depths = Depths::kMeasured;                              // of exact meshes that overlap
+  int last_chances = 4;  // steps without a lower σ of exact meshes that end it
   double give_up_sigma =
       std::numeric_limits<double>::infinity();  // a worse prediction ends it [m²]
   const VectorXd* known = nullptr;  // an optimum already found: coming close to it ends it
@@ -114,6 +116,7 @@ class LocalOptimization {
   Cost predicted_;               // after the last step, by its linearization
   double promised_sigma_ = 0.0;  // had it not been cut
   double damping_ = 0.0;
+  Depths depths_ = Depths::kMeasured;
   bool remembers_ = true, damps_ = true;  // false: left out (Options::without)
 
   VectorXd apart_, moved_, next_, r_, z_, dq_, y_, lambda_, b_, bounds_, slack_;

@@ -50,9 +50,9 @@ struct BoundingSphere {
   double radius = 0.0;
 };
 
-// What is asked of an exact pair that overlaps: how deep and where, which is slow, or only that it
-// does.
-enum class Depths { kMeasured, kSkipped };
+// What is asked of an exact pair that overlaps: how deep and where, which is slow, the same with a
+// longer search for its deepest places, or only that it does.
+enum class Depths { kMeasured, kSearched, kSkipped };
 
 struct VerifierShapes;  // verify_exact_mesh.h
 

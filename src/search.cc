@@ -30,9 +30,13 @@ constexpr double kWorthARun = 5.0;   // σ over the best, where a varied start c
 constexpr double kDragged = 1.2;     // σ over that of the frame whose rays were tried last
 constexpr int kFramesPerRays = 4;    // frames of a trajectory that trust the last ones'
 constexpr double kFarthest = 4.0;    // times the distance of a start: where its ray ends
-constexpr int kHintChances = 3;      // LocalOptions::last_chances of a start near its answer
-constexpr int kBlind = 20;           // noisy starts while nothing is free
-constexpr int kAnywhere = 20;        // uniform starts, if nothing else came free
+// An answer that lies farther than so many times the depth of overlapping meshes is suspicious, and
+// makes for so many patient tries to come out the short way, at such noise [depth].
+constexpr double kSuspicious = 10.0, kNudge = 0.2;
+constexpr int kWaysOut = 3, kPatientSteps = 120;
+constexpr int kHintChances = 3;  // LocalOptions::last_chances of a start near its answer
+constexpr int kBlind = 20;       // noisy starts while nothing is free
+constexpr int kAnywhere = 20;    // uniform starts, if nothing else came free
 // Spreads of the noisy starts, in turn: how far the nearest answer's basin reaches is not known.
 constexpr double kNoise[] = {5.0, 2.0, 3.0, 8.0};
 // Time of a query and of a pair distance [evaluations], the latter over those at q_in but no fewer
@@ -265,7 +269,24 @@ void Search::TryExact(const Plan& plan, const std::vector<NearPair>& overlaps) {
     if (const std::optional<VectorXd> q = parting_.Start(center_)) Try(*q, kPairByPair, Coarse());
   }
   if (problem_.Uses(kTranslation)) TryRays(overlaps);
-  if (!Done(plan) && problem_.Uses(kDirect)) Try(center_, kDirect, Coarse());
+  if (!Done(plan) && problem_.Uses(kDirect)) TryFromWithin(overlaps);
+}
+
+// A nut on a bolt is let go by no straight way but along its axis. Its own contacts lead it out, if
+// they are all seen and no step is longer than what they tell holds.
+void Search::TryFromWithin(const std::vector<NearPair>& overlaps) {
+  double depth = 0.0;
+  for (const NearPair& near : overlaps) depth = std::max(depth, -near.distance);
+  const double far = kSuspicious * kSuspicious * depth * depth;
+  if (!(BestSigma() > far)) return Try(center_, kDirect, Coarse());
+  LocalOptions patient = Coarse();
+  patient.max_iterations = kPatientSteps;
+  patient.depths = Depths::kSearched;
+  patient.largest_step = depth;
+  for (int k = 0; k < kWaysOut && BestSigma() > far && !problem_.Expired(); ++k) {
+    Try(k == 0 ? center_ : GaussianStart(problem_, center_, depth * depth, kNudge, random_),
+        kDirect, patient);
+  }
 }
 
 SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,

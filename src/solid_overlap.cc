@@ -11,7 +11,6 @@ namespace {
 constexpr double kNoDepth = 1e-7;    // depths below this have no direction (2e-11 m)
 constexpr double kDeepEnough = 1.1;  // stop when nothing is deeper than this factor
 constexpr double kWorthARow = 0.3;   // of the deepest found so far
-constexpr int kMaxParts = 40;        // asked for the depth of some vertex, in each direction
 constexpr double kShallow = 1e-3;    // of the smaller mesh's radius
 constexpr int kMaxWays = 8;          // rows of one overlap
 constexpr double kSameDirection = 0.9;
@@ -20,8 +19,8 @@ constexpr double kSameDirection = 0.9;
 class DepthSearch {
  public:
   // `pose`: from -> in.
-  DepthSearch(const Solid& from, const Solid& in, const RelativePose& pose)
-      : from_(from), in_(in), pose_(pose) {}
+  DepthSearch(const Solid& from, const Solid& in, const RelativePose& pose, int most_parts)
+      : from_(from), in_(in), pose_(pose), most_parts_(most_parts) {}
 
   struct Point {
     double depth = 0.0;
@@ -31,7 +30,7 @@ class DepthSearch {
 
   std::vector<Point> Run() {
     parts_.push({});
-    for (int asked = 0; asked < kMaxParts && !parts_.empty();) {
+    for (int asked = 0; asked < most_parts_ && !parts_.empty();) {
       Part part = parts_.top();
       parts_.pop();
       if (part.bound <= kDeepEnough * deepest_ || part.bound <= kNoDepth) break;
@@ -138,6 +137,7 @@ class DepthSearch {
   const Solid& from_;
   const Solid& in_;
   const RelativePose pose_;
+  const int most_parts_;  // asked for the depth of some vertex
   std::priority_queue<Part> parts_;
   std::vector<Point> points_;
   std::vector<double> crossings_;
@@ -145,12 +145,12 @@ class DepthSearch {
 };
 
 // Points of a inside b and the other way round, in the frame of a.
-void AppendWays(const SolidPair& pair, bool of_a, std::vector<WayOut>& ways) {
+void AppendWays(const SolidPair& pair, bool of_a, int most_parts, std::vector<WayOut>& ways) {
   const Solid& from = of_a ? pair.a() : pair.b();
   const Solid& in = of_a ? pair.b() : pair.a();
   if (!in.closed()) return;
   const RelativePose pose = of_a ? pair.pose().Inverse() : pair.pose();
-  for (const DepthSearch::Point& point : DepthSearch(from, in, pose).Run()) {
+  for (const DepthSearch::Point& point : DepthSearch(from, in, pose, most_parts).Run()) {
     const Vector3d out = (point.p - point.x) / point.depth;  // the point's way, `in`'s frame
     WayOut way;
     way.faces_apart = !from.closed() || out.dot(pose.R * from.Normal(point.triangle)) < 0.0;
@@ -216,10 +216,10 @@ void AppendDeepest(std::vector<WayOut>& ways, double patch, std::vector<SignedGa
   }
 }
 
-void AppendOverlaps(const SolidPair& pair, std::vector<SignedGap>& out) {
+void AppendOverlaps(const SolidPair& pair, int most_parts, std::vector<SignedGap>& out) {
   std::vector<WayOut> ways;
-  AppendWays(pair, true, ways);
-  AppendWays(pair, false, ways);
+  AppendWays(pair, true, most_parts, ways);
+  AppendWays(pair, false, most_parts, ways);
   const double size = std::min(pair.a().radius(), pair.b().radius());
   auto deep = [size](const WayOut& way) { return -way.gap.distance > kShallow * size; };
   if (std::none_of(ways.begin(), ways.end(), deep)) AppendCommonPoint(pair, ways);

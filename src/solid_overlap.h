@@ -33,9 +33,14 @@ struct WayOut {
 // A point of some piece of one mesh is inside the other. To be asked when no triangles intersect.
 bool Contained(const SolidPair& pair);
 
+// How many parts of a mesh to look at for the depth of an overlap: a quick look, and one that finds
+// most threads of a nut.
+constexpr int kFewParts = 40, kManyParts = 400;
+
 // The overlap of two meshes that intersect or contain each other: appends at least one gap of
-// negative distance, the deepest first; others are at other places or in other directions.
-void AppendOverlaps(const SolidPair& pair, std::vector<SignedGap>& out);
+// negative distance, the deepest first; others are at other places or in other directions. Of each
+// mesh at most `most_parts` parts are looked at.
+void AppendOverlaps(const SolidPair& pair, int most_parts, std::vector<SignedGap>& out);
 
 // The deepest first; those of the same place and direction left out, then those beyond the most.
 void AppendDeepest(std::vector<WayOut>& ways, double patch, std::vector<SignedGap>& out);

@@ -176,6 +176,28 @@ TEST_F(ExactMeshScenesTest, ANutOnABolt) {
   ExpectNoWorseThanThePaper("nut_on_bolt", {{"quarter_turn", 4.2e-6}, {"lifted", 9.5e-6}});
 }
 
+// Shifted across and tilted it has no straight way out but off the bolt, ten times as far. (One of
+// these ten goes there.)
+TEST_F(ExactMeshScenesTest, ATiltedNutStaysOnItsBolt) {
+  const Scene scene = Scene::FromFile(MJCF_PDG_MODEL_DIR "/rigid/nut_on_bolt.xml", Exact());
+  const std::vector<double> home = scene.KeyQpos(mj_name2id(scene.model(), mjOBJ_KEY, "home"));
+  Random rng(54);
+  int stays = 0;
+  for (int i = 0; i < 10; ++i) {
+    std::vector<double> q = home;
+    const Vector3d shift = 1e-3 * rng.Normals(3);
+    for (int k = 0; k < 3; ++k) q[k] += shift[k];
+    const Quaterniond turn(Eigen::AngleAxisd(0.1, rng.UnitVector()));
+    q[3] = turn.w();
+    Eigen::Map<Vector3d>(q.data() + 4) = turn.vec();
+    const Result result = Solver(scene).Solve(q);
+    ASSERT_EQ(result.status, Status::kSolved) << i << ": " << result.reason;
+    EXPECT_TRUE(FreeByBoth(scene, result.q)) << i;
+    stays += result.sigma < ObjectNorm(scene, Metric::kSequential, q).Sigma(home);
+  }
+  EXPECT_GE(stays, 8);
+}
+
 // The hint overlaps by 6e-8 m, which the verifier accepts.
 TEST_F(ExactMeshScenesTest, NoAnswerIsWorseThanAFreeHint) {
   const Scene scene = Scene::FromFile(MJCF_PDG_MODEL_DIR "/rigid/nut_on_bolt.xml", Exact());

@@ -127,7 +127,7 @@ TEST(SolidOverlapTest, OverlapsAreNeitherDeeperThanTheSurfacesNorNothing) {
         const SolidPair pair(solid_a, solid_b, {R, kTreeUnits * t});
         if (!Intersects(pair)) continue;
         std::vector<SignedGap> gaps;
-        AppendOverlaps(pair, gaps);
+        AppendOverlaps(pair, kFewParts, gaps);
         ExpectOverlaps(gaps);
         const MeshShape there = Moved(b, R, t);
         const double deepest = std::max(DeepestSample(a, there), DeepestSample(there, a));
@@ -155,7 +155,7 @@ TEST(SolidOverlapTest, ABoxOnABoxIsAsDeepAsItsLowestCorner) {
     const double depth = rng.Uniform(1e-5, 5e-3);
     const Vector3d t(rng.Uniform(-0.1, 0.1), rng.Uniform(-0.1, 0.1), 0.1 - depth - low);
     std::vector<SignedGap> gaps;
-    AppendOverlaps(SolidPair(below, above, {R, kTreeUnits * t}), gaps);
+    AppendOverlaps(SolidPair(below, above, {R, kTreeUnits * t}), kFewParts, gaps);
     ExpectOverlaps(gaps);
     EXPECT_NEAR(-gaps.front().distance / kTreeUnits, depth, 1e-9) << i;
     EXPECT_GT(gaps.front().n.z(), 0.999) << "from the first to the second, the way out";
@@ -167,7 +167,7 @@ TEST(SolidOverlapTest, SurfacesThatCoincideAndOpenMeshesHaveADepth) {
   for (const MeshShape& shape : SmallShapes()) {
     const Solid solid = MakeSolid(shape);
     std::vector<SignedGap> gaps;
-    AppendOverlaps(SolidPair(solid, solid, {I, Vector3d::Zero()}), gaps);
+    AppendOverlaps(SolidPair(solid, solid, {I, Vector3d::Zero()}), kFewParts, gaps);
     ExpectOverlaps(gaps);
   }
   MeshShape open = BoxMesh({0.1, 0.1, 0.1});
@@ -176,7 +176,7 @@ TEST(SolidOverlapTest, SurfacesThatCoincideAndOpenMeshesHaveADepth) {
   const SolidPair pair(surface, surface, {I, kTreeUnits * Vector3d(0.15, 0.03, 0.02)});
   ASSERT_TRUE(Intersects(pair));
   std::vector<SignedGap> gaps;
-  AppendOverlaps(pair, gaps);
+  AppendOverlaps(pair, kFewParts, gaps);
   ExpectOverlaps(gaps);
 }
 
