@@ -41,9 +41,10 @@ LcpOutcome SolveProjectedGaussSeidel(const Eigen::Ref<const MatrixXd>& G, const 
 LcpOutcome ActiveSetLcp::Solve(const ConstMatrix& G, const VectorXd& b, const VectorXd& mu,
                                const LcpOptions& options, VectorXd& lambda) {
   lambda.setZero(b.size());
-  side_.assign(b.size(), Side::kLow);
+  side_.setConstant(b.size(), kLow);
   free_.clear();
-  norms_ = G.colwise().norm();
+  norms_ = G.colwise().norm().transpose();
+  inverse_norms_ = (norms_ > 0.0).select(norms_.inverse(), 0.0);
   UpdateSlack(G, b, lambda);
   LcpOutcome outcome;
   while (outcome.steps < options.max_steps) {
@@ -68,18 +69,13 @@ void ActiveSetLcp::UpdateSlack(const ConstMatrix& G, const VectorXd& b, const Ve
   slack_.noalias() -= G.transpose() * x_;
 }
 
-int ActiveSetLcp::MostViolated(double tolerance) const {
-  int worst = -1;
-  double most = 0.0;
-  for (int i = 0; i < static_cast<int>(side_.size()); ++i) {
-    if (side_[i] == Side::kFree || norms_[i] <= 0.0) continue;
-    const double violation = side_[i] == Side::kLow ? slack_[i] : -slack_[i];
-    if (violation > tolerance && violation > most * norms_[i]) {
-      most = violation / norms_[i];
-      worst = i;
-    }
-  }
-  return worst;
+// By its distance in z; -1 if no row is beyond `tolerance`.
+int ActiveSetLcp::MostViolated(double tolerance) {
+  if (side_.size() == 0) return -1;
+  violation_ = side_ * slack_.array();
+  violation_ = (violation_ > tolerance).select(violation_ * inverse_norms_, 0.0);
+  Eigen::Index worst = 0;
+  return violation_.maxCoeff(&worst) > 0.0 ? static_cast<int>(worst) : -1;
 }
 
 // `row`, just solved for by SolveFree, becomes the last of the free rows.
@@ -133,7 +129,7 @@ double ActiveSetLcp::SolveFree(const ConstMatrix& G, int row) {
 // Moves λ_row off its bound while the free rows keep their slack at zero, until its own slack is
 // zero or it reaches the other bound; free multipliers that reach a bound leave the free set.
 void ActiveSetLcp::Enter(const ConstMatrix& G, const VectorXd& mu, int row, VectorXd& lambda) {
-  const double sign = side_[row] == Side::kLow ? 1.0 : -1.0;
+  const double sign = side_[row];
   while (true) {
     const double schur = SolveFree(G, row);
     const bool dependent = schur <= kDependent * norms_[row] * norms_[row];
@@ -160,14 +156,14 @@ void ActiveSetLcp::Enter(const ConstMatrix& G, const VectorXd& mu, int row, Vect
     }
     if (leaving < 0) {
       const bool stays_free = to_zero_slack < own_room;
-      side_[row] = stays_free ? Side::kFree : sign > 0.0 ? Side::kHigh : Side::kLow;
+      side_[row] = stays_free ? kFree : -sign;
       if (stays_free) AddFree(row);
       if (!stays_free) lambda[row] = sign > 0.0 ? mu[row] : 0.0;
       return;
     }
     const int left = free_[leaving];
     const bool high = -sign * direction_[leaving] > 0.0;
-    side_[left] = high ? Side::kHigh : Side::kLow;
+    side_[left] = high ? kHigh : kLow;
     lambda[left] = high ? mu[left] : 0.0;
     RemoveFree(leaving);
   }

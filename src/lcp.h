@@ -45,11 +45,12 @@ class ActiveSetLcp {
                    const Eigen::VectorXd& mu, const LcpOptions& options, Eigen::VectorXd& lambda);
 
  private:
-  enum class Side : char { kLow, kFree, kHigh };
+  // Where a multiplier is: which sign its row's slack must not have.
+  static constexpr double kLow = 1.0, kFree = 0.0, kHigh = -1.0;
   using ConstMatrix = Eigen::Ref<const Eigen::MatrixXd>;
 
   void UpdateSlack(const ConstMatrix& G, const Eigen::VectorXd& b, const Eigen::VectorXd& lambda);
-  int MostViolated(double tolerance) const;
+  int MostViolated(double tolerance);
   void Enter(const ConstMatrix& G, const Eigen::VectorXd& mu, int row, Eigen::VectorXd& lambda);
   void AddFree(int row);
   void RemoveFree(int k);
@@ -57,9 +58,10 @@ class ActiveSetLcp {
   void SolveBackward(Eigen::VectorXd& x) const;
   double SolveFree(const ConstMatrix& G, int row);
 
-  std::vector<Side> side_;
+  Eigen::ArrayXd side_;    // kLow, kFree or kHigh of each row
   std::vector<int> free_;  // rows strictly between their bounds
-  Eigen::VectorXd norms_;  // of G's columns
+  Eigen::ArrayXd norms_;   // of G's columns
+  Eigen::ArrayXd inverse_norms_, violation_;
   Eigen::VectorXd slack_;  // b - GᵀG λ: positive where a constraint is violated
   Eigen::VectorXd x_;      // G λ
   // L with L Lᵀ = G_FᵀG_F of the free rows F, row by row.
