@@ -11,7 +11,7 @@ namespace {
 constexpr double kTouching = 20.0;                             // of the tolerance
 constexpr double kFirstOnRay = 1.0 / 256.0, kNextOnRay = 1.2;  // shares of the way
 constexpr int kRayHalvings = 2;
-constexpr double kWorthARay = 2.0;  // σ over that of the nearest found
+constexpr double kWorthARay = 2.0;                 // σ over that of the nearest found
 constexpr double kHopSpreads[] = {3.0, 7.5, 1.5};  // as in GaussianStart, one at random
 
 struct Sphere {

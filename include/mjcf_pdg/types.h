@@ -90,7 +90,8 @@ struct Result {
   double sigma = 0.0;              // σ(q_in, q) [m²]
   double sigma_lower_bound = 0.0;  // proven: no free configuration has a smaller σ [m²]
   // Smallest signed distances of kept pairs at q_in and at q, negative where they overlap, cut off
-  // 1 m beyond the clearance [m]. Height fields and SDFs, which have no distances, count where they touch.
+  // 1 m beyond the clearance [m]. Height fields and SDFs, which have no distances, count where they
+  // touch.
   double depth_in = 0.0;
   double min_distance = 0.0;
   bool certified = false;  // freeness rests on signed distances alone (no SDF, no height field)
