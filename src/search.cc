@@ -163,13 +163,14 @@ void Search::Try(const VectorXd& q, const std::string& start, const LocalOptions
   }
 }
 
-// A hop comes from the best answer, so its return there says nothing.
+// A hop comes from the best answer, so its return there says nothing; nor do translations in other
+// directions, which symmetry makes as long.
 void Search::Count(const LocalResult& result, const std::string& start) {
   const bool independent = start != kHop;
   if (result.free && result.sigma * kAgreement < BestSigma()) {
     outcome_.agreeing = independent;
   } else if (result.reached_known || (result.free && result.sigma <= kAgreement * BestSigma())) {
-    outcome_.agreeing += independent;
+    outcome_.agreeing += independent && start != kTranslation;
   }
 }
 

@@ -43,6 +43,18 @@ TEST_F(ExactMeshSolveTest, ConvexMeshesComeOutAsTheirHullsDo) {
   EXPECT_GT(overlapping, 25);
 }
 
+// A ball in the middle of two cubes that overlap: 0.8 m out along each of six axes, alike by
+// symmetry, and 0.42 m into a notch between them.
+TEST_F(ExactMeshSolveTest, WaysOutThatSymmetryMakesAlikeDoNotAgree) {
+  MeshShape cubes = test::BoxMesh({0.5, 0.5, 0.5});
+  cubes.Append(
+      test::BoxMesh({0.5, 0.5, 0.5}).Move(Eigen::Matrix3d::Identity(), Vector3d::Constant(0.5)));
+  const Scene scene = test::MeshScene(cubes, "type='sphere' size='.05'");
+  const Result result = Solver(scene).Solve(FreePose(Vector3d::Constant(0.25)));
+  ASSERT_EQ(result.status, Status::kSolved) << result.reason;
+  EXPECT_NEAR(std::sqrt(result.sigma), 0.3 * std::sqrt(2.0), 1e-3);
+}
+
 std::string SceneXml(const std::string& assets, const std::string& world, const std::string& body) {
   return "<mujoco><asset>" + assets + "</asset><worldbody>" + world +
          "<body name='b1'><freejoint/><inertial pos='0 0 0' mass='1' diaginertia='.01 .01 .01'/>" +
