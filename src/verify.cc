@@ -16,7 +16,7 @@ constexpr double kFar = 1.0;              // beyond the clearance: min_distance 
 constexpr double kLimitTolerance = 1e-6;  // joint limits [rad or m]
 constexpr double kTouching = 1e-9;        // [m]
 constexpr double kSureNormal = 1e-7;      // the normal of a shallower overlap is noise [m]
-constexpr double kRestRounding = 1e-8;    // a contact of exactly `rest` still rests [m]
+constexpr double kRestRounding = 1e-9;    // a contact of exactly `rest` still rests [m]
 constexpr double kDistanceTolerance = 1e-9;  // of the convex solver: 1e-6 jitters by 5e-7 m
 
 bool ContactOnly(int type) { return type == mjGEOM_SDF || type == mjGEOM_HFIELD; }

@@ -5,9 +5,8 @@
 // enough:
 //   1. mj_collision on the scene's verify_model with every margin and gap set to zero, so that a
 //      negative margin hides nothing and a positive one misplaces nothing;
-//   2. the signed distance of every kept pair: mj_geomDistance, for capsule-box our own; overlaps
-//   of
-//      ellipsoids and cylinders are checked along their own normal (verify_support.h).
+//   2. the signed distance of every kept pair: mj_geomDistance, for capsule-box our own.
+// Overlaps of ellipsoids and cylinders are checked along their own normal (verify_support.h).
 // Where a mesh collides as its triangles, mj_collision sees hulls and is not heard; witness 2 asks
 // FCL (verify_exact_mesh.h).
 #ifndef MJCF_PDG_SRC_VERIFY_H_

@@ -20,8 +20,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMillimetres = VerifierShape::kMillimetres;
-constexpr int kMaxTrianglePairs = 100000;
-constexpr int kFewPairs = 4;          // of triangles, to tell an overlap
+constexpr std::size_t kMaxTrianglePairs = 100000;
+constexpr std::size_t kFewPairs = 4;  // of triangles, to tell an overlap
 constexpr double kUnmeasured = 1e-3;  // depth of more crossings than that, at least [m]
 constexpr double kUnproven = 1e-9;    // said to be deeper than is permitted by that [m]
 // Directions tried to part two meshes: no more, and no closer to each other (cosine).
@@ -72,14 +72,16 @@ struct ExactVerifier::Asked {
     pose.translation() = kMillimetres * Origin(geom);
     return pose;
   }
-  // FCL's answer: the first `most` pairs of triangles that intersect.
-  fcl::CollisionResult<double> Crossings(std::size_t most) const {
-    fcl::CollisionRequest<double> request(most);
-    fcl::CollisionResult<double> hits;
-    fcl::collide(&first->tree, FclPose(pair.geom1), &second->tree, FclPose(pair.geom2), request,
-                 hits);
-    return hits;
+  // Pairs of triangles that intersect, by FCL: no more than `most`.
+  using Crossings = fcl::CollisionResult<double>;
+  Crossings FirstCrossings(std::size_t most) const {
+    Crossings crossings;
+    fcl::collide(&first->tree, FclPose(pair.geom1), &second->tree, FclPose(pair.geom2),
+                 fcl::CollisionRequest<double>(most), crossings);
+    return crossings;
   }
+  double TrianglesOverlap(const Crossings& crossings) const;
+  std::vector<Vector3d> WaysApart(const Crossings& crossings) const;
   void Witness(const Vector3d& p1_W, const Vector3d& p2_W) const {
     Eigen::Map<Vector3d>(fromto, 3) = p1_W;
     Eigen::Map<Vector3d>(fromto + 3, 3) = p2_W;
@@ -203,69 +205,70 @@ double ExactVerifier::CommonPoint(const Asked& asked) const {
   return deepest;
 }
 
-// The largest of the least moves that part two of the triangles that intersect, of the first `most`
-// pairs, negative [m]; 1 if none intersect.
-double ExactVerifier::CrossingTriangles(const Asked& asked, int most) const {
-  const int g1 = asked.pair.geom1, g2 = asked.pair.geom2;
-  const Matrix3d R1 = asked.R(g1), R2 = asked.R(g2);
-  const fcl::CollisionResult<double> hits = asked.Crossings(most);
-  if (!hits.isCollision()) return 1.0;
+// The largest of the least moves that part two of the triangles that cross, negative [m].
+double ExactVerifier::Asked::TrianglesOverlap(const Crossings& crossings) const {
+  const int g1 = pair.geom1, g2 = pair.geom2;
+  const Matrix3d R1 = R(g1), R2 = R(g2);
   double overlap = 0.0;
-  for (std::size_t k = 0; k < hits.numContacts(); ++k) {
+  for (std::size_t k = 0; k < crossings.numContacts(); ++k) {
     std::array<Vector3d, 3> s, t;
     for (int c = 0; c < 3; ++c) {
-      s[c] = asked.Origin(g1) + R1 * asked.first->triangles[hits.getContact(k).b1][c];
-      t[c] = asked.Origin(g2) + R2 * asked.second->triangles[hits.getContact(k).b2][c];
+      s[c] = Origin(g1) + R1 * first->triangles[crossings.getContact(k).b1][c];
+      t[c] = Origin(g2) + R2 * second->triangles[crossings.getContact(k).b2][c];
     }
     Vector3d n = Vector3d::UnitZ();
     const double move = LeastMove(s, t, n);
     if (k > 0 && move <= overlap) continue;
     overlap = move;
     const Vector3d middle = (s[0] + s[1] + s[2] + t[0] + t[1] + t[2]) / 6.0;
-    asked.Witness(middle + 0.5 * move * n, middle - 0.5 * move * n);
+    Witness(middle + 0.5 * move * n, middle - 0.5 * move * n);
   }
-  if (hits.numContacts() >= std::size_t{kMaxTrianglePairs})
-    overlap = std::max(overlap, kUnmeasured);
+  if (crossings.numContacts() >= kMaxTrianglePairs) overlap = std::max(overlap, kUnmeasured);
   return -overlap;
 }
 
-// What crossing triangles and points inside tell is no more than their own size, or may miss the
-// deepest: proof that an overlap is no deeper than `permitted` is a move of the second body, by
-// that much, that parts the two. Tried are the normals of triangles that cross, and their sum.
-bool ExactVerifier::PartedByAMove(const Asked& asked) const {
-  const fcl::CollisionResult<double> hits = asked.Crossings(kMaxTrianglePairs);
-  std::vector<Vector3d> directions;
+// Where the second body may be moved to part the two: along normals of triangles that cross, and
+// their sum.
+std::vector<Vector3d> ExactVerifier::Asked::WaysApart(const Crossings& crossings) const {
+  std::vector<Vector3d> ways;
   auto add = [&](const Vector3d& n_W) {
     auto same = [&](const Vector3d& known) { return known.dot(n_W) > kSameDirection; };
-    if (std::none_of(directions.begin(), directions.end(), same)) directions.push_back(n_W);
+    if (std::none_of(ways.begin(), ways.end(), same)) ways.push_back(n_W);
   };
   auto normal_W = [&](int geom, const VerifierShape& shape, std::intptr_t triangle) {
     const auto& t = shape.triangles[triangle];
-    return Vector3d(asked.R(geom) * (t[1] - t[0]).cross(t[2] - t[0]).normalized());
+    return Vector3d(R(geom) * (t[1] - t[0]).cross(t[2] - t[0]).normalized());
   };
-  for (std::size_t k = 0; k < hits.numContacts() && directions.size() < kMaxDirections; ++k) {
-    const Vector3d n1_W = normal_W(asked.pair.geom1, *asked.first, hits.getContact(k).b1);
-    const Vector3d n2_W = normal_W(asked.pair.geom2, *asked.second, hits.getContact(k).b2);
+  for (std::size_t k = 0; k < crossings.numContacts() && ways.size() < kMaxDirections; ++k) {
+    const Vector3d n1_W = normal_W(pair.geom1, *first, crossings.getContact(k).b1);
+    const Vector3d n2_W = normal_W(pair.geom2, *second, crossings.getContact(k).b2);
     add(n1_W);
     add(-n2_W);
-    if (!asked.first->closed) add(-n1_W);
-    if (!asked.second->closed) add(n2_W);
+    if (!first->closed) add(-n1_W);
+    if (!second->closed) add(n2_W);
   }
   Vector3d sum = Vector3d::Zero();
-  for (const Vector3d& n_W : directions) sum += n_W;
-  if (sum.norm() > 1e-6) directions.push_back(sum.normalized());
-  return std::any_of(directions.begin(), directions.end(), [&](const Vector3d& n_W) {
+  for (const Vector3d& n_W : ways) sum += n_W;
+  if (sum.norm() > 1e-6) ways.push_back(sum.normalized());
+  return ways;
+}
+
+// A move of the second body by `permitted` parts the two: proof that they overlap by no more. What
+// crossing triangles tell is no more than their own size, and points inside may miss the deepest.
+bool ExactVerifier::PartedByAMove(const Asked& asked, const std::vector<Vector3d>& ways_W) const {
+  return std::any_of(ways_W.begin(), ways_W.end(), [&](const Vector3d& n_W) {
     Asked moved = asked;
     double unheard[6];
     moved.fromto = unheard;
     moved.shift_W = asked.permitted * n_W;
-    return !moved.Crossings(1).isCollision() && Deepest(moved, 0) >= 0.0;
+    return !moved.FirstCrossings(1).isCollision() && Deepest(moved, 0) >= 0.0;
   });
 }
 
 // Triangles intersect: how deep, negative [m].
 double ExactVerifier::SolidOverlap(const Asked& asked) const {
-  double least = CrossingTriangles(asked, kMaxTrianglePairs);
+  const Asked::Crossings crossings = asked.FirstCrossings(kMaxTrianglePairs);
+  double least = asked.TrianglesOverlap(crossings);
   double witness[6];
   std::copy(asked.fromto, asked.fromto + 6, witness);
   auto take = [&](double depth) {
@@ -279,15 +282,18 @@ double ExactVerifier::SolidOverlap(const Asked& asked) const {
   if (!enough) take(Deepest(asked, kAllAsked));
   if (!enough && least >= -deepest_of_interest) take(CommonPoint(asked));
   std::copy(witness, witness + 6, asked.fromto);
-  if (least >= -asked.permitted && !PartedByAMove(asked)) least = -asked.permitted - kUnproven;
+  if (least >= -asked.permitted && !PartedByAMove(asked, asked.WaysApart(crossings))) {
+    least = -asked.permitted - kUnproven;
+  }
   return least;
 }
 
 double ExactVerifier::SolidDistance(const Asked& asked, double cutoff) const {
-  const double crossing = CrossingTriangles(asked, kFewPairs);
-  if (crossing <= 0.0) {
-    const bool told = asked.depths == Depths::kSkipped && crossing < -asked.permitted - rest_;
-    return told ? crossing : SolidOverlap(asked);
+  const Asked::Crossings crossings = asked.FirstCrossings(kFewPairs);
+  if (crossings.isCollision()) {
+    const double overlap = asked.TrianglesOverlap(crossings);
+    const bool told = asked.depths == Depths::kSkipped && overlap < -asked.permitted - rest_;
+    return told ? overlap : SolidOverlap(asked);
   }
   const double inside = Deepest(asked, 0);
   if (inside < 0.0) return inside;

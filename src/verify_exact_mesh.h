@@ -44,8 +44,7 @@ class ExactVerifier {
   struct Side;
   double SolidDistance(const Asked& asked, double cutoff) const;
   double SolidOverlap(const Asked& asked) const;
-  double CrossingTriangles(const Asked& asked, int most) const;
-  bool PartedByAMove(const Asked& asked) const;
+  bool PartedByAMove(const Asked& asked, const std::vector<Vector3d>& ways_W) const;
   double RoundDistance(const Asked& asked, double cutoff) const;
   double Deepest(const Asked& asked, int triangles) const;
   double CommonPoint(const Asked& asked) const;

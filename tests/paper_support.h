@@ -21,7 +21,7 @@ struct PosedProblem {
       : scene(Scene::FromString(xml)),
         options(user_options),
         problem(scene.tables(), options),
-        verifier(scene.tables(), Loosened(options)) {
+        verifier(scene.tables(), options) {
     SetInput(ToEigen(scene.DefaultQpos()));
   }
   PosedProblem(const PosedProblem&) = delete;
@@ -40,13 +40,7 @@ struct PosedProblem {
   double Margin(const VectorXd& q) {
     return verifier.Check(ToVector(q)).min_distance - options.clearance;
   }
-  // By hardly more than the tolerance: MuJoCo's distances jitter.
   bool Free(const VectorXd& q) { return verifier.Check(ToVector(q)).free; }
-
-  static Options Loosened(Options options) {
-    options.tolerance *= 1.1;
-    return options;
-  }
 
   Scene scene;
   Options options;
