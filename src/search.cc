@@ -15,6 +15,7 @@ struct Search::Plan {
   int queries = 600;           // collision queries after which no further start is made
   double evaluations = 700.0;  // ... and estimated time since something was free [evaluations]
   int agree = agree_most;      // as it comes out
+  bool follows = true;         // exact meshes: a frame may trust the last one's answer
 };
 
 namespace {
@@ -27,8 +28,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kAgreement = 1.01;  // σ over the best: the same answer
 constexpr double kGiveUp = 1.15;     // a start whose prediction is worse than this is dropped
 constexpr double kWorthARun = 5.0;   // σ over the best, where a varied start comes free
-constexpr double kDragged = 1.2;     // σ over that of the frame whose rays were tried last
-constexpr int kFramesPerRays = 4;    // frames of a trajectory that trust the last ones'
+constexpr double kDragged = 1.4;     // √σ over its least possible, up to which frames follow
+constexpr int kFramesFollowed = 5;   // ... and so many in a row
 constexpr double kFarthest = 4.0;    // times the distance of a start: where its ray ends
 // An answer that lies farther than so many times the depth of overlapping meshes is suspicious, and
 // makes for so many patient tries to come out the short way, at such noise [depth].
@@ -88,7 +89,8 @@ Search::Plan Search::PlanFor(Effort effort) {
               .agree_least = 8,
               .agree_most = 12,
               .queries = 3000,
-              .evaluations = kInfinity};
+              .evaluations = kInfinity,
+              .follows = false};
   }
   return {};
 }
@@ -197,15 +199,18 @@ void Search::TryRays(const std::vector<NearPair>& overlaps) {
   for (const FreeOnRay& free : FirstFree(problem_, center_, far, kInfinity)) {
     Try(free.q, kTranslation, Coarse());
   }
-  sigma_of_rays_ = BestSigma();
 }
 
-// The frames of a trajectory drag the answer along, in the end far from the nearest. An effort that
-// looks for one answer trusts it for a few frames while σ does not grow much.
-bool Search::StillNear(const Plan& plan) {
-  const bool near = problem_.options.trajectory && Done(plan) &&
-                    frames_since_rays_ < kFramesPerRays && BestSigma() < kDragged * sigma_of_rays_;
-  frames_since_rays_ = near ? frames_since_rays_ + 1 : 0;
+// The frames of a trajectory drag the answer along, in the end far from the nearest. √σ being a
+// metric, that is no nearer than the frame last searched had it, less what q_in has moved since.
+bool Search::Follows(const Plan& plan) {
+  bool near = plan.follows && frames_followed_ < kFramesFollowed && HasFree() &&
+              problem_.options.trajectory && searched_q_in_.size() > 0;
+  if (near) {
+    const double least = searched_rms_ - std::sqrt(problem_.norm.Sigma(searched_q_in_));
+    near = std::sqrt(BestSigma()) < kDragged * least;
+  }
+  frames_followed_ = near ? frames_followed_ + 1 : 0;
   return near;
 }
 
@@ -262,7 +267,6 @@ void Search::TryAnywhere() {
 // rim of a cup, where its joints take it back through the wall. How deep two meshes overlap, which
 // is all that a direct start knows, comes last.
 void Search::TryExact(const Plan& plan, const std::vector<NearPair>& overlaps) {
-  if (StillNear(plan)) return;
   const bool rigid = std::all_of(overlaps.begin(), overlaps.end(), [this](const NearPair& near) {
     return MovedByFreeJointsOnly(problem_.tables, near.pair);
   });
@@ -307,6 +311,7 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
     LocalOptions near = Coarse();
     near.last_chances = kHintChances;
     if (hint) Try(hint->q, hint->start, near);
+    if (Follows(plan)) return std::move(outcome_);
     TryExact(plan, overlaps);
     first_query_ = problem_.finder.queries();  // the budget is for what varies from there
   } else {
@@ -321,16 +326,20 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
     TryOnRay(MirroredStart(problem_, outcome_.free.front().q), kMirror);
   }
   TryVaried(plan);
-  if (HasFree()) return std::move(outcome_);
-  if (problem_.Uses(kTranslation)) TryTranslations(overlaps);
-  if (!HasFree() && problem_.Uses(kAnywhereStart)) TryAnywhere();
-  if (HasFree()) TryVaried(plan);
+  if (!HasFree()) {
+    if (problem_.Uses(kTranslation)) TryTranslations(overlaps);
+    if (!HasFree() && problem_.Uses(kAnywhereStart)) TryAnywhere();
+    if (HasFree()) TryVaried(plan);
+  }
+  searched_q_in_ = problem_.q_in;
+  searched_rms_ = std::sqrt(BestSigma());
   return std::move(outcome_);
 }
 
 // It takes a fifth of a fast solve of exact meshes, for 1e-3 of σ.
 bool Search::WorthPolishing() const {
-  return problem_.Uses("polish") && !(exact_ && problem_.options.effort == Effort::kFast);
+  const bool in_haste = problem_.options.effort == Effort::kFast || frames_followed_ > 0;
+  return problem_.Uses("polish") && !(exact_ && in_haste);
 }
 
 LocalResult Search::Polish(const VectorXd& q) {

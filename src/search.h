@@ -65,7 +65,7 @@ class Search {
   void TryFromWithin(const std::vector<NearPair>& overlaps);
   void TryExact(const Plan& plan, const std::vector<NearPair>& overlaps);
   void TryRays(const std::vector<NearPair>& overlaps);
-  bool StillNear(const Plan& plan);
+  bool Follows(const Plan& plan);
   void TryVaried(const Plan& plan);
   void TryOnRay(const VectorXd& q, const std::string& start);
   void TryNoise(double spread);
@@ -91,8 +91,9 @@ class Search {
   int free_query_ = 0, free_distance_ = 0;  // ... and when the first answer was free
   VectorXd center_;                         // q_in inside its limits
   bool exact_ = false;                      // some exact mesh overlaps
-  double sigma_of_rays_ = 0.0;  // of the answer when they were tried last; trajectories [m²]
-  int frames_since_rays_ = 0;
+  VectorXd searched_q_in_;                  // of the last frame that followed none
+  double searched_rms_ = 0.0;               // ... and √σ of its answer [m]
+  int frames_followed_ = 0;                 // since then; of exact meshes only
 };
 
 }  // namespace mjcf_pdg
