@@ -28,14 +28,18 @@ void ConfigurationCache::Add(const VectorXd& q) {
 }
 
 std::vector<VectorXd> ConfigurationCache::NearestFirst(Problem& problem) const {
+  std::vector<VectorXd> poses;
   std::vector<double> sigma;
-  for (const VectorXd& q : entries_) sigma.push_back(problem.norm.Sigma(q));
+  for (const VectorXd& q : entries_) {
+    poses.push_back(WithMovable(problem.tables, problem.q_in, q));
+    sigma.push_back(problem.norm.Sigma(poses.back()));
+  }
   std::vector<std::size_t> order(entries_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return sigma[a] < sigma[b]; });
   std::vector<VectorXd> sorted;
-  for (const std::size_t k : order) sorted.push_back(entries_[k]);
+  for (const std::size_t k : order) sorted.push_back(std::move(poses[k]));
   return sorted;
 }
 
@@ -194,12 +198,8 @@ std::vector<VectorXd> FreeConfigurationSelection::UserPoses() {
   const mjModel& m = *problem_.tables.model;
   std::vector<VectorXd> poses;
   auto add = [&](const VectorXd& pose) {
-    // Joints that are frozen stay as they are in q_in.
-    VectorXd dq, q;
-    Difference(problem_.tables, problem_.q_in, Normalized(problem_.tables, pose), dq);
-    Integrate(problem_.tables, problem_.q_in, dq, q);
-    ClampToLimits(problem_.tables, q);
-    poses.push_back(q);
+    poses.push_back(WithMovable(problem_.tables, problem_.q_in, pose));
+    ClampToLimits(problem_.tables, poses.back());
   };
   if (hint_) add(*hint_);
   ConfigurationCache cache(kKeyframes + 1);
@@ -220,7 +220,7 @@ VectorXd FreeConfigurationSelection::AtBaseOfInput(const VectorXd& pose) const {
     if (link.parent >= 0) continue;
     for (const int j : link.joints) {
       const JointEntry& joint = problem_.tables.joints[j];
-      const int entries = joint.type == mjJNT_FREE ? 7 : joint.type == mjJNT_BALL ? 4 : 1;
+      const int entries = QposEntries(joint);
       q.segment(joint.qadr, entries) = problem_.q_in.segment(joint.qadr, entries);
     }
   }

@@ -36,7 +36,7 @@ class ConfigurationCache {
 
   void Add(const VectorXd& q);
   bool empty() const { return entries_.empty(); }
-  // Nearest to q_in first, by σ.
+  // With what is frozen as in q_in; nearest to it first, by σ.
   std::vector<VectorXd> NearestFirst(Problem& problem) const;
 
  private:

@@ -48,10 +48,13 @@ void Difference(const SceneTables& tables, const VectorXd& from, const VectorXd&
   }
 }
 
-VectorXd Normalized(const SceneTables& tables, const VectorXd& q) {
-  VectorXd unit = q;
-  mj_normalizeQuat(tables.model, unit.data());
-  return unit;
+VectorXd WithMovable(const SceneTables& tables, const VectorXd& base, const VectorXd& pose) {
+  VectorXd q = base;
+  for (const JointEntry& joint : tables.joints) {
+    q.segment(joint.qadr, QposEntries(joint)) = pose.segment(joint.qadr, QposEntries(joint));
+    if (Rotates3d(joint)) mju_normalize4(q.data() + QuatAddress(joint));
+  }
+  return q;
 }
 
 double BallAngle(const double* quat) {
@@ -87,6 +90,30 @@ void ClampToLimits(const SceneTables& tables, VectorXd& q) {
     axis.normalize();
     quat[0] = sign * std::cos(joint.hi / 2);
     Eigen::Map<Vector3d>(quat + 1) = axis * std::sin(joint.hi / 2);
+  }
+}
+
+void TurnInsideLimits(const SceneTables& tables, VectorXd& q) {
+  constexpr double kTurn = 2.0 * mjPI;
+  for (const JointEntry& joint : tables.joints) {
+    if (!joint.limited || joint.type != mjJNT_HINGE) continue;
+    double& angle = q[joint.qadr];
+    if (angle >= joint.lo && angle <= joint.hi) continue;
+    // The first angles at or above the range's lower end, and below it.
+    const double above = angle + kTurn * std::ceil((joint.lo - angle) / kTurn);
+    const double below = above - kTurn;
+    angle = above - joint.hi <= joint.lo - below ? above : below;
+  }
+  ClampToLimits(tables, q);
+}
+
+void Unwind(const SceneTables& tables, const VectorXd& q_in, VectorXd& q) {
+  for (const JointEntry& joint : tables.joints) {
+    if (joint.type != mjJNT_HINGE) continue;
+    const double turns = std::round((q[joint.qadr] - q_in[joint.qadr]) / (2.0 * mjPI));
+    if (turns == 0.0) continue;
+    const double angle = q[joint.qadr] - turns * 2.0 * mjPI;
+    if (!joint.limited || (angle >= joint.lo && angle <= joint.hi)) q[joint.qadr] = angle;
   }
 }
 

@@ -21,8 +21,11 @@ void Integrate(const SceneTables& tables, const VectorXd& q, const VectorXd& dq,
 // dq = to ⊖ from: from ⊕ dq = to, rotations the short way round. Frozen joints are not compared.
 void Difference(const SceneTables& tables, const VectorXd& from, const VectorXd& to, VectorXd& dq);
 
-// q with every quaternion normalized.
-VectorXd Normalized(const SceneTables& tables, const VectorXd& q);
+// `base` with the movable joints as in `pose`, those quaternions normalized.
+VectorXd WithMovable(const SceneTables& tables, const VectorXd& base, const VectorXd& pose);
+inline VectorXd Normalized(const SceneTables& tables, const VectorXd& q) {
+  return WithMovable(tables, q, q);
+}
 
 // Largest violation of a movable joint's limits at q [rad or m], >= 0.
 double LimitExcess(const SceneTables& tables, const VectorXd& q);
@@ -30,11 +33,20 @@ double LimitExcess(const SceneTables& tables, const VectorXd& q);
 // Moves every limited movable joint of q inside its range.
 void ClampToLimits(const SceneTables& tables, VectorXd& q);
 
+// The same at the least σ: hinges make whole turns first where that brings them nearer.
+void TurnInsideLimits(const SceneTables& tables, VectorXd& q);
+
+// Takes back the whole turns that movable hinges of q have made since q_in, but for those that the
+// limits want.
+void Unwind(const SceneTables& tables, const VectorXd& q_in, VectorXd& q);
+
 // A ball joint's total rotation angle in [0, π]; `quat` (w, x, y, z).
 double BallAngle(const double* quat);
 
 struct MocapPoses {
   std::vector<double> pos, quat;  // 3 and 4 per mocap body; empty: as in the model
+
+  bool operator==(const MocapPoses&) const = default;
 };
 
 // Private mjData. One per thread.
@@ -69,6 +81,11 @@ inline int QuatAddress(const JointEntry& joint) {
 }
 inline int RotationColumn(const JointEntry& joint) {
   return joint.col + (joint.type == mjJNT_FREE ? 3 : 0);
+}
+
+// Entries of a joint in qpos.
+inline int QposEntries(const JointEntry& joint) {
+  return joint.type == mjJNT_FREE ? 7 : joint.type == mjJNT_BALL ? 4 : 1;
 }
 
 // The unit quaternion (w, x, y, z) at q[adr].

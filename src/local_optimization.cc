@@ -10,7 +10,7 @@ namespace {
 constexpr int kMaxContactRows = 48;
 // μ [m], for scenes up to desk size; larger ones scale it. Joint limits give way to nothing.
 constexpr double kFirstPrice = 10.0, kHighestPrice = 1e4, kLimitPrice = 1e6;
-constexpr double kDeskSize = 0.1;        // [m]
+constexpr double kDeskSize = 0.1, kDeskDepth = 1.0;  // typical radius and deepest overlap there [m]
 constexpr double kPriceOverForce = 3.0;  // by which steps are judged, over the largest force
 constexpr double kNearKnown = 0.1;       // √σ to a known optimum, in units of its own √σ
 constexpr double kBeatsKnown = 0.95;     // a prediction below that may lead elsewhere
@@ -73,8 +73,11 @@ void LocalOptimization::MeasureOverlap(std::size_t k, double margin, Iterate& ou
   if (!by_planes) {
     problem_.finder.AppendFeatures(crossing.pair, margin, depths_, measured);
   }
-  if (by_planes || measured.empty()) {
+  const bool allowed = problem_.required[crossing.pair] < 0.0;
+  if (!allowed || by_planes || measured.empty()) {
     out.worst = std::max(out.worst, problem_.tolerances.accept);
+  }
+  if (by_planes || measured.empty()) {
     crossing.distance = crossing.n_W.dot(crossing.p2_W - crossing.p1_W);
     if (crossing.distance < 0.0) {
       measured.push_back(crossing);
@@ -255,7 +258,8 @@ bool LocalOptimization::GivesUp(Descent& d) {
   const LocalOptions& options = d.options;
   const bool settling = Free(d.trial) || d.result.iterations >= kGiveUpFrom;
   d.hopeless = settling && promised_sigma_ > options.give_up_sigma ? d.hopeless + 1 : 0;
-  if (d.hopeless >= kHopeless) return true;
+  d.result.hopeless = d.hopeless >= kHopeless;
+  if (d.result.hopeless) return true;
   d.result.reached_known = NearKnown(d.trial.q, options);
   if (d.result.reached_known) return true;
   const bool lower = !(d.result.sigma > (1.0 - options.convergence) * d.sigma_before);
@@ -308,16 +312,16 @@ void LocalOptimization::Begin(const VectorXd& q, Descent& d) {
   features_.Clear(problem_.tables.pairs.size());
   remembers_ = problem_.Uses("witness_memory");
   damps_ = problem_.Uses("damping");
-  scale_ = std::max(1.0, problem_.size / kDeskSize);
-  mu_ = kFirstPrice * scale_;
   merit_price_ = 0.0;
   damping_ = kFirstDamping;
   depths_ = d.options.depths;
-  d.radius = d.largest_radius = std::min(d.options.trust_radius * scale_, d.options.largest_step);
   next_ = q;
   ClampToLimits(problem_.tables, next_);
   Look(next_, kFirstMargin * problem_.size, d.current);
   Evaluate(kFirstMargin * problem_.size, d.current);
+  scale_ = std::max({1.0, problem_.size / kDeskSize, d.current.worst / kDeskDepth});
+  mu_ = kFirstPrice * scale_;
+  d.radius = d.largest_radius = std::min(d.options.trust_radius * scale_, d.options.largest_step);
   d.best = d.current;
 }
 

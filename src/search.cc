@@ -16,6 +16,7 @@ struct Search::Plan {
   double evaluations = 700.0;  // ... and estimated time since something was free [evaluations]
   int agree = agree_most;      // as it comes out
   bool follows = true;         // exact meshes: a frame may trust the last one's answer
+  int blind = 20;              // noisy starts while nothing is free, then as many anywhere
 };
 
 namespace {
@@ -36,8 +37,6 @@ constexpr double kFarthest = 4.0;    // times the distance of a start: where its
 constexpr double kSuspicious = 10.0, kNudge = 0.2;
 constexpr int kWaysOut = 3, kPatientSteps = 120;
 constexpr int kHintChances = 3;  // LocalOptions::last_chances of a start near its answer
-constexpr int kBlind = 20;       // noisy starts while nothing is free
-constexpr int kAnywhere = 20;    // uniform starts, if nothing else came free
 // Spreads of the noisy starts, in turn: how far the nearest answer's basin reaches is not known.
 constexpr double kNoise[] = {5.0, 2.0, 3.0, 8.0};
 // Time of a query and of a pair distance [evaluations], the latter over those at q_in but no fewer
@@ -90,7 +89,8 @@ Search::Plan Search::PlanFor(Effort effort) {
               .agree_most = 12,
               .queries = 3000,
               .evaluations = kInfinity,
-              .follows = false};
+              .follows = false,
+              .blind = 80};
   }
   return {};
 }
@@ -136,8 +136,8 @@ double Search::StartsForManyBodies(const std::vector<NearPair>& overlaps) const 
   return std::clamp(beyond / kFewBodies, 0.0, kLargestCrowd);
 }
 
-void Search::Try(const VectorXd& q, const std::string& start, const LocalOptions& options) {
-  if (problem_.Expired() && outcome_.starts > 0) return;
+bool Search::Try(const VectorXd& q, const std::string& start, const LocalOptions& options) {
+  if (problem_.Expired() && outcome_.starts > 0) return false;
   ++outcome_.starts;
   LocalOptions bounded = options;
   if (HasFree() && problem_.Uses("early_exit")) {
@@ -148,6 +148,7 @@ void Search::Try(const VectorXd& q, const std::string& start, const LocalOptions
   LocalResult result = local_.Run(q, bounded);
   outcome_.iterations += result.iterations;
   Count(result, start);
+  const bool promising = !result.hopeless;
   if (result.free && !HasFree()) {
     free_query_ = problem_.finder.queries();
     free_distance_ = problem_.finder.distances();
@@ -163,6 +164,7 @@ void Search::Try(const VectorXd& q, const std::string& start, const LocalOptions
     outcome_.least_overlap = std::move(result);
     outcome_.least_overlap_start = start;
   }
+  return promising;
 }
 
 // A hop comes from the best answer, so its return there says nothing; nor do translations in other
@@ -201,13 +203,18 @@ void Search::TryRays(const std::vector<NearPair>& overlaps) {
   }
 }
 
-// The frames of a trajectory drag the answer along, in the end far from the nearest. √σ being a
-// metric, that is no nearer than the frame last searched had it, less what q_in has moved since.
+// The frames of a trajectory drag the answer along, in the end far from the nearest. Where only
+// free bodies move and nothing else has, √σ is a metric: the nearest is no nearer than the frame
+// last searched had it, less what q_in has moved since.
 bool Search::Follows(const Plan& plan) {
-  bool near = plan.follows && frames_followed_ < kFramesFollowed && HasFree() &&
-              problem_.options.trajectory && searched_q_in_.size() > 0;
+  const SceneTables& tables = problem_.tables;
+  bool near = plan.follows && problem_.options.trajectory && searched_ && HasFree() &&
+              frames_followed_ < kFramesFollowed && searched_->mocap == problem_.mocap &&
+              WithMovable(tables, searched_->q_in, problem_.q_in) == problem_.q_in &&
+              std::all_of(tables.joints.begin(), tables.joints.end(),
+                          [](const JointEntry& joint) { return joint.type == mjJNT_FREE; });
   if (near) {
-    const double least = searched_rms_ - std::sqrt(problem_.norm.Sigma(searched_q_in_));
+    const double least = searched_->rms - std::sqrt(problem_.norm.Sigma(searched_->q_in));
     near = std::sqrt(BestSigma()) < kDragged * least;
   }
   frames_followed_ = near ? frames_followed_ + 1 : 0;
@@ -217,7 +224,10 @@ bool Search::Follows(const Plan& plan) {
 // How deep two triangle meshes overlap says little: the way there, and beyond, is followed to where
 // they are apart first.
 void Search::TryOnRay(const VectorXd& q, const std::string& start) {
-  if (!exact_) return Try(q, start, Coarse());
+  if (!exact_) {
+    Try(q, start, Coarse());
+    return;
+  }
   const VectorXd far = Beyond(problem_, center_, q, kFarthest);
   for (const FreeOnRay& free : FirstFree(problem_, center_, {far}, kWorthARun * BestSigma())) {
     Try(free.q, start, Coarse());
@@ -236,7 +246,7 @@ void Search::TryVaried(const Plan& plan) {
       const double widened = HasFree() ? 1.0 : 1.0 + 0.5 * k;
       TryNoise(widened * kNoise[k % 4]);
     }
-    if (!HasFree() && k + 1 == kBlind) return;
+    if (!HasFree() && k + 1 == plan.blind) return;
   }
 }
 
@@ -255,8 +265,8 @@ void Search::TryHop(Hop hop) {
 }
 
 // Nothing near q_in worked: anywhere inside the limits, and home from there.
-void Search::TryAnywhere() {
-  for (int k = 0; k < kAnywhere && !HasFree() && !problem_.Expired(); ++k) {
+void Search::TryAnywhere(const Plan& plan) {
+  for (int k = 0; k < plan.blind && !HasFree() && !problem_.Expired(); ++k) {
     Try(UniformStart(problem_, center_, random_), kAnywhereStart, LocalOptions{});
   }
   if (!HasFree()) return;
@@ -278,19 +288,24 @@ void Search::TryExact(const Plan& plan, const std::vector<NearPair>& overlaps) {
 }
 
 // A nut on a bolt is let go by no straight way but along its axis. Its own contacts lead it out, if
-// they are all seen and no step is longer than what they tell holds.
+// they are all seen and no step is longer than what they tell holds; a way to nothing better soon
+// shows.
 void Search::TryFromWithin(const std::vector<NearPair>& overlaps) {
   double depth = 0.0;
   for (const NearPair& near : overlaps) depth = std::max(depth, -near.distance);
   const double far = kSuspicious * kSuspicious * depth * depth;
-  if (!(BestSigma() > far)) return Try(center_, kDirect, Coarse());
+  if (!(BestSigma() > far)) {
+    Try(center_, kDirect, Coarse());
+    return;
+  }
   LocalOptions patient = Coarse();
   patient.max_iterations = kPatientSteps;
   patient.depths = Depths::kSearched;
   patient.largest_step = depth;
   for (int k = 0; k < kWaysOut && BestSigma() > far && !problem_.Expired(); ++k) {
-    Try(k == 0 ? center_ : GaussianStart(problem_, center_, depth * depth, kNudge, random_),
-        kDirect, patient);
+    const VectorXd q =
+        k == 0 ? center_ : GaussianStart(problem_, center_, depth * depth, kNudge, random_);
+    if (!Try(q, kDirect, patient)) return;
   }
 }
 
@@ -301,7 +316,7 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
   first_query_ = problem_.finder.queries();
   Plan plan = PlanFor(problem_.options.effort);
   center_ = problem_.q_in;
-  ClampToLimits(problem_.tables, center_);
+  TurnInsideLimits(problem_.tables, center_);
   exact_ = std::any_of(overlaps.begin(), overlaps.end(), [this](const NearPair& near) {
     return problem_.tables.pairs[near.pair].exact;
   });
@@ -328,11 +343,11 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
   TryVaried(plan);
   if (!HasFree()) {
     if (problem_.Uses(kTranslation)) TryTranslations(overlaps);
-    if (!HasFree() && problem_.Uses(kAnywhereStart)) TryAnywhere();
+    if (!HasFree() && problem_.Uses(kAnywhereStart)) TryAnywhere(plan);
     if (HasFree()) TryVaried(plan);
   }
-  searched_q_in_ = problem_.q_in;
-  searched_rms_ = std::sqrt(BestSigma());
+  searched_.reset();
+  if (HasFree()) searched_ = {problem_.q_in, problem_.mocap, std::sqrt(BestSigma())};
   return std::move(outcome_);
 }
 

@@ -58,7 +58,8 @@ class Search {
   struct Plan;
   static Plan PlanFor(Effort effort);
 
-  void Try(const VectorXd& q, const std::string& start, const LocalOptions& options);
+  // False if it was given up because it led to nothing better.
+  bool Try(const VectorXd& q, const std::string& start, const LocalOptions& options);
   void Count(const LocalResult& result, const std::string& start);
   void TryFreePose(const VectorXd& q_f, const std::string& start);
   void TryTranslations(const std::vector<NearPair>& overlaps);
@@ -70,7 +71,7 @@ class Search {
   void TryOnRay(const VectorXd& q, const std::string& start);
   void TryNoise(double spread);
   void TryHop(Hop hop);
-  void TryAnywhere();
+  void TryAnywhere(const Plan& plan);
   bool HasFree() const { return !outcome_.free.empty(); }
   double BestSigma() const;
   // Time since the first free answer, estimated from counts so that answers repeat [evaluations].
@@ -91,9 +92,14 @@ class Search {
   int free_query_ = 0, free_distance_ = 0;  // ... and when the first answer was free
   VectorXd center_;                         // q_in inside its limits
   bool exact_ = false;                      // some exact mesh overlaps
-  VectorXd searched_q_in_;                  // of the last frame that followed none
-  double searched_rms_ = 0.0;               // ... and √σ of its answer [m]
-  int frames_followed_ = 0;                 // since then; of exact meshes only
+  // The last frame that was searched and solved.
+  struct Searched {
+    VectorXd q_in;
+    MocapPoses mocap;
+    double rms = 0.0;  // √σ of its answer [m]
+  };
+  std::optional<Searched> searched_;
+  int frames_followed_ = 0;  // since then; of exact meshes only
 };
 
 }  // namespace mjcf_pdg

@@ -167,13 +167,15 @@ SearchOutcome Solver::Impl::Run(const std::vector<NearPair>& overlaps,
 
 bool Solver::Impl::Accept(const Candidate& candidate, const std::vector<double>& q_in,
                           Result& result) {
-  const Verdict& verdict = verifier.Check(ToStd(candidate.q), &q_in, Depths::kSkipped);
+  VectorXd q = candidate.q;
+  Unwind(scene.tables(), problem.q_in, q);
+  const Verdict& verdict = verifier.Check(ToStd(q), &q_in, Depths::kSkipped);
   if (!verdict.free) return false;
   result.status = Status::kSolved;
-  result.q = ToStd(candidate.q);
-  result.sigma = problem.norm.Sigma(candidate.q);
+  result.q = ToStd(q);
+  result.sigma = problem.norm.Sigma(q);
   result.start = candidate.start;
-  result.min_distance = MinDistance(candidate.q, verdict);
+  result.min_distance = MinDistance(q, verdict);
   result.certified = verdict.certified;
   return true;
 }
@@ -223,7 +225,7 @@ void Solver::Impl::FillUnsolved(const SearchOutcome& outcome, const std::vector<
   Verdict verdict = verifier.Check(ToStd(q), &q_in);
   if (verdict.min_distance < result.depth_in) {
     VectorXd inside = problem.q_in;
-    ClampToLimits(scene.tables(), inside);
+    TurnInsideLimits(scene.tables(), inside);
     const Verdict& at_start = verifier.Check(ToStd(inside), &q_in);
     if (at_start.min_distance > verdict.min_distance) {
       verdict = at_start;
@@ -355,7 +357,7 @@ Result Solver::Solve(const std::vector<double>& q_in,
   } else {
     impl_->SetUp(q_in);
     std::optional<VectorXd> hint;
-    if (free_hint) hint = Normalized(problem.tables, ToEigen(*free_hint));
+    if (free_hint) hint = WithMovable(problem.tables, problem.q_in, ToEigen(*free_hint));
     impl_->Repair(q_in, std::move(hint), result);
   }
   impl_->FillContacts(result);

@@ -1,6 +1,7 @@
 // Repairing scenes of meshes that collide as their triangles.
 #include <cmath>
 
+#include "local_optimization.h"
 #include "mesh_shapes.h"
 #include "mjcf_pdg/pdg.h"
 #include "oracle_check.h"
@@ -191,6 +192,30 @@ TEST_F(ExactMeshSolveTest, TangledKnotsAreNeverFalselyFree) {
     }
     EXPECT_EQ(solved, count);
   }
+}
+
+// What a descent calls free neither crosses nor contains anything, however shallow its depth seems.
+TEST_F(ExactMeshSolveTest, NoDescentEndsInACrossing) {
+  const Scene scene = Scene::FromFile(MJCF_PDG_MODEL_DIR "/rigid/spoon_cup.xml", Exact());
+  Options options;
+  options.tolerance = 1e-5;
+  Problem problem(scene.tables(), options);
+  problem.required = VectorXd::Constant(1, problem.tolerances.aim + 2e-7);
+  LocalOptimization local(problem);
+  int free = 0;
+  for (double t = 0.3; t < 0.55; t += 0.005) {
+    const Eigen::Quaterniond turn(
+        Eigen::AngleAxisd(2.0 * M_PI * t, Vector3d(1, 1, 2).normalized()));
+    const std::vector<double> q =
+        FreePose({-0.1 + 0.2 * t, 0.01 - 0.01 * t, 0.07 - 0.02 * t}, turn);
+    problem.q_in = Eigen::Map<const VectorXd>(q.data(), 7);
+    problem.norm.SetReference(problem.q_in);
+    const LocalResult result = local.Run(problem.q_in, {});
+    if (!result.free) continue;
+    ++free;
+    EXPECT_TRUE(problem.Free(result.q)) << t;
+  }
+  EXPECT_GT(free, 5);
 }
 
 // The frames of a trajectory drag the answers along: followed for most frames, but not for long.

@@ -108,6 +108,35 @@ TEST_F(KinematicsTest, UnnormalizedQuaternionsMeanTheirRotation) {
   for (const int address : {3, 11, 15}) EXPECT_NEAR(moved.segment<4>(address).norm(), 1, 1e-15);
 }
 
+TEST_F(KinematicsTest, WholeTurnsAreMadeIntoTheLimitsAndTakenBack) {
+  const Scene scene = Scene::FromString(
+      "<mujoco><compiler angle='radian' autolimits='true'/><worldbody><body>"
+      "<joint axis='0 0 1' range='-1 2'/><joint axis='0 1 0'/><joint type='slide' range='-1 2'/>"
+      "<geom size='.1'/></body></worldbody></mujoco>");
+  auto turned = [&](double angle) {
+    VectorXd q = Vector3d(angle, 9.0, 3.0);
+    TurnInsideLimits(scene.tables(), q);
+    EXPECT_EQ(q[1], 9.0);
+    EXPECT_EQ(q[2], 2.0);
+    return q[0];
+  };
+  EXPECT_EQ(turned(1.5), 1.5);
+  EXPECT_NEAR(turned(1.5 + 6.0 * mjPI), 1.5, 1e-12);
+  EXPECT_NEAR(turned(-0.5 - 2.0 * mjPI), -0.5, 1e-12);
+  EXPECT_EQ(turned(3.0), 2.0);
+  EXPECT_EQ(turned(4.5), -1.0);  // -1.78 within a turn
+  EXPECT_EQ(turned(-3.0), 2.0);  // 3.28 within a turn
+  EXPECT_EQ(turned(-2.0), -1.0);
+  const VectorXd q_in = Vector3d(0.5, 1.0, 0.0);
+  VectorXd q = Vector3d(0.5 + 2.0 * mjPI, 2.0 - 4.0 * mjPI, 7.0);
+  Unwind(scene.tables(), q_in, q);
+  EXPECT_LT((q - Vector3d(0.5, 2.0, 7.0)).norm(), 1e-12);
+  const VectorXd outside = Vector3d(4.8, 1.0, 0.0), wanted = Vector3d(4.8 - 2.0 * mjPI, 1.0, 0.0);
+  q = wanted;
+  Unwind(scene.tables(), outside, q);
+  EXPECT_EQ(q, wanted);
+}
+
 TEST_F(KinematicsTest, BallAngleIsTheTotalRotationOfEitherSign) {
   for (int trial = 0; trial < 100; ++trial) {
     const double angle = rng_.Uniform(0, mjPI);

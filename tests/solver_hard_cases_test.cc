@@ -115,19 +115,6 @@ TEST_F(SolverHardCasesTest, ShallowContactsOfADeepPairDoNotRest) {
   }
 }
 
-TEST_F(SolverHardCasesTest, FrozenJointsStayBitForBit) {
-  SceneOptions wrist_and_reach;
-  wrist_and_reach.movable = {"fore"};
-  const Scene scene = Scene::FromString(ArmXml(), wrist_and_reach);
-  const Q q_in = {0.1234567891, 0.3000000001, 0.19, 0.7};
-  ASSERT_LT(Witness(scene).Least(q_in), -0.01);
-  const Result result = Solver(scene).Solve(q_in);
-  ExpectSolved(scene, q_in, result);
-  EXPECT_EQ(result.q[0], q_in[0]);
-  EXPECT_EQ(result.q[1], q_in[1]);
-  EXPECT_NE(result.q[2], q_in[2]);
-}
-
 TEST_F(SolverHardCasesTest, EveryRootAndBothMetricsSolve) {
   const Q standing = Scene::FromString(Standing(0.01)).DefaultQpos();
   double sigma[2][2];
@@ -171,26 +158,6 @@ TEST_F(SolverHardCasesTest, MocapBodiesAreObstaclesWhereTheOptionsPutThem) {
   EXPECT_EQ(moving.Solve({0.0}).status, Status::kAlreadyFree) << "where the model has it";
 }
 
-// A trajectory whose obstacle moves, too: what was free stays a start, if it still is.
-TEST_F(SolverHardCasesTest, MotionCoherenceOutlivesMovingObstacles) {
-  const Scene scene = Scene::FromString(World(R"(
-      <body name="tray" mocap="true" pos="0 0 -1"><geom type="box" size=".5 .5 .05"/></body>
-      <body><freejoint/><geom type="box" size=".1 .1 .1"/></body>)"));
-  Options options;
-  options.method = Method::kPaper;
-  options.trajectory = true;
-  Solver solver(scene, options);
-  std::vector<std::string> starts;
-  for (const double z : {-0.100, -0.101, -0.102, 0.1}) {
-    solver.SetMocap({0, 0, z}, {});
-    const Result result = solver.Solve({0, 0, 0, 1, 0, 0, 0});
-    ASSERT_EQ(result.status, Status::kSolved) << result.reason;
-    starts.push_back(result.start);
-  }
-  EXPECT_EQ(starts, (std::vector<std::string>{"centroid_difference", "motion_coherence",
-                                              "motion_coherence", "centroid_difference"}));
-}
-
 TEST_F(SolverHardCasesTest, TreesShareTheWayByTheirMasses) {
   const Scene scene = Scene::FromString(World(R"(
       <body pos="0 0 0"><freejoint/><geom size=".1" mass="3"/></body>
@@ -229,6 +196,50 @@ TEST_F(SolverHardCasesTest, TerrainAndDistanceFieldsAreSolvedButNotCertified) {
 }
 
 // ---- Deep and pinched ----
+
+TEST_F(SolverHardCasesTest, WhatFellThroughTheFloorComesStraightUp) {
+  const Scene scene =
+      Scene::FromString(World("<geom type='plane' size='0 0 1'/><body><freejoint/><geom type='box' "
+                              "size='.1 .1 .1'/></body>"));
+  Solver solver(scene);
+  for (const double z : {-3.0, -30.0, -300.0, -3000.0}) {
+    const Q q_in = {0, 0, z, 0.9, 0.1, 0.2, 0.1};
+    const Result result = solver.Solve(q_in);
+    ExpectSolved(scene, q_in, result);
+    EXPECT_LT(std::sqrt(result.sigma), 1.01 * -result.depth_in) << z;
+  }
+}
+
+// Whole turns of a hinge cost nothing under the norm.
+TEST_F(SolverHardCasesTest, AHingeBeyondItsRangeTurnsTheShortWayRound) {
+  const Scene scene = Scene::FromString(
+      World("<body><joint axis='0 0 1' range='-3 3'/><geom size='.1' pos='1 0 0'/></body>",
+            "<compiler angle='radian' autolimits='true'/>"));
+  Solver solver(scene);
+  for (const auto& [angle, inside] : {std::pair(3.2, -3.0),
+                                      {-3.2, 3.0},
+                                      {3.1, 3.0},
+                                      {4.8, 4.8 - 2 * mjPI},
+                                      {-14.0, -14.0 + 4 * mjPI}}) {
+    const Result result = solver.Solve({angle});
+    ExpectSolved(scene, {angle}, result);
+    EXPECT_NEAR(result.q[0], inside, 1e-9);
+    EXPECT_NEAR(result.sigma, ObjectNorm(scene, Metric::kSequential, {angle}).Sigma({inside}),
+                1e-12);
+  }
+}
+
+TEST_F(SolverHardCasesTest, MaxTriesLongestWhereNothingIsFree) {
+  const Scene scene = Scene::FromString(
+      World("<geom size='1'/><body><joint axis='0 0 1'/><geom size='.1' pos='.5 0 0'/></body>"));
+  Options options;
+  const Result hasty = Solver(scene, options).Solve({0.0});
+  options.effort = Effort::kMax;
+  const Result result = Solver(scene, options).Solve({0.0});
+  EXPECT_EQ(hasty.status, Status::kUnsolved);
+  EXPECT_EQ(result.status, Status::kUnsolved);
+  EXPECT_GT(result.stats.starts, 2 * hasty.stats.starts);
+}
 
 TEST_F(SolverHardCasesTest, FingersOnBothSidesOfAPlateOpen) {
   ExpectAllSolved(World(R"(<geom name="plate" type="box" size=".004 .15 .15"/>

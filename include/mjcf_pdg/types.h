@@ -57,8 +57,8 @@ struct Options {
   Method method = Method::kAuto;
   Effort effort = Effort::kDefault;
   // Calls of Solve are consecutive frames of one motion: a solver's earlier answers are starts of
-  // later ones (motion coherence). Of exact meshes a frame that moved little may end there, five
-  // in a row at most and never with effort max.
+  // later ones (motion coherence). Where free bodies of exact meshes are all that moves, a frame
+  // that moved little may end there: five in a row at most, none with effort max.
   bool trajectory = false;
   std::uint64_t seed = 0;
   // Starts and steps of the method to leave out, for experiments: names from Components (pdg.h).
