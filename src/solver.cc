@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "lower_bound.h"
@@ -84,7 +85,7 @@ struct Solver::Impl {
   bool AcceptBest(SearchOutcome& outcome, const std::vector<double>& q_in, Result& result);
   void FillUnsolved(const SearchOutcome& outcome, const std::vector<double>& q_in, Result& result);
   void Repair(const std::vector<double>& q_in, std::optional<VectorXd> hint, Result& result);
-  double MinDistance(const VectorXd& q, const Verdict& verdict);
+  double NearestExact(double least);
   void FillContacts(Result& result);
   void Remember(const Result& result);
   void DeepenContactsIn(const std::vector<NearPair>& overlaps, Result& result) const;
@@ -175,7 +176,7 @@ bool Solver::Impl::Accept(const Candidate& candidate, const std::vector<double>&
   result.q = ToStd(q);
   result.sigma = problem.norm.Sigma(q);
   result.start = candidate.start;
-  result.min_distance = MinDistance(q, verdict);
+  result.min_distance = verdict.min_distance;
   result.certified = verdict.certified;
   return true;
 }
@@ -271,10 +272,8 @@ void Solver::Impl::DeepenContactsIn(const std::vector<NearPair>& overlaps, Resul
   std::stable_sort(result.contacts_in.begin(), result.contacts_in.end(), Deeper);
 }
 
-// The verdict's, and of exact pairs, which the verifier only asked whether they overlap, our own.
-double Solver::Impl::MinDistance(const VectorXd& q, const Verdict& verdict) {
-  double least = verdict.min_distance;
-  problem.finder.Pose(q);
+// The least of `least` and the distances of exact pairs, where the finder is posed.
+double Solver::Impl::NearestExact(double least) {
   std::vector<std::pair<double, int>> order;  // (bound, pair)
   for (int pair = 0; pair < static_cast<int>(scene.tables().pairs.size()); ++pair) {
     if (scene.tables().pairs[pair].exact) {
@@ -289,13 +288,20 @@ double Solver::Impl::MinDistance(const VectorXd& q, const Verdict& verdict) {
   return least;
 }
 
+// Contacts, and how near exact pairs are where the verifier only asked whether they overlap.
 void Solver::Impl::FillContacts(Result& result) {
   problem.finder.Pose(ToEigen(result.q));
   const double reach = kTouching * options.tolerance;
+  double nearest = std::numeric_limits<double>::infinity();  // of exact pairs
   for (const NearPair& near : problem.finder.Find(options.clearance + reach)) {
+    if (scene.tables().pairs[near.pair].exact) nearest = std::min(nearest, near.distance);
     if (near.distance < std::max(0.0, problem.required[near.pair]) + reach) {
       result.contacts.push_back(ToContact(scene.tables(), near));
     }
+  }
+  if (result.status != Status::kUnsolved) {
+    result.min_distance = std::isinf(nearest) ? NearestExact(result.min_distance)
+                                              : std::min(result.min_distance, nearest);
   }
   std::stable_sort(result.contacts.begin(), result.contacts.end(), Deeper);
 }
@@ -353,7 +359,7 @@ Result Solver::Solve(const std::vector<double>& q_in,
     result.certified = at_start.certified;
     result.start = "none";
     impl_->SetUp(q_in);
-    result.depth_in = result.min_distance = impl_->MinDistance(problem.q_in, at_start);
+    result.min_distance = at_start.min_distance;
   } else {
     impl_->SetUp(q_in);
     std::optional<VectorXd> hint;
@@ -361,6 +367,7 @@ Result Solver::Solve(const std::vector<double>& q_in,
     impl_->Repair(q_in, std::move(hint), result);
   }
   impl_->FillContacts(result);
+  if (result.status == Status::kAlreadyFree) result.depth_in = result.min_distance;
   if (impl_->options.trajectory) impl_->Remember(result);
   result.stats.collision_queries =
       problem.finder.queries() + impl_->verifier.queries() - queries_before;
