@@ -275,8 +275,10 @@ void Search::TryAnywhere(const Plan& plan) {
 
 // Translations take a rigid body out of the other the short way; a finger they would take over the
 // rim of a cup, where its joints take it back through the wall. How deep two meshes overlap, which
-// is all that a direct start knows, comes last.
+// is all that a direct start knows, comes last; where it is all there is, a hint does not replace
+// it.
 void Search::TryExact(const Plan& plan, const std::vector<NearPair>& overlaps) {
+  const std::size_t hinted = outcome_.free.size();
   const bool rigid = std::all_of(overlaps.begin(), overlaps.end(), [this](const NearPair& near) {
     return MovedByFreeJointsOnly(problem_.tables, near.pair);
   });
@@ -284,7 +286,8 @@ void Search::TryExact(const Plan& plan, const std::vector<NearPair>& overlaps) {
     if (const std::optional<VectorXd> q = parting_.Start(center_)) Try(*q, kPairByPair, Coarse());
   }
   if (problem_.Uses(kTranslation)) TryRays(overlaps);
-  if (!Done(plan) && problem_.Uses(kDirect)) TryFromWithin(overlaps);
+  const bool enough = Done(plan) && outcome_.free.size() > hinted;
+  if (!enough && problem_.Uses(kDirect)) TryFromWithin(overlaps);
 }
 
 // A nut on a bolt is let go by no straight way but along its axis. Its own contacts lead it out, if

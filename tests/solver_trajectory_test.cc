@@ -131,6 +131,22 @@ TEST_F(SolverTrajectoryTest, OnlyFreeBodiesFollow) {
   }
 }
 
+TEST_F(SolverTrajectoryTest, AnEarlierFrameIsNotTheOnlyStart) {
+  const Scene scene = Scene::FromString(
+      World("<body><geom type='mesh' mesh='slab'/></body>"
+            "<body><joint type='slide' axis='1 0 0'/><geom type='box' size='.1 .1 .1'/></body>",
+            "<asset>" + MeshXml("slab", Slab()) + "</asset>"),
+      Exact());
+  Options options;
+  options.effort = Effort::kFast;
+  options.trajectory = true;
+  options.without = {"pair_by_pair", "constrained_translation"};  // but for the direct one
+  Solver solver(scene, options);
+  for (const double x : {0.1, -0.1, 0.2}) {
+    EXPECT_NEAR(solver.Solve({x}).q[0], std::copysign(0.6, x), 1e-5);
+  }
+}
+
 TEST_F(SolverTrajectoryTest, NoFrameFollowsWhereAnObstacleMoved) {
   const Scene scene =
       Scene::FromString(World("<body mocap='true'><geom type='mesh' mesh='slab'/></body>"
