@@ -35,7 +35,7 @@ constexpr double kFarthest = 4.0;    // times the distance of a start: where its
 // An answer that lies farther than so many times the depth of overlapping meshes is suspicious, and
 // makes for so many patient tries to come out the short way, at such noise [depth].
 constexpr double kSuspicious = 10.0, kNudge = 0.2;
-constexpr int kWaysOut = 3, kPatientSteps = 120;
+constexpr int kWaysOut = 5, kPatientSteps = 120;
 constexpr int kHintChances = 3;  // LocalOptions::last_chances of a start near its answer
 // Spreads of the noisy starts, in turn: how far the nearest answer's basin reaches is not known.
 constexpr double kNoise[] = {5.0, 2.0, 3.0, 8.0};

@@ -176,8 +176,8 @@ TEST_F(ExactMeshScenesTest, ANutOnABolt) {
   ExpectNoWorseThanThePaper("nut_on_bolt", {{"quarter_turn", 4.2e-6}, {"lifted", 9.5e-6}});
 }
 
-// Shifted across and tilted it has no straight way out but off the bolt, ten times as far. (Three
-// of these ten go there, of more one in ten.)
+// Shifted across and tilted it has no straight way out but off the bolt, ten times as far. (Of
+// 120 such nuts five go there.)
 TEST_F(ExactMeshScenesTest, ATiltedNutStaysOnItsBolt) {
   const Scene scene = Scene::FromFile(MJCF_PDG_MODEL_DIR "/rigid/nut_on_bolt.xml", Exact());
   const std::vector<double> home = scene.KeyQpos(mj_name2id(scene.model(), mjOBJ_KEY, "home"));
@@ -195,7 +195,7 @@ TEST_F(ExactMeshScenesTest, ATiltedNutStaysOnItsBolt) {
     EXPECT_TRUE(FreeByBoth(scene, result.q)) << i;
     stays += result.sigma < ObjectNorm(scene, Metric::kSequential, q).Sigma(home);
   }
-  EXPECT_GE(stays, 7);
+  EXPECT_GE(stays, 8);
 }
 
 // The hint overlaps by 6e-8 m, which the verifier accepts.
