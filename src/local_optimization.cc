@@ -256,7 +256,8 @@ bool LocalOptimization::NearKnown(const VectorXd& q, const LocalOptions& options
 // The trial promises nothing better than is known, or nears the known optimum, or idles.
 bool LocalOptimization::GivesUp(Descent& d) {
   const LocalOptions& options = d.options;
-  const bool settling = Free(d.trial) || d.result.iterations >= kGiveUpFrom;
+  const bool all_seen = depths_ == Depths::kSearched;
+  const bool settling = Free(d.trial) || all_seen || d.result.iterations >= kGiveUpFrom;
   d.hopeless = settling && promised_sigma_ > options.give_up_sigma ? d.hopeless + 1 : 0;
   d.result.hopeless = d.hopeless >= kHopeless;
   if (d.result.hopeless) return true;

@@ -32,10 +32,9 @@ constexpr double kWorthARun = 5.0;   // σ over the best, where a varied start c
 constexpr double kDragged = 1.4;     // √σ over its least possible, up to which frames follow
 constexpr int kFramesFollowed = 5;   // ... and so many in a row
 constexpr double kFarthest = 4.0;    // times the distance of a start: where its ray ends
-// An answer that lies farther than so many times the depth of overlapping meshes is suspicious, and
-// makes for so many patient tries to come out the short way, at such noise [depth].
-constexpr double kSuspicious = 10.0, kNudge = 0.2;
+// Patient tries to come out of overlapping meshes the short way, at such noise [depth].
 constexpr int kWaysOut = 5, kPatientSteps = 120;
+constexpr double kNudge = 0.2;
 constexpr int kHintChances = 3;  // LocalOptions::last_chances of a start near its answer
 // Spreads of the noisy starts, in turn: how far the nearest answer's basin reaches is not known.
 constexpr double kNoise[] = {5.0, 2.0, 3.0, 8.0};
@@ -45,6 +44,9 @@ constexpr double kPerQuery = 0.3, kPerDistance = 0.8;
 constexpr int kFewDistances = 4;
 constexpr double kFewBodies = 8.0, kLargestCrowd = 2.0;  // of those that overlap
 constexpr Hop kHops[] = {Hop::kFromBest, Hop::kFromInput, Hop::kMirrored};
+
+// σ of an answer ten times as far as the meshes are deep in each other [m²].
+double Suspicious(double depth) { return 100.0 * depth * depth; }
 
 LocalOptions Coarse() {
   LocalOptions options;
@@ -275,8 +277,8 @@ void Search::TryAnywhere(const Plan& plan) {
 
 // Translations take a rigid body out of the other the short way; a finger they would take over the
 // rim of a cup, where its joints take it back through the wall. How deep two meshes overlap, which
-// is all that a direct start knows, comes last; where it is all there is, a hint does not replace
-// it.
+// is all that a direct start knows, comes last and for what translations do not solve; a hint does
+// not replace it.
 void Search::TryExact(const Plan& plan, const std::vector<NearPair>& overlaps) {
   const std::size_t hinted = outcome_.free.size();
   const bool rigid = std::all_of(overlaps.begin(), overlaps.end(), [this](const NearPair& near) {
@@ -286,26 +288,26 @@ void Search::TryExact(const Plan& plan, const std::vector<NearPair>& overlaps) {
     if (const std::optional<VectorXd> q = parting_.Start(center_)) Try(*q, kPairByPair, Coarse());
   }
   if (problem_.Uses(kTranslation)) TryRays(overlaps);
-  const bool enough = Done(plan) && outcome_.free.size() > hinted;
-  if (!enough && problem_.Uses(kDirect)) TryFromWithin(overlaps);
+  const bool found = outcome_.free.size() > hinted;
+  if (!problem_.Uses(kDirect) || (found && Done(plan))) return;
+  double depth = 0.0;
+  for (const NearPair& near : overlaps) depth = std::max(depth, -near.distance);
+  if (BestSigma() > Suspicious(depth)) {
+    TryFromWithin(depth);
+  } else if (!found || !rigid) {
+    Try(center_, kDirect, Coarse());
+  }
 }
 
 // A nut on a bolt is let go by no straight way but along its axis. Its own contacts lead it out, if
 // they are all seen and no step is longer than what they tell holds; a way to nothing better soon
 // shows.
-void Search::TryFromWithin(const std::vector<NearPair>& overlaps) {
-  double depth = 0.0;
-  for (const NearPair& near : overlaps) depth = std::max(depth, -near.distance);
-  const double far = kSuspicious * kSuspicious * depth * depth;
-  if (!(BestSigma() > far)) {
-    Try(center_, kDirect, Coarse());
-    return;
-  }
+void Search::TryFromWithin(double depth) {
   LocalOptions patient = Coarse();
   patient.max_iterations = kPatientSteps;
   patient.depths = Depths::kSearched;
   patient.largest_step = depth;
-  for (int k = 0; k < kWaysOut && BestSigma() > far && !problem_.Expired(); ++k) {
+  for (int k = 0; k < kWaysOut && BestSigma() > Suspicious(depth) && !problem_.Expired(); ++k) {
     const VectorXd q =
         k == 0 ? center_ : GaussianStart(problem_, center_, depth * depth, kNudge, random_);
     if (!Try(q, kDirect, patient)) return;

@@ -63,7 +63,7 @@ class Search {
   void Count(const LocalResult& result, const std::string& start);
   void TryFreePose(const VectorXd& q_f, const std::string& start);
   void TryTranslations(const std::vector<NearPair>& overlaps);
-  void TryFromWithin(const std::vector<NearPair>& overlaps);
+  void TryFromWithin(double depth);
   void TryExact(const Plan& plan, const std::vector<NearPair>& overlaps);
   void TryRays(const std::vector<NearPair>& overlaps);
   bool Follows(const Plan& plan);
