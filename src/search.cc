@@ -236,11 +236,12 @@ void Search::TryOnRay(const VectorXd& q, const std::string& start) {
   }
 }
 
-// Two noisy starts, one hop, and so on; noise alone while nothing is free.
+// A noisy start, a hop, a noisy start, and so on; noise alone while nothing is free. The hop comes
+// early: noisy starts agree on a wrong answer sooner than it finds a better one.
 void Search::TryVaried(const Plan& plan) {
   const bool noise = problem_.Uses(kNoiseStart), hops = problem_.Uses(kHop);
   for (int k = 0; !Done(plan) && !problem_.Expired(); ++k) {
-    if (hops && HasFree() && (k % 3 == 2 || !noise)) {
+    if (hops && HasFree() && (k % 3 == 1 || !noise)) {
       TryHop(kHops[(noise ? k / 3 : k) % 3]);
     } else {
       if (!noise) return;
