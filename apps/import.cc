@@ -1,5 +1,4 @@
 // mjcf-pdg import: mesh files of any common format as a scene that MuJoCo reads.
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -106,8 +105,7 @@ int RunImport(const ImportArguments& arguments) {
 
   for (const ImportedMesh& mesh : meshes) {
     for (const Flaw& flaw : FindFlaws(mesh)) {
-      std::fprintf(stderr, "mjcf-pdg: warning: %s\n",
-                   OneLine(mesh.file + ": " + flaw.words).c_str());
+      WriteWarning(mesh.file + ": " + flaw.words);
     }
   }
   if (!outputs.uses_stdout()) WriteStdout(ImportTable(meshes));
@@ -135,8 +133,8 @@ Verb AddImportVerb(CLI::App& program) {
   AddNumber(*command,
             {"--scale",
              "S",
-             "metres per unit of the files (0.001: millimetres); units that dae files state count "
-             "besides, those of 3mf files are not read",
+             "metres per unit of the files (0.001: millimetres), on top of the unit that a dae file "
+             "states; units of 3mf files are ignored",
              {.above_low = true}},
             arguments->scale);
   AddJson(*command, arguments->json);

@@ -149,6 +149,13 @@ void OutputFiles::Commit() {
     if (::stat(output.target.c_str(), &old) == 0)
       ::chmod(output.staged.c_str(), old.st_mode & 07777);
   }
+  for (const Output& output : outputs_) {
+    if (output.path == "-") {
+      WriteStdout(output.stream_content);
+    } else if (!output.stream_content.empty()) {
+      WriteFile(output.target, output.stream_content, "wb");
+    }
+  }
   for (Output& output : outputs_) {
     if (output.staged.empty()) continue;
     std::error_code ec;
@@ -157,13 +164,6 @@ void OutputFiles::Commit() {
     output.staged.clear();
   }
   new_folders_.clear();
-  for (const Output& output : outputs_) {
-    if (output.path == "-") {
-      WriteStdout(output.stream_content);
-    } else if (!output.stream_content.empty()) {
-      WriteFile(output.target, output.stream_content, "wb");
-    }
-  }
 }
 
 }  // namespace mjcf_pdg::app

@@ -1,4 +1,4 @@
-// Output files that appear whole and all together, or not at all.
+// Output files that appear whole, and none before all are staged and standard output is written.
 #ifndef MJCF_PDG_APPS_OUTPUT_FILES_H_
 #define MJCF_PDG_APPS_OUTPUT_FILES_H_
 

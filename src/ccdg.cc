@@ -16,7 +16,7 @@ constexpr double kLeastSlack = 1.0 / 64.0;  // of the gap; far above the error o
 constexpr double kToleranceUsed = 0.99;     // the rest is for the error of a distance
 constexpr double kSureNormal = 1e-7;        // the normal of a shallower overlap is noise [m]
 constexpr double kNegligible = 1e-12;       // a motion too small to matter [m]
-constexpr double kLimitSlack = 1e-9;        // SPEC of an answer's joint limits [rad or m]
+constexpr double kLimitSlack = 1e-9;        // by which a limit counts as held [rad or m]
 
 // MuJoCo's depths of these can be too shallow.
 bool Curved(int type) { return type == mjGEOM_ELLIPSOID || type == mjGEOM_CYLINDER; }

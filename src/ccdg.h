@@ -121,7 +121,7 @@ class Ccdg {
   std::vector<double> bodies_safe_;
   std::vector<double> bodies_required_;  // the largest of the body pair's [m]
   std::vector<int> moving_;              // body pairs
-  int critical_ = -1;                    // index into moving_ of the body pair that ended the step
+  int critical_ = -1;                    // the body pair that ended the last step; -1: none
   CcdResult result_;
 };
 

@@ -51,7 +51,6 @@ void ContactSpaceProjection::Start(const VectorXd& q_f, const ProjectionOptions&
   result_.pairs.clear();
   result_.motions = result_.jumps = result_.poses = 0;
   largest_required_ = required ? std::max(0.0, required->maxCoeff()) : 0.0;
-  result_.distance_queries = result_.contact_queries = 0;
 }
 
 void ContactSpaceProjection::RunGeneralizedCcd(const VectorXd& q_in) {
@@ -127,7 +126,6 @@ bool ContactSpaceProjection::FreeSample(const VectorXd& q) {
     if (BallAngle(q.data() + joint.qadr) > joint.hi) return false;
   }
   ++result_.poses;
-  ++result_.contact_queries;
   ccd_.finder().Pose(q);
   const std::vector<NearPair>& near = ccd_.finder().Find(largest_required_, Depths::kSkipped);
   return std::none_of(near.begin(), near.end(), [this](const NearPair& n) {
@@ -149,8 +147,6 @@ CcdOutcome ContactSpaceProjection::MoveFlagged(const VectorXd& q_in) {
   const CcdResult& ccd = ccd_.Move(result_.q, dq_, options, required_);
   ++result_.motions;
   result_.poses += ccd.poses;
-  result_.distance_queries += ccd.distance_queries;
-  result_.contact_queries += ccd.contact_queries;
   result_.certified = result_.certified && ccd.certified;
   result_.complete = ccd.outcome != CcdOutcome::kBudget;
   result_.start_free = ccd.outcome != CcdOutcome::kStartInCollision;

@@ -32,7 +32,7 @@ struct ProjectionResult {
   std::vector<int> pairs;  // that stopped something, in the order found, without repetition
   int motions = 0;         // CCD calls
   int jumps = 0;           // to free samples nearer to q_in: CCDrg, or a rigid model's rotation
-  int poses = 0, distance_queries = 0, contact_queries = 0;
+  int poses = 0;
 };
 
 // One per thread. Results are valid until the next call. `required` as in Ccdg::Move.

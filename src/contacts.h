@@ -21,7 +21,7 @@ namespace mjcf_pdg {
 // contact or feature.
 struct NearPair {
   int pair = 0;           // index into SceneTables::pairs
-  double distance = 0.0;  // signed [m]
+  double distance = 0.0;  // signed [m]; -infinity: an overlap whose depth was not asked
   Vector3d p1_W, p2_W;    // witness points on geom 1 and geom 2
   Vector3d n_W;           // unit, from geom 1 to geom 2; distance = n · (p2 - p1)
 };
@@ -37,8 +37,8 @@ class ContactFinder {
   // What follows does not depend on the queries before.
   void Forget() { exact_.Forget(); }
 
-  // All kept pairs nearer than `margin` at the posed configuration, in the scene's order; exact
-  // pairs with their features (exact_contacts.h). One query.
+  // All kept pairs nearer than `margin` at the posed configuration, in the scene's order, those
+  // of SDFs and height fields last; exact pairs with their features (exact_contacts.h). One query.
   const std::vector<NearPair>& Find(double margin, Depths depths = Depths::kMeasured);
 
   // Appends the features of an exact pair within the margin; nothing if there are none.

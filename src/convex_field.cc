@@ -10,7 +10,6 @@
 namespace mjcf_pdg {
 namespace {
 
-using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 // Nearer to an ellipsoid's plane of symmetry than this, in half sizes: on it.

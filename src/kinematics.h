@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 #include <memory>
+#include <vector>
 
 #include "scene_tables.h"
 
@@ -14,6 +15,10 @@ using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
+
+inline VectorXd ToEigen(const std::vector<double>& q) {
+  return Eigen::Map<const VectorXd>(q.data(), static_cast<Eigen::Index>(q.size()));
+}
 
 // out = q ⊕ dq. `out` may be q. Quaternions of the movable joints come out normalized.
 void Integrate(const SceneTables& tables, const VectorXd& q, const VectorXd& dq, VectorXd& out);

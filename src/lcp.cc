@@ -83,7 +83,7 @@ void ActiveSetLcp::AddFree(int row) {
   const int f = static_cast<int>(free_.size());
   if (factor_.rows() <= f) factor_.conservativeResize(2 * f + 8, 2 * f + 8);
   factor_.row(f).head(f) = forward_.transpose();
-  factor_(f, f) = std::sqrt(left_);
+  factor_(f, f) = std::sqrt(schur_);
   free_.push_back(row);
 }
 
@@ -99,7 +99,7 @@ void ActiveSetLcp::RemoveFree(int k) {
   }
 }
 
-// x = (G_FᵀG_F)⁻¹ x from L⁻¹ x.
+// x becomes L⁻ᵀ x.
 void ActiveSetLcp::SolveBackward(VectorXd& x) const {
   for (int i = static_cast<int>(free_.size()) - 1; i >= 0; --i) {
     x[i] /= factor_(i, i);
@@ -107,23 +107,22 @@ void ActiveSetLcp::SolveBackward(VectorXd& x) const {
   }
 }
 
+// x becomes L⁻¹ x.
 void ActiveSetLcp::SolveForward(VectorXd& x) const {
   for (int i = 0; i < static_cast<int>(free_.size()); ++i) {
     x[i] = (x[i] - factor_.row(i).head(i).dot(x.head(i))) / factor_(i, i);
   }
 }
 
-// direction_ = (G_FᵀG_F)⁻¹ G_Fᵀ g for the free set F and g = G_row. Returns what of ‖g‖² is left
-// beside F.
-double ActiveSetLcp::SolveFree(const ConstMatrix& G, int row) {
+// direction_ = (G_FᵀG_F)⁻¹ G_Fᵀ g for the free set F and g = G_row, and schur_.
+void ActiveSetLcp::SolveFree(const ConstMatrix& G, int row) {
   const int f = static_cast<int>(free_.size());
   forward_.resize(f);
   for (int k = 0; k < f; ++k) forward_[k] = G.col(free_[k]).dot(G.col(row));
   SolveForward(forward_);
-  left_ = std::max(0.0, norms_[row] * norms_[row] - forward_.squaredNorm());
+  schur_ = std::max(0.0, norms_[row] * norms_[row] - forward_.squaredNorm());
   direction_ = forward_;
   SolveBackward(direction_);
-  return left_;
 }
 
 // Moves λ_row off its bound while the free rows keep their slack at zero, until its own slack is
@@ -131,10 +130,10 @@ double ActiveSetLcp::SolveFree(const ConstMatrix& G, int row) {
 void ActiveSetLcp::Enter(const ConstMatrix& G, const VectorXd& mu, int row, VectorXd& lambda) {
   const double sign = side_[row];
   while (true) {
-    const double schur = SolveFree(G, row);
-    const bool dependent = schur <= kDependent * norms_[row] * norms_[row];
+    SolveFree(G, row);
+    const bool dependent = schur_ <= kDependent * norms_[row] * norms_[row];
     const double to_zero_slack = dependent ? std::numeric_limits<double>::infinity()
-                                           : std::max(0.0, sign * slack_[row] / schur);
+                                           : std::max(0.0, sign * slack_[row] / schur_);
     const double own_room = sign > 0.0 ? mu[row] - lambda[row] : lambda[row];
     double step = std::min(to_zero_slack, own_room);
     int leaving = -1;
@@ -150,7 +149,7 @@ void ActiveSetLcp::Enter(const ConstMatrix& G, const VectorXd& mu, int row, Vect
       }
     }
     lambda[row] += sign * step;
-    slack_[row] -= sign * step * schur;
+    slack_[row] -= sign * step * schur_;
     for (std::size_t k = 0; k < free_.size(); ++k) {
       lambda[free_[k]] -= sign * step * direction_[k];
     }
@@ -161,10 +160,10 @@ void ActiveSetLcp::Enter(const ConstMatrix& G, const VectorXd& mu, int row, Vect
       if (!stays_free) lambda[row] = sign > 0.0 ? mu[row] : 0.0;
       return;
     }
-    const int left = free_[leaving];
+    const int leaver = free_[leaving];
     const bool high = -sign * direction_[leaving] > 0.0;
-    side_[left] = high ? kHigh : kLow;
-    lambda[left] = high ? mu[left] : 0.0;
+    side_[leaver] = high ? kHigh : kLow;
+    lambda[leaver] = high ? mu[leaver] : 0.0;
     RemoveFree(leaving);
   }
 }

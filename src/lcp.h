@@ -56,7 +56,7 @@ class ActiveSetLcp {
   void RemoveFree(int k);
   void SolveForward(Eigen::VectorXd& x) const;
   void SolveBackward(Eigen::VectorXd& x) const;
-  double SolveFree(const ConstMatrix& G, int row);
+  void SolveFree(const ConstMatrix& G, int row);
 
   Eigen::ArrayXd side_;    // kLow, kFree or kHigh of each row
   std::vector<int> free_;  // rows strictly between their bounds
@@ -67,7 +67,7 @@ class ActiveSetLcp {
   // L with L Lᵀ = G_FᵀG_F of the free rows F, row by row.
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> factor_;
   Eigen::VectorXd forward_;    // L⁻¹ G_Fᵀ g for the entering row g
-  double left_ = 0.0;          // ‖g‖² - ‖L⁻¹ G_Fᵀ g‖²
+  double schur_ = 0.0;         // ‖g‖² - ‖L⁻¹ G_Fᵀ g‖²
   Eigen::VectorXd direction_;  // how the free multipliers answer to the entering one
 };
 

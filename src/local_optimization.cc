@@ -41,6 +41,7 @@ void LocalOptimization::Look(const VectorXd& q, double margin, Iterate& out) {
   out.q = q;
   problem_.finder.Pose(q);
   out.near = problem_.finder.Find(margin + problem_.options.clearance, Depths::kSkipped);
+  std::erase_if(out.near, [this](const NearPair& n) { return !problem_.tables.pairs[n.pair].moves; });
 }
 
 void LocalOptimization::Evaluate(double margin, Iterate& out) {
@@ -75,7 +76,7 @@ void LocalOptimization::MeasureOverlap(std::size_t k, double margin, Iterate& ou
   }
   const bool allowed = problem_.required[crossing.pair] < 0.0;
   if (!allowed || by_planes || measured.empty()) {
-    out.worst = std::max(out.worst, problem_.tolerances.accept);
+    out.worst = std::max(out.worst, problem_.tolerances.user);
   }
   if (by_planes || measured.empty()) {
     crossing.distance = crossing.n_W.dot(crossing.p2_W - crossing.p1_W);
@@ -91,15 +92,13 @@ void LocalOptimization::MeasureOverlap(std::size_t k, double margin, Iterate& ou
   out.near.insert(out.near.erase(at), measured.begin(), measured.end());
 }
 
-// Rows at the posed configuration, nearest first; joint limits after them.
+// Rows at the posed configuration, the nearest if there are too many; joint limits after them.
 void LocalOptimization::Linearize(const Iterate& at, double margin) {
   const SceneTables& tables = problem_.tables;
   const PosedModel& posed = problem_.finder.posed();
   const double merge = 1e-3 * problem_.size;
   std::vector<const NearPair*> nearest;
-  for (const NearPair& near : at.near) {
-    if (tables.pairs[near.pair].moves) nearest.push_back(&near);
-  }
+  for (const NearPair& near : at.near) nearest.push_back(&near);
   auto slack = [this](const NearPair& near) {
     return near.distance - problem_.required[near.pair];
   };

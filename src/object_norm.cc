@@ -3,13 +3,6 @@
 #include "norm_evaluator.h"
 
 namespace mjcf_pdg {
-namespace {
-
-VectorXd ToEigen(const std::vector<double>& q) {
-  return Eigen::Map<const VectorXd>(q.data(), static_cast<Eigen::Index>(q.size()));
-}
-
-}  // namespace
 
 struct ObjectNorm::Impl {
   Scene scene;

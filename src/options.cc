@@ -63,6 +63,10 @@ void CheckOptions(const Options& options, const mjModel& m) {
 void CheckMocap(const std::vector<double>& pos, const std::vector<double>& quat, const mjModel& m) {
   CheckPoses(pos, 3, m, "mocap_pos");
   CheckPoses(quat, 4, m, "mocap_quat");
+  for (std::size_t k = 0; k < quat.size(); k += 4) {
+    const bool some = mju_norm(quat.data() + k, 4) >= kLeastQuaternion;
+    Require(some, "mocap_quat has a zero quaternion");
+  }
 }
 
 }  // namespace mjcf_pdg

@@ -13,7 +13,11 @@ namespace mjcf_pdg {
 // options.without that options.method does not have.
 void CheckOptions(const Options& options, const mjModel& m);
 
-// Throws Error unless there are 3 and 4 finite values per mocap body, or none.
+// Shorter ones are refused: they have no direction.
+inline constexpr double kLeastQuaternion = 1e-6;
+
+// Throws Error unless there are 3 and 4 finite values per mocap body, or none, and no quaternion is
+// zero.
 void CheckMocap(const std::vector<double>& pos, const std::vector<double>& quat, const mjModel& m);
 
 }  // namespace mjcf_pdg

@@ -8,6 +8,7 @@
 #include "exact_mesh.h"
 #include "kept_pairs.h"
 #include "names.h"
+#include "options.h"
 #include "scene_tables.h"
 #include "verify_exact_mesh.h"
 
@@ -101,7 +102,7 @@ void FillRoot(SceneTables& tables, const std::string& name) {
   }
 }
 
-// SPEC: settings that blind MuJoCo's collision detection are undone on a private struct.
+// Settings that blind MuJoCo's collision detection are undone on a private struct.
 mjModel UnblindedCopy(const SceneTables& tables) {
   mjModel copy = *tables.model;
   copy.opt.disableflags &= ~(mjDSBL_CONTACT | mjDSBL_CONSTRAINT | mjDSBL_NATIVECCD);
@@ -202,7 +203,6 @@ bool Scene::HasExactMeshes() const {
 
 std::string Scene::GeomName(int geom) const { return NameOrId(*model(), mjOBJ_GEOM, geom); }
 std::string Scene::JointName(int joint) const { return NameOrId(*model(), mjOBJ_JOINT, joint); }
-std::string Scene::BodyName(int body) const { return NameOrId(*model(), mjOBJ_BODY, body); }
 
 std::vector<std::string> Scene::KeyNames() const {
   std::vector<std::string> names;
@@ -235,7 +235,7 @@ void Scene::CheckConfiguration(const std::vector<double>& q) const {
   for (int j = 0; j < m->njnt; ++j) {
     if (m->jnt_type[j] != mjJNT_FREE && m->jnt_type[j] != mjJNT_BALL) continue;
     const int adr = m->jnt_qposadr[j] + (m->jnt_type[j] == mjJNT_FREE ? 3 : 0);
-    if (mju_norm(q.data() + adr, 4) < 1e-6) {
+    if (mju_norm(q.data() + adr, 4) < kLeastQuaternion) {
       throw Error("the quaternion of joint '" + JointName(j) + "' is zero");
     }
   }

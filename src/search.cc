@@ -8,13 +8,13 @@ namespace mjcf_pdg {
 
 // How far to go, by effort. Measured in bench/: success first, then σ, then time.
 struct Search::Plan {
-  // Independent starts at the best answer that end the search: about one, this many per relative
-  // depth of the input, and StartsForManyBodies; between these bounds.
+  // The search ends when `agree` independent starts have ended at the best answer: between these
+  // bounds, 1 + StartsForManyBodies + agree_per_depth · RelativeDepth.
   double agree_per_depth = 1.0;
   int agree_least = 3, agree_most = 6;
+  int agree = agree_most;      // until Run knows better
   int queries = 600;           // collision queries after which no further start is made
   double evaluations = 700.0;  // ... and estimated time since something was free [evaluations]
-  int agree = agree_most;      // as it comes out
   bool follows = true;         // exact meshes: a frame may trust the last one's answer
   int blind = 20;              // noisy starts while nothing is free, then as many anywhere
 };
@@ -186,7 +186,7 @@ void Search::Count(const LocalResult& result, const std::string& start) {
 void Search::TryFreePose(const VectorXd& q_f, const std::string& start) {
   if (problem_.Expired() && outcome_.starts > 0) return;
   const IterationResult result = iteration_.Run(q_f);
-  outcome_.iterations += static_cast<int>(result.sigmas.size());
+  outcome_.iterations += result.iterations;
   Try(result.q, start, LocalOptions{});
 }
 
@@ -276,10 +276,10 @@ void Search::TryAnywhere(const Plan& plan) {
   TryFreePose(outcome_.free.front().q, kAnywhereStart);
 }
 
-// Translations take a rigid body out of the other the short way; a finger they would take over the
-// rim of a cup, where its joints take it back through the wall. How deep two meshes overlap, which
-// is all that a direct start knows, comes last and for what translations do not solve; a hint does
-// not replace it.
+// Translations take a rigid body out the short way, but a finger over the rim of a cup, where its
+// joints could take it back through the wall: links are parted pair by pair first. The direct start
+// knows only how deep the meshes overlap: it comes last, and only if translations found nothing
+// near. A hint does not replace these.
 void Search::TryExact(const Plan& plan, const std::vector<NearPair>& overlaps) {
   const std::size_t hinted = outcome_.free.size();
   const bool rigid = std::all_of(overlaps.begin(), overlaps.end(), [this](const NearPair& near) {
@@ -300,9 +300,8 @@ void Search::TryExact(const Plan& plan, const std::vector<NearPair>& overlaps) {
   }
 }
 
-// A nut on a bolt is let go by no straight way but along its axis. Its own contacts lead it out, if
-// they are all seen and no step is longer than what they tell holds; a way to nothing better soon
-// shows.
+// A nut leaves its bolt along the axis only. Its own contacts lead it out, if all of them are seen
+// and no step is longer than the overlap. A try that leads to nothing better is given up early.
 void Search::TryFromWithin(double depth) {
   LocalOptions patient = Coarse();
   patient.max_iterations = kPatientSteps;
@@ -353,6 +352,7 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
     if (HasFree()) TryVaried(plan);
   }
   searched_.reset();
+  frames_followed_ = 0;
   if (HasFree()) searched_ = {problem_.q_in, problem_.mocap, std::sqrt(BestSigma())};
   return std::move(outcome_);
 }

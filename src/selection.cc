@@ -9,7 +9,8 @@ namespace mjcf_pdg {
 namespace {
 
 constexpr double kTouching = 20.0;                             // of the tolerance
-constexpr double kFirstOnRay = 1.0 / 256.0, kNextOnRay = 1.2;  // shares of the way
+constexpr double kFirstOnRay = 1.0 / 256.0;                    // share of the way
+constexpr double kNextOnRay = 1.2;                             // times the share before
 constexpr int kRayHalvings = 2;
 constexpr double kWorthARay = 2.0;                 // σ over that of the nearest found
 constexpr double kHopSpreads[] = {3.0, 7.5, 1.5};  // as in GaussianStart, one at random
@@ -19,8 +20,8 @@ struct Sphere {
   double radius = 0.0;
 };
 
-// A geom's bounding sphere; a plane's is one that, seen from `from_W`, lies along its normal and is
-// as large as from_W is deep.
+// A geom's bounding sphere. A plane's is centred 1 m below `from_W` along the normal; its radius is
+// how deep from_W is below the plane.
 Sphere Bound(const PosedModel& posed, int geom, const Vector3d& from_W) {
   const mjModel& m = *posed.model();
   const mjData& d = *posed.data();
@@ -48,25 +49,32 @@ struct FreeDirection {
   int col = 0;
 };
 
-std::vector<FreeDirection> BaseDirections(const Problem& problem, int top_body) {
+int TreeOf(const mjModel& m, int geom) { return m.body_treeid[m.geom_bodyid[geom]]; }
+
+bool MovesBaseOf(const SceneTables& tables, int tree, const JointEntry& joint) {
+  return tree >= 0 && joint.body == tables.model->tree_bodyadr[tree] &&
+         (joint.type == mjJNT_SLIDE || joint.type == mjJNT_FREE);
+}
+
+std::vector<FreeDirection> BaseDirections(const Problem& problem, int tree) {
   std::vector<FreeDirection> directions;
   for (const JointEntry& joint : problem.tables.joints) {
-    if (joint.body != top_body) continue;
+    if (!MovesBaseOf(problem.tables, tree, joint)) continue;
     if (joint.type == mjJNT_SLIDE) {
       const double* axis = problem.finder.posed().data()->xaxis + 3 * joint.id;
       directions.push_back({AsVector(axis), joint.col});
-    } else if (joint.type == mjJNT_FREE) {
+    } else {
       for (int i = 0; i < 3; ++i) directions.push_back({Vector3d::Unit(i), joint.col + i});
     }
   }
   return directions;
 }
 
-// Geoms of the tree `top_body`, and the geoms of other trees or the world that it overlaps.
-void SplitGeoms(const mjModel& m, int top_body, const SceneTables& tables,
-                const std::vector<NearPair>& overlaps, std::vector<int>& own,
-                std::vector<int>& others) {
-  auto in_tree = [&](int geom) { return m.body_rootid[m.geom_bodyid[geom]] == top_body; };
+// Geoms of the tree, and the geoms of other trees or the world that it overlaps.
+void SplitGeoms(const SceneTables& tables, int tree, const std::vector<NearPair>& overlaps,
+                std::vector<int>& own, std::vector<int>& others) {
+  const mjModel& m = *tables.model;
+  auto in_tree = [&](int geom) { return TreeOf(m, geom) == tree; };
   for (int g = 0; g < m.ngeom; ++g) {
     if (in_tree(g) && (m.geom_contype[g] || m.geom_conaffinity[g])) own.push_back(g);
   }
@@ -77,19 +85,26 @@ void SplitGeoms(const mjModel& m, int top_body, const SceneTables& tables,
   }
 }
 
-// The movable tree in the deepest overlap with something outside it, -1 if none.
+// The tree with a base that can be translated in the deepest overlap with another one or the world,
+// -1 if none.
 int DeepestTree(const SceneTables& tables, const std::vector<NearPair>& overlaps) {
-  const mjModel& m = *tables.model;
-  int tree = -1;
+  auto has_free_base = [&](int tree) {
+    return std::any_of(tables.joints.begin(), tables.joints.end(), [&](const JointEntry& joint) {
+      return MovesBaseOf(tables, tree, joint);
+    });
+  };
+  int deepest_tree = -1;
   double deepest = 0.0;
   for (const NearPair& near : overlaps) {
     const KeptPair& pair = tables.pairs[near.pair];
-    const int body1 = m.geom_bodyid[pair.geom1], body2 = m.geom_bodyid[pair.geom2];
-    if (m.body_rootid[body1] == m.body_rootid[body2] || near.distance >= deepest) continue;
+    const int tree1 = TreeOf(*tables.model, pair.geom1), tree2 = TreeOf(*tables.model, pair.geom2);
+    if (tree1 == tree2 || near.distance >= deepest) continue;
+    const int tree = has_free_base(tree1) ? tree1 : tree2;
+    if (!has_free_base(tree)) continue;
     deepest = near.distance;
-    tree = m.body_rootid[tables.body_moves[body1] ? body1 : body2];
+    deepest_tree = tree;
   }
-  return tree;
+  return deepest_tree;
 }
 
 // How far each dof moves for a step of `length` [m] in object-norm units; dofs that the norm hardly
@@ -102,7 +117,7 @@ VectorXd DofSteps(Problem& problem, const VectorXd& at, double length) {
   return length * J.colwise().norm().cwiseMax(floor).cwiseInverse().transpose();
 }
 
-// More than half a turn is the same as less the other way.
+// No start needs more than half a turn.
 void ShortenTurns(const SceneTables& tables, VectorXd& dq) {
   for (const JointEntry& joint : tables.joints) {
     if (joint.type == mjJNT_SLIDE) continue;
@@ -187,15 +202,17 @@ VectorXd ContactHop(Problem& problem, const VectorXd& best, double sigma, Hop ho
   const double spread = kHopSpreads[random.Bits() % std::size(kHopSpreads)];
   const VectorXd steps = DofSteps(problem, problem.q_in, spread * std::sqrt(sigma / tables.n));
   const double share = random.Uniform() < 0.5 ? 0.5 : 1.0;
-  VectorXd dq, out;
+  VectorXd dq, out, change = VectorXd::Zero(tables.n);
   Difference(tables, problem.q_in, best, dq);
   for (int i = 0; i < tables.n; ++i) {
     if (!between[i] || random.Uniform() >= share) continue;
     const double noise = random.Normal() * steps[i];
-    dq[i] = hop == Hop::kFromBest ? dq[i] + noise : hop == Hop::kFromInput ? noise : -dq[i];
+    change[i] = hop == Hop::kFromBest    ? noise
+                : hop == Hop::kFromInput ? noise - dq[i]
+                                         : -2.0 * dq[i];
   }
-  ShortenTurns(tables, dq);
-  Integrate(tables, problem.q_in, dq, out);
+  ShortenTurns(tables, change);
+  Integrate(tables, problem.q_in, dq + change, out);
   ClampToLimits(tables, out);
   return out;
 }
@@ -274,8 +291,8 @@ std::vector<VectorXd> ConstrainedTranslation(Problem& problem,
   const PosedModel& posed = problem.finder.posed();
   const std::vector<FreeDirection> free = BaseDirections(problem, tree);
   std::vector<int> own, others;
-  SplitGeoms(*tables.model, tree, tables, overlaps, own, others);
-  if (free.empty() || own.empty() || others.empty()) return starts;
+  SplitGeoms(tables, tree, overlaps, own, others);
+  if (own.empty() || others.empty()) return starts;
   const Sphere A = Enclose(posed, own, Vector3d::Zero());
   const Sphere B = Enclose(posed, others, A.center_W);
   const double distance = A.radius + B.radius;

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 #include <utility>
 
+#include "mesh_edges.h"
 #include "mjcf_pdg/types.h"
 #include "triangle_mesh.h"
 
@@ -65,25 +65,13 @@ Solid::Solid(const Matrix3Xd& vertices, const Matrix3Xi& triangles) {
 }
 
 void Solid::CountOpenEdges() {
-  std::vector<std::array<int, 3>> edges;  // low, high, direction
-  for (Eigen::Index t = 0; t < triangles_.cols(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const int a = triangles_(k, t), b = triangles_((k + 1) % 3, t);
-      if (a == b) continue;  // two corners at one place
-      edges.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : -1});
-    }
-  }
-  std::sort(edges.begin(), edges.end());
   open_edges_ = 0;
-  for (std::size_t i = 0; i < edges.size();) {
-    int sum = 0;
-    std::size_t j = i;
-    for (; j < edges.size() && edges[j][0] == edges[i][0] && edges[j][1] == edges[i][1]; ++j) {
-      sum += edges[j][2];
-    }
-    open_edges_ += sum != 0;
-    i = j;
-  }
+  ForEachEdge(SortedEdgeUses(triangles_), [&](const EdgeUse* edge, int count) {
+    if (edge->low == edge->high) return;  // two corners at one place
+    int surplus = 0;                      // of its triangles one way
+    for (int k = 0; k < count; ++k) surplus += edge[k].forward ? 1 : -1;
+    open_edges_ += surplus != 0;
+  });
 }
 
 // A closed mesh turned inside out is turned back.
@@ -111,23 +99,16 @@ void Solid::DropFlatTriangles() {
 }
 
 void Solid::FindPieces() {
-  std::vector<int> parent(vertices_.cols());
-  std::iota(parent.begin(), parent.end(), 0);
-  auto root = [&parent](int v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
+  OrientedSets connected(static_cast<int>(vertices_.cols()));
   for (Eigen::Index t = 0; t < triangles_.cols(); ++t) {
-    for (int k = 1; k < 3; ++k) {
-      const int a = root(triangles_(0, t)), b = root(triangles_(k, t));
-      parent[std::max(a, b)] = std::min(a, b);
-    }
+    connected.Join(triangles_(0, t), triangles_(1, t));
+    connected.Join(triangles_(0, t), triangles_(2, t));
   }
   std::vector<char> seen(vertices_.cols(), 0);
   for (Eigen::Index t = 0; t < triangles_.cols(); ++t) {
-    const int r = root(triangles_(0, t));
-    if (!seen[r]) pieces_.push_back(Corner(t, 0));
-    seen[r] = 1;
+    const int root = connected.Root(triangles_(0, t));
+    if (!seen[root]) pieces_.push_back(Corner(t, 0));
+    seen[root] = 1;
   }
 }
 

@@ -15,7 +15,7 @@ constexpr double kShallow = 1e-3;    // of the smaller mesh's radius
 constexpr int kMaxWays = 8;          // rows of one overlap
 constexpr double kSameDirection = 0.9;
 
-// Points of `from` inside `in`, deepest first.
+// Points of `from` inside `in`, by branch and bound on their depth.
 class DepthSearch {
  public:
   // `pose`: from -> in.

@@ -16,8 +16,8 @@ constexpr int kGuesses = 3;
 constexpr std::size_t kMaxPatches = 32;  // pairs of patches asked
 constexpr int kPerPatch = 2;             // ... of which as many of the same patches
 constexpr int kMaxParts = 3000;          // pairs of nodes looked at
-constexpr double kLargestMargin = 0.1;   // of the smaller mesh, beyond the nearest feature
-constexpr double kPatchPerMargin = 0.5, kPatchPerSize = 0.125;
+constexpr double kLargestMargin = 0.1;   // of the smaller mesh's radius
+constexpr double kPatchPerMargin = 0.5, kPatchPerRadius = 0.25;
 
 struct Part {
   double bound = 0.0;  // no triangles of it are nearer
@@ -200,7 +200,7 @@ void SolidPair::Features(double margin, const NearestTriangles& first,
                          std::vector<SignedGap>& out) const {
   const double size = std::min(a_.radius(), b_.radius());
   margin = std::min(margin, std::max(2.0 * first.distance, kLargestMargin * size));
-  const double patch = std::max(kPatchPerMargin * margin, 2.0 * kPatchPerSize * size);
+  const double patch = std::max(kPatchPerMargin * margin, kPatchPerRadius * size);
   std::vector<NearestTriangles> found;
   if (first.distance > kTouching) found.push_back(first);
   Patches(margin, patch, found);

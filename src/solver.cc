@@ -26,11 +26,7 @@ constexpr double kTouching = 10.0;
 constexpr double kStandOff = 2e-7;
 // How much farther from q_in than a refused candidate, doubled until the verifier agrees [share].
 constexpr double kFirstBeyond = 1e-4, kLastBeyond = 0.1;
-constexpr double kForever = 1e9;  // a time limit beyond, which a clock could not count, is none [s]
-
-VectorXd ToEigen(const std::vector<double>& q) {
-  return Eigen::Map<const VectorXd>(q.data(), static_cast<Eigen::Index>(q.size()));
-}
+constexpr double kForever = 1e9;  // longer time limits would overflow the clock: none [s]
 
 std::vector<double> ToStd(const VectorXd& q) { return {q.data(), q.data() + q.size()}; }
 
@@ -115,7 +111,7 @@ void Solver::Impl::SetUp(const std::vector<double>& q_in) {
   for (std::size_t k = 0; k < tables.pairs.size(); ++k) {
     const KeptPair& pair = tables.pairs[k];
     double required = (pair.moves ? options.clearance : 0.0) - pair.allowed;
-    if (pair.exact) required += problem.tolerances.aim + kStandOff;
+    if (pair.exact && pair.moves) required += problem.tolerances.aim + kStandOff;
     const double at_rest = verifier.DepthAtRest(static_cast<int>(k));
     if (at_rest < 0.0) required = std::min(required, at_rest);
     problem.required[static_cast<Eigen::Index>(k)] = required;
@@ -127,7 +123,9 @@ std::vector<NearPair> Solver::Impl::Overlaps() {
   const int before = problem.finder.distances();
   problem.finder.Pose(problem.q_in);
   for (const NearPair& near : problem.finder.Find(options.clearance + options.tolerance)) {
-    if (near.distance < problem.required[near.pair]) overlaps.push_back(near);
+    // What cannot be mended counts only if it cannot be accepted either.
+    const double accepted = scene.tables().pairs[near.pair].moves ? 0.0 : options.tolerance;
+    if (near.distance < problem.required[near.pair] - accepted) overlaps.push_back(near);
   }
   problem.input_distances = problem.finder.distances() - before;
   return overlaps;
@@ -135,8 +133,7 @@ std::vector<NearPair> Solver::Impl::Overlaps() {
 
 bool Solver::Impl::FrozenOverlap(const std::vector<NearPair>& overlaps) const {
   return std::any_of(overlaps.begin(), overlaps.end(), [this](const NearPair& near) {
-    return !scene.tables().pairs[near.pair].moves &&
-           near.distance < problem.required[near.pair] - options.tolerance;
+    return !scene.tables().pairs[near.pair].moves;
   });
 }
 

@@ -170,8 +170,10 @@ double ExactVerifier::Deepest(const Asked& asked, int triangles) const {
       side.Witness(side.InWorld(p), side.InWorld(p) + depth * out_W);
     };
     for (const auto& [p, inside] : side.source.probes) ask(p, inside > 0.0 ? inside : kInfinity);
-    for (int k = 0; k < triangles; ++k) {
-      const auto& t = side.source.triangles[k * side.source.triangles.size() / triangles];
+    const Triangles& all = side.source.triangles;
+    const std::size_t count = std::min<std::size_t>(triangles, all.size());
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto& t = all[k * all.size() / count];
       ask(t[0], kInfinity);
       ask((t[0] + t[1] + t[2]) / 3.0, kInfinity);
     }

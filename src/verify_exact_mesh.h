@@ -32,9 +32,8 @@ class ExactVerifier {
       : shapes_(tables.verifier_shapes), rest_(rest) {}
 
   // Signed distance of an exact pair [m] at the pose, below `cutoff`; infinite if it is not.
-  // `permitted`: an overlap that counts as free [m]. Once one is found deeper than that and `rest`,
-  // how deep it is at other places is not asked. With
-  // skipped depths, two meshes that overlap get what some crossing triangles tell, and two that are
+  // `permitted`: an overlap that counts as free [m]. One that is deeper by `rest` ends the search
+  // for deeper places. With skipped depths, two meshes that overlap get what some crossing triangles tell, and two that are
   // apart are infinitely so. `fromto`: the points on geom 1 and geom 2.
   double Distance(const PosedModel& posed, const KeptPair& pair, double cutoff, double permitted,
                   Depths depths, double fromto[6]) const;

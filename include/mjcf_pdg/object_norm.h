@@ -30,6 +30,7 @@ struct NormPart {
 // σ(q_in, ·). Not thread-safe: one per thread (it poses private MuJoCo data).
 class ObjectNorm {
  public:
+  // These throw Error for a configuration that Scene::CheckConfiguration refuses.
   ObjectNorm(const Scene& scene, Metric metric, const std::vector<double>& q_in);
   ~ObjectNorm();
   ObjectNorm(ObjectNorm&&) noexcept;

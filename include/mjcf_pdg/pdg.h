@@ -56,7 +56,7 @@ struct Verdict {
   std::string reason;             // what is not free, in words; empty when free
 };
 
-// Asks twice, by mj_collision and by signed pair distances, whether q is free (SPEC: overlaps of at
+// Asks twice, by mj_collision and by signed pair distances, whether q is free (overlaps of at
 // most `tolerance` beyond what the model or `options.rest` allows, joint limits hold to 1e-6).
 // Meshes that collide as triangles are asked of FCL alone, height fields and SDFs of mj_collision
 // alone. Shares no code with the solver's own queries. `q_in` is the configuration `rest` refers

@@ -50,10 +50,9 @@ class Scene {
   int num_kept_pairs() const;            // pairs of geoms that MuJoCo's filters keep
   std::string GeomName(int geom) const;  // its name, else "#id"
   std::string JointName(int joint) const;
-  std::string BodyName(int body) const;
 
   std::vector<std::string> KeyNames() const;   // "" for an unnamed keyframe
-  std::vector<double> KeyQpos(int key) const;  // nq
+  std::vector<double> KeyQpos(int key) const;  // nq; throws Error for no such key
   std::vector<double> DefaultQpos() const;     // qpos0
 
   // Throws Error unless q has nq finite entries and no zero quaternion.
