@@ -130,13 +130,14 @@ Verb AddImportVerb(CLI::App& program) {
       ->required();
   AddNumber(*command, {"--density", "KG/M^3", "of all bodies", {.above_low = true}},
             arguments->density);
-  AddNumber(*command,
-            {"--scale",
-             "S",
-             "metres per unit of the files (0.001: millimetres), on top of the unit that a dae file "
-             "states; units of 3mf files are ignored",
-             {.above_low = true}},
-            arguments->scale);
+  AddNumber(
+      *command,
+      {"--scale",
+       "S",
+       "metres per unit of the files (0.001: millimetres), on top of the unit that a dae file "
+       "states; units of 3mf files are ignored",
+       {.above_low = true}},
+      arguments->scale);
   AddJson(*command, arguments->json);
   return {command, [arguments] { return RunImport(*arguments); }};
 }

@@ -64,13 +64,25 @@ std::string_view Field(std::string_view header, std::string_view key, const std:
   throw Error(what + ": .npy header has no '" + std::string(key) + "'");
 }
 
-void CheckType(std::string_view descr, const std::string& what) {
-  if (descr.find("<f8") != std::string_view::npos && descr.size() == 5) return;
-  std::string hint;
-  if (descr.find("f4") != std::string_view::npos) hint = " (float32)";
-  if (descr.find(">f8") != std::string_view::npos) hint = " (big-endian)";
+// Of a value [bytes].
+std::size_t SizeOf(std::string_view descr, const std::string& what) {
+  if (descr.size() == 5 && descr.substr(1, 3) == "<f8") return sizeof(double);
+  if (descr.size() == 5 && descr.substr(1, 3) == "<f4") return sizeof(float);
+  const std::string hint = descr.find('>') == std::string_view::npos ? "" : " (big-endian)";
   throw Error(what + ": .npy type " + OneLine(descr.substr(0, 40)) + hint +
-              " is not '<f8', float64 little-endian");
+              " is neither '<f8' nor '<f4', little-endian floats");
+}
+
+template <typename Value>
+void CopyRows(const char* data, Rows& rows) {
+  for (std::vector<double>& row : rows) {
+    for (double& x : row) {
+      Value value;
+      std::memcpy(&value, data, sizeof(Value));
+      x = value;
+      data += sizeof(Value);
+    }
+  }
 }
 
 std::vector<std::size_t> ParseShape(std::string_view text, const std::string& what) {
@@ -101,7 +113,7 @@ bool IsNpy(std::string_view bytes) { return bytes.substr(0, kMagic.size()) == kM
 
 Rows ParseNpy(std::string_view bytes, const std::string& what) {
   const Header header = FindHeader(bytes, what);
-  CheckType(Field(header.text, "descr", what), what);
+  const std::size_t size = SizeOf(Field(header.text, "descr", what), what);
   if (Field(header.text, "fortran_order", what).substr(0, 5) != "False") {
     throw Error(what + ": .npy array in Fortran order (save numpy.ascontiguousarray of it)");
   }
@@ -109,19 +121,16 @@ Rows ParseNpy(std::string_view bytes, const std::string& what) {
   const std::size_t available = bytes.size() - header.data_begin;
   const std::size_t rows = shape[0], width = shape[1];
   // Divides instead of multiplying: the shape of a broken file may overflow.
-  const bool fits = rows == 0 || width <= available / sizeof(double) / rows;
-  if (!fits || available != rows * width * sizeof(double)) {
+  const bool fits = rows == 0 || width <= available / size / rows;
+  if (!fits || available != rows * width * size) {
     throw Error(what + ": " + std::to_string(available) +
                 " bytes of data, but the .npy header says " + std::to_string(rows) + " x " +
-                std::to_string(width) + " float64");
+                std::to_string(width) + (size == sizeof(double) ? " float64" : " float32"));
   }
   if (width == 0) throw Error(what + ": the rows are empty");
   Rows result(rows, std::vector<double>(width));
   const char* data = bytes.data() + header.data_begin;
-  for (std::vector<double>& row : result) {
-    std::memcpy(row.data(), data, width * sizeof(double));
-    data += width * sizeof(double);
-  }
+  size == sizeof(double) ? CopyRows<double>(data, result) : CopyRows<float>(data, result);
   return result;
 }
 

@@ -1,4 +1,5 @@
-// NumPy's .npy format, version 1.0 to 3.0: float64, little-endian, C order, one or two dimensions.
+// NumPy's .npy format, version 1.0 to 3.0: float64 (read: or float32), little-endian, C order, one
+// or two dimensions.
 #ifndef MJCF_PDG_APPS_NPY_H_
 #define MJCF_PDG_APPS_NPY_H_
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
+#include <map>
 #include <stdexcept>
 #include <utility>
 
@@ -22,7 +23,16 @@ struct DataDeleter {
 
 constexpr int kErrorSize = 2000;
 
-std::string KeyName(const Configuration& row) { return row.label + "_pdg"; }
+// Of the keyframe of each row. A keyframe that was asked for again comes out again, numbered.
+std::vector<std::string> KeyNames(const std::vector<Configuration>& rows) {
+  std::vector<std::string> names;
+  std::map<std::string, int> asked;
+  for (const Configuration& row : rows) {
+    const int times = ++asked[row.label];
+    names.push_back(row.label + "_pdg" + (times > 1 ? "_" + std::to_string(times) : ""));
+  }
+  return names;
+}
 
 // ---- Controls ----
 
@@ -86,12 +96,15 @@ void SetUnlessZero(mjDoubleVec* target, const double* values, mjtSize n) {
   }
 }
 
-void AddKey(const mjModel& m, const Configuration& row, const std::vector<double>& q, mjData* d,
-            mjSpec* spec) {
-  const std::string name = KeyName(row);
+mjsKey* AddKey(const std::string& name, mjSpec* spec) {
   if (mjsElement* old = mjs_findElement(spec, mjOBJ_KEY, name.c_str())) mjs_delete(spec, old);
   mjsKey* key = mjs_addKey(spec);
   mjs_setName(key->element, name.c_str());
+  return key;
+}
+
+void FillKey(const mjModel& m, const Configuration& row, const std::vector<double>& q, mjData* d,
+             mjsKey* key) {
   SetVector(key->qpos, q.data(), m.nq);
   std::vector<double> ctrl(static_cast<std::size_t>(m.nu), 0.0);
   if (row.key >= 0) {
@@ -170,6 +183,9 @@ SpecPtr ParseSpec(const std::string& path) {
   std::string error(kErrorSize, '\0');
   SpecPtr spec(mj_parse(path.c_str(), nullptr, nullptr, error.data(), kErrorSize));
   if (!spec) throw Error(path + ": " + OneLine(error.c_str()));
+  // Keyframes of attached models become part of the whole only now.
+  const std::unique_ptr<mjModel, ModelDeleter> model(mj_compile(spec.get(), nullptr));
+  if (!model) throw Error(path + ": " + OneLine(mjs_getError(spec.get())));
   return spec;
 }
 
@@ -178,9 +194,10 @@ void AddRepairedKeys(const Scene& scene, const std::vector<Configuration>& rows,
   const mjModel& m = *scene.model();
   const std::unique_ptr<mjData, DataDeleter> data(mj_makeData(&m));
   if (!data) throw std::runtime_error("MuJoCo cannot make its data");
+  const std::vector<std::string> names = KeyNames(rows);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (results[i].status == Status::kUnsolved) continue;
-    AddKey(m, rows[i], results[i].q, data.get(), spec);
+    FillKey(m, rows[i], results[i].q, data.get(), AddKey(names[i], spec));
   }
 }
 
@@ -214,13 +231,14 @@ void CheckMjcf(const std::string& path, const std::vector<Configuration>& rows,
   if (!model) {
     throw std::runtime_error("the written scene does not load: " + OneLine(error.c_str()));
   }
+  const std::vector<std::string> names = KeyNames(rows);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (results[i].status == Status::kUnsolved) continue;
-    const int key = mj_name2id(model.get(), mjOBJ_KEY, KeyName(rows[i]).c_str());
+    const int key = mj_name2id(model.get(), mjOBJ_KEY, names[i].c_str());
     const std::vector<double>& q = results[i].q;
     const bool same = key >= 0 && static_cast<std::size_t>(model->nq) == q.size() &&
                       std::equal(q.begin(), q.end(), model->key_qpos + key * model->nq);
-    if (!same) throw std::runtime_error("the written scene lost keyframe " + KeyName(rows[i]));
+    if (!same) throw std::runtime_error("the written scene lost keyframe " + names[i]);
   }
 }
 

@@ -81,7 +81,12 @@ std::string GeometryNote(const Scene& scene) {
   return scene.HasExactMeshes() ? " (exact meshes)" : "";
 }
 
-std::string Millimetres(double metres) { return Short(metres * kMillimetres); }
+std::string Thousandths(double value) { return Short(value * 1e3); }
+
+// Below a picometre there is only noise.
+std::string Millimetres(double metres) {
+  return Thousandths(std::abs(metres) < 1e-12 ? 0.0 : metres);
+}
 
 std::string Depth(double signed_distance) { return Millimetres(std::max(0.0, -signed_distance)); }
 
@@ -121,7 +126,7 @@ std::string SolveTable(const Scene& scene, const std::vector<Configuration>& row
     table.AddRow({std::to_string(i), rows[i].label, StatusName(result.status),
                   Depth(result.depth_in), Millimetres(std::sqrt(result.sigma)), Short(result.sigma),
                   Millimetres(result.min_distance), result.start,
-                  Millimetres(result.stats.seconds)});
+                  Thousandths(result.stats.seconds)});
     if (result.status != Status::kUnsolved) continue;
     reasons += ReasonLine(i, rows[i], result.reason);
   }

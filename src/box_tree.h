@@ -1,8 +1,8 @@
 // A tree of oriented boxes over the triangles of a mesh, four children side by side.
 //
-// FCL partitions the triangles and fits the boxes; asking is our own, because it is faster: a lane of
-// SIMD registers per child, and lower bounds instead of FCL's exact distances of volumes. Lengths
-// are in the caller's units.
+// FCL partitions the triangles and fits the boxes; asking is our own, because it is faster: a lane
+// of SIMD registers per child, and lower bounds instead of FCL's exact distances of volumes.
+// Lengths are in the caller's units.
 #ifndef MJCF_PDG_SRC_BOX_TREE_H_
 #define MJCF_PDG_SRC_BOX_TREE_H_
 

@@ -85,8 +85,14 @@ void MarkExactGeoms(const SceneOptions& options, SceneTables& tables) {
   const mjModel& m = *tables.model;
   tables.exact.assign(m.ngeom, 0);
   tables.convex.assign(m.ngeom, 0);
-  if (!options.exact_mesh) return;
   const int text = mj_name2id(&m, mjOBJ_TEXT, kMark);
+  if (!options.exact_mesh) {
+    if (text < 0) return;
+    tables.warnings.push_back(std::string("text '") + kMark +
+                              "' marks meshes that collide as their convex hulls here: exact "
+                              "meshes (--exact-mesh) were not asked for");
+    return;
+  }
   if (text >= 0) {
     MarkNamed(m.text_data + m.text_adr[text], tables);
   } else {

@@ -41,7 +41,8 @@ void LocalOptimization::Look(const VectorXd& q, double margin, Iterate& out) {
   out.q = q;
   problem_.finder.Pose(q);
   out.near = problem_.finder.Find(margin + problem_.options.clearance, Depths::kSkipped);
-  std::erase_if(out.near, [this](const NearPair& n) { return !problem_.tables.pairs[n.pair].moves; });
+  std::erase_if(out.near,
+                [this](const NearPair& n) { return !problem_.tables.pairs[n.pair].moves; });
 }
 
 void LocalOptimization::Evaluate(double margin, Iterate& out) {

@@ -162,7 +162,7 @@ Scene Scene::FromFile(const std::string& path, const SceneOptions& options) {
   try {
     if (std::filesystem::path(path).extension() == ".mjb") {
       mjModel* loaded = mj_loadModel(path.c_str(), nullptr);
-      if (!loaded) throw Error("not a MuJoCo binary model");
+      if (!loaded) throw Error(std::string("not a binary model of MuJoCo ") + mj_versionString());
       model = {loaded, ModelDeleter{}};
     } else {
       mjSpec* spec = mj_parse(path.c_str(), nullptr, nullptr, error.data(), kErrorSize);

@@ -8,9 +8,9 @@
 namespace mjcf_pdg {
 namespace {
 
-constexpr double kTouching = 20.0;                             // of the tolerance
-constexpr double kFirstOnRay = 1.0 / 256.0;                    // share of the way
-constexpr double kNextOnRay = 1.2;                             // times the share before
+constexpr double kTouching = 20.0;           // of the tolerance
+constexpr double kFirstOnRay = 1.0 / 256.0;  // share of the way
+constexpr double kNextOnRay = 1.2;           // times the share before
 constexpr int kRayHalvings = 2;
 constexpr double kWorthARay = 2.0;                 // σ over that of the nearest found
 constexpr double kHopSpreads[] = {3.0, 7.5, 1.5};  // as in GaussianStart, one at random
@@ -89,9 +89,8 @@ void SplitGeoms(const SceneTables& tables, int tree, const std::vector<NearPair>
 // -1 if none.
 int DeepestTree(const SceneTables& tables, const std::vector<NearPair>& overlaps) {
   auto has_free_base = [&](int tree) {
-    return std::any_of(tables.joints.begin(), tables.joints.end(), [&](const JointEntry& joint) {
-      return MovesBaseOf(tables, tree, joint);
-    });
+    return std::any_of(tables.joints.begin(), tables.joints.end(),
+                       [&](const JointEntry& joint) { return MovesBaseOf(tables, tree, joint); });
   };
   int deepest_tree = -1;
   double deepest = 0.0;

@@ -39,7 +39,8 @@ constexpr int kFewParts = 40, kManyParts = 400;
 
 // The overlap of two meshes that intersect or contain each other: appends at least one gap of
 // distance <= 0, those along which the surfaces face each other first, of those the deepest; others
-// are at other places or in other directions. Of each mesh at most `most_parts` parts are looked at.
+// are at other places or in other directions. Of each mesh at most `most_parts` parts are looked
+// at.
 void AppendOverlaps(const SolidPair& pair, int most_parts, std::vector<SignedGap>& out);
 
 // The deepest first; those of the same place and direction left out, then those beyond the most.

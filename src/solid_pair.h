@@ -47,11 +47,11 @@ class SolidPair {
   }
 
   // Rows for a contact matrix: of pairs of patches of the two surfaces the nearest points, if
-  // nearer than `margin` and apart. The margin is cut to twice the distance of `first` or a tenth of
-  // the smaller mesh's radius; a patch is half of it wide, but a quarter of that radius at least. Only points whose direction is locally
-  // that of a face, or which are nearest to each other, bound the motion: others are left out.
-  // Nearest first, similar ones merged, at most kMaxFeatures. n points from a to b. `first` is the
-  // result of RoughlyNearest(margin).
+  // nearer than `margin` and apart. The margin is cut to twice the distance of `first` or a tenth
+  // of the smaller mesh's radius; a patch is half of it wide, but a quarter of that radius at
+  // least. Only points whose direction is locally that of a face, or which are nearest to each
+  // other, bound the motion: others are left out. Nearest first, similar ones merged, at most
+  // kMaxFeatures. n points from a to b. `first` is the result of RoughlyNearest(margin).
   void Features(double margin, const NearestTriangles& first, std::vector<SignedGap>& out) const;
 
   NearestTriangles OfTriangles(int a, int b) const;

@@ -33,8 +33,9 @@ class ExactVerifier {
 
   // Signed distance of an exact pair [m] at the pose, below `cutoff`; infinite if it is not.
   // `permitted`: an overlap that counts as free [m]. One that is deeper by `rest` ends the search
-  // for deeper places. With skipped depths, two meshes that overlap get what some crossing triangles tell, and two that are
-  // apart are infinitely so. `fromto`: the points on geom 1 and geom 2.
+  // for deeper places. With skipped depths, two meshes that overlap get what some crossing
+  // triangles tell, and two that are apart are infinitely so. `fromto`: the points on geom 1 and
+  // geom 2.
   double Distance(const PosedModel& posed, const KeptPair& pair, double cutoff, double permitted,
                   Depths depths, double fromto[6]) const;
 

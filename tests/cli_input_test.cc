@@ -9,12 +9,13 @@ namespace {
 
 using CliInputTest = CliTest;
 
-std::string Npy(const std::string& dict, const std::vector<double>& values) {
+template <typename Value = double>
+std::string Npy(const std::string& dict, const std::vector<Value>& values) {
   std::string bytes("\x93NUMPY\x01\x00", 8);
   bytes += static_cast<char>(dict.size() & 0xFF);
   bytes += static_cast<char>(dict.size() >> 8);
   bytes += dict;
-  bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double));
+  bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value));
   return bytes;
 }
 
@@ -138,6 +139,14 @@ TEST_F(CliInputTest, RefusesBadTextFiles) {
   ExpectRefused({"solve", "scene.xml", "--qpos-file", "-"}, "stdin line 2", "0 0\n0\n");
 }
 
+TEST_F(CliInputTest, ReadsSinglePrecision) {
+  Write("rows.npy", Npy<float>(Dict("<f4", "False", "(2, 2)"), {0.25f, 0, -0.125f, 1}));
+  const std::vector<nlohmann::json> rows = SolveJson({"scene.xml", "--qpos-file", "rows.npy"});
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0]["qpos_in"], (std::vector<double>{0.25, 0.0}));
+  EXPECT_EQ(rows[1]["qpos_in"], (std::vector<double>{-0.125, 1.0}));
+}
+
 TEST_F(CliInputTest, RefusesBadNpyFiles) {
   const std::string good = Npy(Dict("<f8", "False", "(2, 2)"), {0, 0, 0, 1});
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -147,7 +156,8 @@ TEST_F(CliInputTest, RefusesBadNpyFiles) {
   std::string version = good;
   version[6] = 9;
   const std::vector<std::pair<std::string, std::string>> cases = {
-      {Npy(Dict("<f4", "False", "(1, 2)"), {0}), "float32"},
+      {Npy(Dict("<f2", "False", "(1, 2)"), {0}), "<f2"},
+      {Npy(Dict("<f4", "False", "(1, 3)"), {0}), "1 x 3 float32"},
       {Npy(Dict(">f8", "False", "(1, 2)"), {0, 0}), "big-endian"},
       {Npy(Dict("<i8", "False", "(1, 2)"), {0, 0}), "<i8"},
       {Npy(Dict("<f8", "True", "(2, 2)"), {0, 0, 0, 0}), "Fortran"},
@@ -205,6 +215,12 @@ TEST_F(CliInputTest, RefusesOutputsThatCannotBeWritten) {
   refused({"--json", "-", "--out-qpos", "-"}, "--json already writes there");
   EXPECT_EQ(Read("scene.xml"), kBallAndWall);
   EXPECT_EQ(Read("rows.csv"), "0 0\n");
+}
+
+TEST_F(CliInputTest, NoFileAppearsWhereAStreamCannotBeWritten) {
+  const Outcome outcome = Run({"solve", "scene.xml", "--json", "/dev/full", "--out-qpos", "q.npy"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_FALSE(std::filesystem::exists(cwd() / "q.npy"));
 }
 
 TEST_F(CliInputTest, AnOldOutputSurvivesAFailureAndALinkStaysALink) {

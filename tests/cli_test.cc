@@ -268,6 +268,25 @@ TEST_F(CliTest, RepairingARepairedSceneReplacesItsKeyframes) {
   EXPECT_EQ(Read("a.xml"), Read("b.xml"));
 }
 
+TEST_F(CliTest, AKeyframeThatIsAskedForTwiceComesOutTwice) {
+  ASSERT_EQ(Run({"solve", "scene.xml", "--key", "deep", "--key", "deep", "--out-mjcf", "out.xml"})
+                .exit_code,
+            0);
+  EXPECT_NE(Read("out.xml").find("\"deep_pdg\""), std::string::npos);
+  EXPECT_NE(Read("out.xml").find("\"deep_pdg_2\""), std::string::npos);
+}
+
+TEST_F(CliTest, KeyframesOfAnAttachedModelAreKept) {
+  Write("child.xml", R"(<mujoco><worldbody><body name="ball"><joint type="slide"/>
+    <geom size=".1"/></body></worldbody><keyframe><key name="low" qpos=".05"/></keyframe></mujoco>)");
+  Write("parent.xml", R"(<mujoco><asset><model name="child" file="child.xml"/></asset><worldbody>
+    <geom type="plane" size="1 1 1"/><body><attach model="child" body="ball" prefix="a_"/></body>
+    </worldbody></mujoco>)");
+  ASSERT_EQ(Run({"solve", "parent.xml", "--key", "a_low", "--out-mjcf", "out.xml"}).exit_code, 0);
+  EXPECT_EQ(Run({"check", "out.xml", "--key", "a_low"}).exit_code, 3);
+  EXPECT_EQ(Run({"check", "out.xml", "--key", "a_low_pdg"}).exit_code, 0);
+}
+
 TEST_F(CliTest, UnsolvedRowsStayOutOfTheScene) {
   Write("trapped.xml", kTrapped);
   ASSERT_EQ(Run({"solve", "trapped.xml", "--out-mjcf", "out.xml"}).exit_code, 3);

@@ -67,7 +67,11 @@ TEST_F(ExactMeshTest, ATextNamesThoseThatAreExactAndTheOthersKeepTheirHulls) {
   for (int t = 0; t < hull.num_triangles(); ++t) {
     EXPECT_GT(hull.Normal(t).dot(hull.Corner(t, 0) - hull.center()), 0.0);
   }
-  EXPECT_FALSE(Scene::FromString(RingXml(text)).HasExactMeshes()) << "the text alone";
+  EXPECT_TRUE(scene.Warnings().empty());
+  const Scene hulls = Scene::FromString(RingXml(text));
+  EXPECT_FALSE(hulls.HasExactMeshes()) << "the text alone";
+  ASSERT_EQ(hulls.Warnings().size(), 1u);
+  EXPECT_NE(hulls.Warnings()[0].find("--exact-mesh"), std::string::npos);
 }
 
 TEST_F(ExactMeshTest, ATextThatNamesSomethingElseIsRefused) {

@@ -65,6 +65,19 @@ TEST_F(SelectionTest, AFreeBodyIsCarriedAwayFromTheCentreByBothRadii) {
   for (const VectorXd& q : starts) EXPECT_EQ(q.tail<4>(), p.problem.q_in.tail<4>());
 }
 
+TEST_F(SelectionTest, TheBodyThatCanBeCarriedAwayIsFoundInAnyOrderAndOnAStand) {
+  const std::string arm = "<body><joint axis='0 1 0'/><geom type='box' size='.5 .1 .1'/></body>";
+  const std::string object = "<body pos='.3 0 .1'><freejoint/><geom size='.1'/></body>";
+  EXPECT_EQ(Selector(World(arm + object)).Translations().size(), 7u);
+  EXPECT_EQ(Selector(World(object + arm)).Translations().size(), 7u);
+  const std::string cart =
+      "<body pos='0 0 .1'><joint type='slide' axis='1 0 0'/><joint type='slide'"
+      " axis='0 1 0'/><geom size='.1'/></body>";
+  const std::string wall = "<geom type='box' size='.1 .1 .1' pos='.15 0 .1'/>";
+  EXPECT_EQ(Selector(World(wall + cart)).Translations().size(), 5u);
+  EXPECT_EQ(Selector(World(wall + "<body>" + cart + "</body>")).Translations().size(), 5u);
+}
+
 TEST_F(SelectionTest, WhatOverlappedIsLeftBehindEntirely) {
   Random rng(1);
   int first_clear = 0;
@@ -277,6 +290,23 @@ struct Hopper : Selector {
   VectorXd best;
   VectorXd to_best;  // best ⊖ q_in
 };
+
+// A wrist may have turned by more than half a turn.
+TEST_F(SelectionTest, AHopLeavesFarTurnsOfOtherJointsAlone) {
+  Selector p(World(R"(<geom type="box" size=".1 .1 .1"/>
+      <body pos=".15 0 0"><joint type="slide" axis="1 0 0"/><geom size=".06"/></body>
+      <body pos="2 0 0"><joint axis="0 0 1"/><geom size=".1"/></body>)"));
+  p.problem.required.setZero(static_cast<Eigen::Index>(p.scene.tables().pairs.size()));
+  p.problem.q_in[1] = -3.0;
+  p.problem.norm.SetReference(p.problem.q_in);
+  VectorXd best = p.problem.q_in;
+  best[0] = 0.01;
+  best[1] = 2.5;
+  mjcf_pdg::Random noise(3);
+  for (const Hop hop : kAllHops) {
+    EXPECT_NEAR(ContactHop(p.problem, best, 0.01, hop, noise)[1], 2.5, 1e-12);
+  }
+}
 
 TEST_F(SelectionTest, AHopMovesNothingButTheJointsBetweenTheBodiesOfOneContact) {
   Hopper p;

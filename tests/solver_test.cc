@@ -239,6 +239,26 @@ TEST_F(SolverTest, OverlapsThatNoJointCanSeparateAreNamed) {
   EXPECT_THAT(turned.reason, HasSubstr("post"));
 }
 
+TEST_F(SolverTest, WhatNothingMovesMayOverlapByTheTolerance) {
+  SceneOptions only_ball;
+  only_ball.movable = {"ball"};
+  for (const double overlap : {0.95e-6, 1.5e-6}) {
+    const double z = 0.2 - overlap;
+    const Scene scene = Scene::FromString(
+        World("<geom type='box' size='.1 .1 .1' pos='2 0 0'/>"
+              "<body><freejoint/><geom type='box' size='.1 .1 .1'/></body>"
+              "<body name='ball' pos='2 0 .13'><freejoint/><geom size='.05'/></body>"
+              "<body><freejoint/><geom type='box' size='.1 .1 .1'/></body>"),
+        only_ball);
+    Q q_in = scene.DefaultQpos();
+    q_in[14 + 2] = z;
+    const Result result = Solver(scene).Solve(q_in);
+    const bool accepted = overlap < Options().tolerance;
+    EXPECT_EQ(result.status, accepted ? Status::kSolved : Status::kUnsolved) << result.reason;
+    EXPECT_NEAR(result.q[7 + 2], 0.15, 2e-6);
+  }
+}
+
 TEST_F(SolverTest, ATinyTimeLimitEndsTheSolveWithoutAFalseClaim) {
   Random rng(3);
   const Scene scene = Scene::FromString(RandomRobotXml(rng));
@@ -312,7 +332,7 @@ TEST_F(SolverTest, BadInputThrowsAndTheSolverGoesOn) {
   refused([inf](Options& o) { o.rest = inf; });
   refused([](Options& o) { o.time_limit = 0.0; });
   refused([nan](Options& o) { o.time_limit = nan; });
-  refused([](Options& o) { o.mocap_pos = {0, 0, 0}; });
+  refused([](Options& o) { o.mocap_pos = {0, 0, 0}; });  // the model has no mocap body
   Solver with_obstacle(
       Scene::FromString(World("<body mocap='true'><geom size='.1'/></body>"
                               "<body pos='1 0 0'><joint/><geom size='.1'/></body>")));
