@@ -106,7 +106,7 @@ void AddWhich(CLI::App& command, WhichArguments& arguments) {
           ->type_name("\"V V ...\"");
   CLI::Option* file = AddPath(
       command, "--qpos-file",
-      ".npy (float64, n x nq), .csv or .txt, one configuration a row; - is stdin", arguments.file);
+      ".npy (floats, n x nq), .csv or .txt, one configuration a row; - is stdin", arguments.file);
   file->type_name("FILE|-");
   key->allow_extra_args(false);
   qpos->allow_extra_args(false);
