@@ -29,7 +29,7 @@ std::string OneLine(std::string text) {
 
 void RefuseUnsupported(const mjModel& m) {
   if (m.nflex > 0) {
-    throw Error("flex '" + NameOrId(m, mjOBJ_FLEX, 0) + "' is not supported");
+    throw Error("flex " + QuotedNameOrId(m, mjOBJ_FLEX, 0) + " is not supported");
   }
   if (m.njnt == 0) throw Error("the model has no joints: nothing can move");
 }
@@ -39,8 +39,9 @@ void RefuseUnseenPairs(const SceneTables& tables) {
   const mjModel& m = *tables.model;
   for (const KeptPair& pair : tables.pairs) {
     if (m.geom_type[pair.geom1] == mjGEOM_HFIELD && m.geom_type[pair.geom2] == mjGEOM_SDF) {
-      throw Error("height field '" + NameOrId(m, mjOBJ_GEOM, pair.geom1) + "' against SDF '" +
-                  NameOrId(m, mjOBJ_GEOM, pair.geom2) + "' is not supported: exclude the pair");
+      throw Error("height field " + QuotedNameOrId(m, mjOBJ_GEOM, pair.geom1) + " against SDF " +
+                  QuotedNameOrId(m, mjOBJ_GEOM, pair.geom2) +
+                  " is not supported: exclude the pair");
     }
   }
 }
@@ -236,7 +237,7 @@ void Scene::CheckConfiguration(const std::vector<double>& q) const {
     if (m->jnt_type[j] != mjJNT_FREE && m->jnt_type[j] != mjJNT_BALL) continue;
     const int adr = m->jnt_qposadr[j] + (m->jnt_type[j] == mjJNT_FREE ? 3 : 0);
     if (mju_norm(q.data() + adr, 4) < kLeastQuaternion) {
-      throw Error("the quaternion of joint '" + JointName(j) + "' is zero");
+      throw Error("the quaternion of joint " + QuotedNameOrId(*m, mjOBJ_JOINT, j) + " is zero");
     }
   }
 }
@@ -249,8 +250,8 @@ std::vector<std::string> Scene::ActiveEqualities() const {
     if (!m->eq_active0[e]) continue;
     static constexpr const char* kKind[] = {"connect", "weld", "joint", "tendon", "flex"};
     const int type = m->eq_type[e];
-    names.push_back(std::string(type < 5 ? kKind[type] : "equality") + " '" +
-                    NameOrId(*m, mjOBJ_EQUALITY, e) + "'");
+    names.push_back(std::string(type < 5 ? kKind[type] : "equality") + " " +
+                    QuotedNameOrId(*m, mjOBJ_EQUALITY, e));
   }
   return names;
 }

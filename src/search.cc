@@ -191,7 +191,7 @@ void Search::TryFreePose(const VectorXd& q_f, const std::string& start) {
 }
 
 void Search::TryTranslations(const std::vector<NearPair>& overlaps) {
-  for (const VectorXd& q_f : ConstrainedTranslation(problem_, overlaps)) {
+  for (const VectorXd& q_f : ConstrainedTranslation(problem_, overlaps, problem_.q_in)) {
     TryFreePose(q_f, kTranslation);
     if (HasFree()) return;
   }

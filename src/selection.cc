@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 
 namespace mjcf_pdg {
 namespace {
@@ -275,11 +274,6 @@ VectorXd UniformStart(const Problem& problem, const VectorXd& center, Random& ra
 }
 
 std::vector<VectorXd> ConstrainedTranslation(Problem& problem,
-                                             const std::vector<NearPair>& overlaps) {
-  return ConstrainedTranslation(problem, overlaps, problem.q_in);
-}
-
-std::vector<VectorXd> ConstrainedTranslation(Problem& problem,
                                              const std::vector<NearPair>& overlaps,
                                              const VectorXd& from) {
   const SceneTables& tables = problem.tables;
@@ -294,7 +288,7 @@ std::vector<VectorXd> ConstrainedTranslation(Problem& problem,
   if (own.empty() || others.empty()) return starts;
   const Sphere A = Enclose(posed, own, Vector3d::Zero());
   const Sphere B = Enclose(posed, others, A.center_W);
-  const double distance = A.radius + B.radius;
+  const double distance = A.radius + B.radius + problem.options.clearance;
 
   auto translate = [&](const Vector3d& direction_W) {
     VectorXd dq = VectorXd::Zero(tables.n), q;

@@ -6,7 +6,6 @@
 #ifndef MJCF_PDG_SRC_SELECTION_H_
 #define MJCF_PDG_SRC_SELECTION_H_
 
-#include <optional>
 #include <vector>
 
 #include "problem.h"
@@ -50,12 +49,10 @@ VectorXd Beyond(const Problem& problem, const VectorXd& center, const VectorXd& 
 VectorXd UniformStart(const Problem& problem, const VectorXd& center, Random& random);
 
 // Eq. 20: the tree that overlaps most is carried off along its base's free directions, away from
-// the centroid of what it overlaps, by the radii of the enclosing spheres. Candidates in the order
-// to try: the projected direction, then ± the free directions. Empty if the base is fixed or
-// nothing but the tree itself overlaps. `overlaps` are the overlapping pairs at q_in.
-std::vector<VectorXd> ConstrainedTranslation(Problem& problem,
-                                             const std::vector<NearPair>& overlaps);
-// The same from another configuration than q_in; `overlaps` are those at `from`.
+// the centroid of what it overlaps, by the radii of the enclosing spheres (and the clearance).
+// Candidates in the order to try: the projected direction, then ± the free directions. Empty if
+// every base is fixed or nothing but a tree itself overlaps. `overlaps` are the overlapping pairs
+// at `from`.
 std::vector<VectorXd> ConstrainedTranslation(Problem& problem,
                                              const std::vector<NearPair>& overlaps,
                                              const VectorXd& from);

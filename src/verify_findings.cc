@@ -5,21 +5,17 @@
 #include <cstdio>
 
 #include "kinematics.h"
+#include "names.h"
 
 namespace mjcf_pdg {
 namespace {
 
 constexpr std::size_t kNamed = 4;  // findings named in a reason
 
-std::string Name(const mjModel& m, int kind, int id) {
-  const char* name = mj_id2name(&m, kind, id);
-  return name && *name ? "'" + std::string(name) + "'" : "#" + std::to_string(id);
-}
-
 std::string GeomLabel(const mjModel& m, int geom) {
-  const std::string name = Name(m, mjOBJ_GEOM, geom);
+  const std::string name = QuotedNameOrId(m, mjOBJ_GEOM, geom);
   if (name[0] != '#') return "geom " + name;
-  return "geom " + name + " (body " + Name(m, mjOBJ_BODY, m.geom_bodyid[geom]) + ")";
+  return "geom " + name + " (body " + QuotedNameOrId(m, mjOBJ_BODY, m.geom_bodyid[geom]) + ")";
 }
 
 std::string Number(double value, const char* unit) {
@@ -69,7 +65,7 @@ void FillFromWitnesses(const mjData& d, double distance, const double fromto[6],
 }
 
 std::string DescribeExcess(const mjModel& m, int joint, double excess) {
-  return "joint " + Name(m, mjOBJ_JOINT, joint) + " is " +
+  return "joint " + QuotedNameOrId(m, mjOBJ_JOINT, joint) + " is " +
          Number(excess, m.jnt_type[joint] == mjJNT_SLIDE ? "m" : "rad") + " outside its range";
 }
 

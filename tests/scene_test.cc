@@ -202,7 +202,7 @@ TEST_F(SceneTest, ActiveEqualitiesAreListedByKindAndName) {
       <joint name="off" joint1="x" joint2="y" active="false"/>
       <joint name="gear" joint1="x" joint2="y"/></equality></mujoco>)";
   EXPECT_THAT(Scene::FromString(xml).ActiveEqualities(),
-              ElementsAre("connect 'loop'", "weld '#1'", "joint 'gear'"));
+              ElementsAre("connect 'loop'", "weld #1", "joint 'gear'"));
   const ModelPtr model = LoadModel(xml);
   model->opt.disableflags |= mjDSBL_EQUALITY;
   EXPECT_TRUE(Scene::FromModel(model.get()).ActiveEqualities().empty());

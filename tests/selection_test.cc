@@ -26,7 +26,7 @@ struct Selector {
       if (near.distance < 0.0) overlaps.push_back(near);
     }
     EXPECT_FALSE(overlaps.empty());
-    return ConstrainedTranslation(problem, overlaps);
+    return ConstrainedTranslation(problem, overlaps, problem.q_in);
   }
   double Nearest(const VectorXd& q) {  // at most 10 m
     problem.finder.Pose(q);
