@@ -44,11 +44,11 @@ NearPair ToNearPair(int pair, const SignedGap& gap) {
 
 }  // namespace
 
-ContactFinder::ContactFinder(const SceneTables& tables)
+ContactFinder::ContactFinder(const SceneTables& tables, double clearance)
     : tables_(tables),
       model_(tables.query_model),
       posed_(&model_),
-      exact_(tables),
+      exact_(tables, clearance),
       centers_W_(tables.body_spheres.size()) {
   near_.reserve(64);
 }

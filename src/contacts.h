@@ -29,7 +29,8 @@ struct NearPair {
 // One per thread. Counts its queries.
 class ContactFinder {
  public:
-  explicit ContactFinder(const SceneTables& tables);
+  // `clearance`: how far apart pairs shall be [m] (ExactContacts).
+  explicit ContactFinder(const SceneTables& tables, double clearance = 0.0);
 
   void SetMocap(const MocapPoses& poses) { posed_.SetMocap(poses); }
   void Pose(const VectorXd& q) { posed_.Pose(q); }

@@ -17,12 +17,12 @@ SignedGap Unmeasured(SignedGap gap) {
 }
 
 // Appends the overlaps and what is wanted of the features that are apart; warm is renewed.
-void AskSolids(const SolidPair& pair, double margin, ExactQuery query, NearestTriangles& warm,
-               std::vector<SignedGap>& out) {
+void AskSolids(const SolidPair& pair, double margin, ExactQuery query, bool rough,
+               NearestTriangles& warm, std::vector<SignedGap>& out) {
   const bool nearest_alone = query == ExactQuery::kNearest;
   const double cutoff = std::max(margin, SolidPair::kTouching);
   const NearestTriangles near =
-      nearest_alone ? pair.Nearest(cutoff, &warm) : pair.RoughlyNearest(cutoff, &warm);
+      rough && !nearest_alone ? pair.RoughlyNearest(cutoff, &warm) : pair.Nearest(cutoff, &warm);
   if (near.a >= 0) warm = near;
   const bool crossing = near.a >= 0 && near.distance < SolidPair::kTouching;
   if (crossing || Contained(pair)) {
@@ -72,7 +72,7 @@ void ExactContacts::Ask(const PosedModel& posed, int pair, double margin, ExactQ
   const std::size_t begin = out.size();
   const bool both_solid = tables_.solids[g1] != nullptr;
   if (both_solid) {
-    AskSolids({*tables_.solids[g1], *tables_.solids[g2], second_in_first}, reach, query,
+    AskSolids({*tables_.solids[g1], *tables_.solids[g2], second_in_first}, reach, query, rough_,
               warm_[pair], out);
   } else {  // MuJoCo's order: the mesh comes last
     const ConvexField field{m.geom_type[g1], kTreeUnits * AsVector(m.geom_size + 3 * g1)};

@@ -25,7 +25,10 @@ enum class ExactQuery {
 // One per thread: it remembers the nearest triangles of every pair, as a start for the next query.
 class ExactContacts {
  public:
-  explicit ExactContacts(const SceneTables& tables) : tables_(tables), warm_(tables.pairs.size()) {}
+  // With a clearance, features begin with the nearest of all: whether meshes are far enough from
+  // each other hangs on it. Without, one that is 1.25 times as far will do.
+  ExactContacts(const SceneTables& tables, double clearance)
+      : tables_(tables), rough_(clearance == 0.0), warm_(tables.pairs.size()) {}
 
   // Forgets the nearest triangles. Which of equally near ones Distance finds, and which of those
   // nearer than 1.25 times the distance Features begins with, may depend on them.
@@ -49,6 +52,7 @@ class ExactContacts {
            std::vector<SignedGap>& out);
 
   const SceneTables& tables_;
+  const bool rough_;                    // Features may begin with one that is not quite the nearest
   std::vector<NearestTriangles> warm_;  // per pair; of a primitive only b counts
   std::vector<SignedGap> scratch_;
 };

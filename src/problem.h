@@ -29,7 +29,7 @@ struct Problem {
         options(user_options),
         tolerances(user_options.tolerance),
         norm(scene_tables, user_options.metric),
-        finder(scene_tables) {}
+        finder(scene_tables, user_options.clearance) {}
 
   const SceneTables& tables;
   const Options& options;

@@ -153,6 +153,27 @@ TEST_F(ExactMeshSolveTest, ABallInsideASolidComesOutAndOneInACupStays) {
 }
 
 // Whatever a solver did before: rows may be shared out among threads in any way.
+// A box in a cup that leaves it little more.
+TEST_F(ExactMeshSolveTest, ClearancesAreKeptExactly) {
+  Random rng(83);
+  Options options;
+  options.clearance = 6e-3;
+  const Scene scene =
+      test::MeshScene(test::Cup(0.05, 0.1, 0.004, 32), "type='box' size='.02 .03 .02'");
+  int solved = 0;
+  for (int k = 0; k < 40; ++k) {
+    const std::vector<double> q = FreePose(Vector3d(0, 0, 0.05) + rng.InBox(0.02), rng.UnitQuat());
+    for (const Effort effort : {Effort::kFast, Effort::kDefault}) {
+      options.effort = effort;
+      const Result result = Solver(scene, options).Solve(q);
+      EXPECT_NE(result.status, Status::kUnsolved) << k << ": " << result.reason;
+      EXPECT_GE(result.min_distance, options.clearance - options.tolerance);
+      solved += result.status == Status::kSolved;
+    }
+  }
+  EXPECT_GT(solved, 60);
+}
+
 TEST_F(ExactMeshSolveTest, TheSameInputGivesTheSameBits) {
   Random rng(29);
   const Scene scene =
