@@ -130,7 +130,11 @@ Rows ParseNpy(std::string_view bytes, const std::string& what) {
   if (width == 0) throw Error(what + ": the rows are empty");
   Rows result(rows, std::vector<double>(width));
   const char* data = bytes.data() + header.data_begin;
-  size == sizeof(double) ? CopyRows<double>(data, result) : CopyRows<float>(data, result);
+  if (size == sizeof(double)) {
+    CopyRows<double>(data, result);
+  } else {
+    CopyRows<float>(data, result);
+  }
   return result;
 }
 

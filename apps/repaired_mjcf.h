@@ -1,4 +1,5 @@
-// The scene as MJCF again, with a keyframe NAME_pdg for every configuration that is or became free.
+// The scene as MJCF again, with a keyframe NAME_pdg for every configuration that is or became free
+// (NAME_pdg_2 and so on for a keyframe that is asked for again).
 #ifndef MJCF_PDG_APPS_REPAIRED_MJCF_H_
 #define MJCF_PDG_APPS_REPAIRED_MJCF_H_
 

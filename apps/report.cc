@@ -13,8 +13,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMillimetres = 1e3;
-
 const char* StatusName(Status status) {
   switch (status) {
     case Status::kAlreadyFree:

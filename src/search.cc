@@ -46,7 +46,7 @@ constexpr double kFewBodies = 8.0, kLargestCrowd = 2.0;  // of those that overla
 constexpr Hop kHops[] = {Hop::kFromBest, Hop::kFromInput, Hop::kMirrored};
 
 // σ of an answer ten times as far as the meshes are deep in each other [m²].
-double Suspicious(double depth) { return 100.0 * depth * depth; }
+double SuspiciousSigma(double depth) { return 100.0 * depth * depth; }
 
 LocalOptions Coarse() {
   LocalOptions options;
@@ -219,7 +219,7 @@ bool Search::Follows(const Plan& plan) {
     const double least = searched_->rms - std::sqrt(problem_.norm.Sigma(searched_->q_in));
     near = std::sqrt(BestSigma()) < kDragged * least;
   }
-  frames_followed_ = near ? frames_followed_ + 1 : 0;
+  if (near) ++frames_followed_;
   return near;
 }
 
@@ -293,7 +293,7 @@ void Search::TryExact(const Plan& plan, const std::vector<NearPair>& overlaps) {
   if (!problem_.Uses(kDirect) || (found && Done(plan))) return;
   double depth = 0.0;
   for (const NearPair& near : overlaps) depth = std::max(depth, -near.distance);
-  if (BestSigma() > Suspicious(depth)) {
+  if (BestSigma() > SuspiciousSigma(depth)) {
     TryFromWithin(depth);
   } else if (!found || !rigid) {
     Try(center_, kDirect, Coarse());
@@ -307,7 +307,8 @@ void Search::TryFromWithin(double depth) {
   patient.max_iterations = kPatientSteps;
   patient.depths = Depths::kSearched;
   patient.largest_step = depth;
-  for (int k = 0; k < kWaysOut && BestSigma() > Suspicious(depth) && !problem_.Expired(); ++k) {
+  for (int k = 0; k < kWaysOut && BestSigma() > SuspiciousSigma(depth) && !problem_.Expired();
+       ++k) {
     const VectorXd q =
         k == 0 ? center_ : GaussianStart(problem_, center_, depth * depth, kNudge, random_);
     if (!Try(q, kDirect, patient)) return;

@@ -200,17 +200,18 @@ VectorXd ContactHop(Problem& problem, const VectorXd& best, double sigma, Hop ho
   const double spread = kHopSpreads[random.Bits() % std::size(kHopSpreads)];
   const VectorXd steps = DofSteps(problem, problem.q_in, spread * std::sqrt(sigma / tables.n));
   const double share = random.Uniform() < 0.5 ? 0.5 : 1.0;
-  VectorXd dq, out, change = VectorXd::Zero(tables.n);
+  VectorXd dq, out;
   Difference(tables, problem.q_in, best, dq);
+  VectorXd hopped = dq;
   for (int i = 0; i < tables.n; ++i) {
     if (!between[i] || random.Uniform() >= share) continue;
     const double noise = random.Normal() * steps[i];
-    change[i] = hop == Hop::kFromBest    ? noise
-                : hop == Hop::kFromInput ? noise - dq[i]
-                                         : -2.0 * dq[i];
+    hopped[i] = hop == Hop::kFromBest ? dq[i] + noise : hop == Hop::kFromInput ? noise : -dq[i];
   }
-  ShortenTurns(tables, change);
-  Integrate(tables, problem.q_in, dq + change, out);
+  VectorXd shortened = hopped;
+  ShortenTurns(tables, shortened);
+  const VectorXd tangent = (hopped.array() == dq.array()).select(dq, shortened);
+  Integrate(tables, problem.q_in, tangent, out);
   ClampToLimits(tables, out);
   return out;
 }

@@ -51,7 +51,8 @@ class SolidPair {
   // of the smaller mesh's radius; a patch is half of it wide, but a quarter of that radius at
   // least. Only points whose direction is locally that of a face, or which are nearest to each
   // other, bound the motion: others are left out. Nearest first, similar ones merged, at most
-  // kMaxFeatures. n points from a to b. `first` is the result of RoughlyNearest(margin).
+  // kMaxFeatures. n points from a to b. `first` is the result of Nearest(margin) or
+  // RoughlyNearest(margin).
   void Features(double margin, const NearestTriangles& first, std::vector<SignedGap>& out) const;
 
   NearestTriangles OfTriangles(int a, int b) const;

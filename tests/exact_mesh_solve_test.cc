@@ -152,7 +152,6 @@ TEST_F(ExactMeshSolveTest, ABallInsideASolidComesOutAndOneInACupStays) {
   EXPECT_NEAR(result.q[2], 0.05, 1e-5);
 }
 
-// Whatever a solver did before: rows may be shared out among threads in any way.
 // A box in a cup that leaves it little more.
 TEST_F(ExactMeshSolveTest, ClearancesAreKeptExactly) {
   Random rng(83);
@@ -174,6 +173,7 @@ TEST_F(ExactMeshSolveTest, ClearancesAreKeptExactly) {
   EXPECT_GT(solved, 60);
 }
 
+// Whatever a solver did before: rows may be shared out among threads in any way.
 TEST_F(ExactMeshSolveTest, TheSameInputGivesTheSameBits) {
   Random rng(29);
   const Scene scene =

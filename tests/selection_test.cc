@@ -291,21 +291,32 @@ struct Hopper : Selector {
   VectorXd to_best;  // best ⊖ q_in
 };
 
-// A wrist may have turned by more than half a turn.
+// A wrist may have turned by more than half a turn; what hops, turns back by twice as much as it
+// has.
 TEST_F(SelectionTest, AHopLeavesFarTurnsOfOtherJointsAlone) {
   Selector p(World(R"(<geom type="box" size=".1 .1 .1"/>
-      <body pos=".15 0 0"><joint type="slide" axis="1 0 0"/><geom size=".06"/></body>
+      <body pos=".15 0 0"><joint type="slide" axis="1 0 0"/><joint axis="1 0 0"/>
+        <geom size=".06"/></body>
       <body pos="2 0 0"><joint axis="0 0 1"/><geom size=".1"/></body>)"));
   p.problem.required.setZero(static_cast<Eigen::Index>(p.scene.tables().pairs.size()));
-  p.problem.q_in[1] = -3.0;
+  p.problem.q_in[2] = -3.0;
   p.problem.norm.SetReference(p.problem.q_in);
   VectorXd best = p.problem.q_in;
   best[0] = 0.01;
-  best[1] = 2.5;
+  best[1] = 2.0;
+  best[2] = 2.5;
   mjcf_pdg::Random noise(3);
+  int mirrored = 0;
   for (const Hop hop : kAllHops) {
-    EXPECT_NEAR(ContactHop(p.problem, best, 0.01, hop, noise)[1], 2.5, 1e-12);
+    for (int k = 0; k < 20; ++k) {
+      const VectorXd q = ContactHop(p.problem, best, 0.01, hop, noise);
+      EXPECT_NEAR(q[2], 2.5, 1e-12);
+      if (hop != Hop::kMirrored) continue;
+      EXPECT_NEAR(std::abs(q[1]), 2.0, 1e-12);
+      mirrored += q[1] < 0.0;
+    }
   }
+  EXPECT_GT(mirrored, 5);
 }
 
 TEST_F(SelectionTest, AHopMovesNothingButTheJointsBetweenTheBodiesOfOneContact) {

@@ -339,6 +339,7 @@ TEST_F(SolverTest, BadInputThrowsAndTheSolverGoesOn) {
   EXPECT_THROW(with_obstacle.SetMocap({0, 0}, {}), Error);
   EXPECT_THROW(with_obstacle.SetMocap({0, 0, nan}, {}), Error);
   EXPECT_THROW(with_obstacle.SetMocap({}, {1, 0, 0, inf}), Error);
+  EXPECT_THROW(with_obstacle.SetMocap({}, {0, 0, 0, 0}), Error);
 }
 
 // ---- The same again ----
