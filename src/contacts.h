@@ -10,6 +10,7 @@
 #ifndef MJCF_PDG_SRC_CONTACTS_H_
 #define MJCF_PDG_SRC_CONTACTS_H_
 
+#include <cstdint>
 #include <vector>
 
 #include "exact_contacts.h"
@@ -52,9 +53,10 @@ class ContactFinder {
   // A lower bound of the pair's distance from bounding volumes alone; -inf if nothing is known.
   double DistanceBound(int pair) const;
 
-  int queries() const { return queries_; }
+  std::int64_t queries() const { return queries_; }
   // Pair distances asked of MuJoCo or of our own tests; those of exact pairs do not count.
-  int distances() const { return distances_; }
+  std::int64_t distances() const { return distances_; }
+  std::int64_t box_tests() const { return exact_.box_tests(); }
 
  private:
   bool BoundsNear(const KeptPair& kept, double margin) const;
@@ -71,7 +73,7 @@ class ContactFinder {
   std::vector<SignedGap> features_;
   std::vector<NearPair> near_;
   std::vector<Vector3d> centers_W_;  // of body_spheres
-  int queries_ = 0, distances_ = 0;
+  std::int64_t queries_ = 0, distances_ = 0;
 };
 
 }  // namespace mjcf_pdg

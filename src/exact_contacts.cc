@@ -72,8 +72,9 @@ void ExactContacts::Ask(const PosedModel& posed, int pair, double margin, ExactQ
   const std::size_t begin = out.size();
   const bool both_solid = tables_.solids[g1] != nullptr;
   if (both_solid) {
-    AskSolids({*tables_.solids[g1], *tables_.solids[g2], second_in_first}, reach, query, rough_,
-              warm_[pair], out);
+    const SolidPair solids(*tables_.solids[g1], *tables_.solids[g2], second_in_first);
+    AskSolids(solids, reach, query, rough_, warm_[pair], out);
+    box_tests_ += solids.box_tests();
   } else {  // MuJoCo's order: the mesh comes last
     const ConvexField field{m.geom_type[g1], kTreeUnits * AsVector(m.geom_size + 3 * g1)};
     AskField({field, *tables_.solids[g2], second_in_first}, reach, query, warm_[pair].b, out);

@@ -6,6 +6,7 @@
 #ifndef MJCF_PDG_SRC_EXACT_CONTACTS_H_
 #define MJCF_PDG_SRC_EXACT_CONTACTS_H_
 
+#include <cstdint>
 #include <vector>
 
 #include "kinematics.h"
@@ -47,6 +48,9 @@ class ExactContacts {
   void Features(const PosedModel& posed, int pair, double margin, Depths depths,
                 std::vector<SignedGap>& out);
 
+  // Of pairs of triangle meshes, so far (solid_pair.h).
+  std::int64_t box_tests() const { return box_tests_; }
+
  private:
   void Ask(const PosedModel& posed, int pair, double margin, ExactQuery query,
            std::vector<SignedGap>& out);
@@ -55,6 +59,7 @@ class ExactContacts {
   const bool rough_;                    // Features may begin with one that is not quite the nearest
   std::vector<NearestTriangles> warm_;  // per pair; of a primitive only b counts
   std::vector<SignedGap> scratch_;
+  std::int64_t box_tests_ = 0;
 };
 
 }  // namespace mjcf_pdg

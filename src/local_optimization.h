@@ -12,6 +12,7 @@
 #ifndef MJCF_PDG_SRC_LOCAL_OPTIMIZATION_H_
 #define MJCF_PDG_SRC_LOCAL_OPTIMIZATION_H_
 
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -54,7 +55,7 @@ class LocalOptimization {
   // From `q` moved inside its limits; overlaps may be deep. Bounded by options.max_iterations.
   LocalResult Run(const VectorXd& q, const LocalOptions& options);
 
-  int lcp_steps() const { return lcp_steps_; }
+  std::int64_t lcp_steps() const { return lcp_steps_; }
 
  private:
   struct Cost {
@@ -110,7 +111,7 @@ class LocalOptimization {
   ContactRows rows_;
   int contact_rows_ = 0;  // the first of them; the others are joint limits
   ActiveSetLcp lcp_;
-  int lcp_steps_ = 0;
+  std::int64_t lcp_steps_ = 0;
   double scale_ = 1.0;  // of lengths in large scenes
   double mu_ = 0.0;
   double merit_price_ = 0.0;     // [m]

@@ -43,13 +43,13 @@ class PaperMethod {
   // Of the configurations remembered as free the nearest to q_in.
   std::optional<FreeConfiguration> Recall();
 
-  int sweeps() const { return sweeps_; }  // of Gauss-Seidel, all runs together
+  std::int64_t sweeps() const { return sweeps_; }  // of Gauss-Seidel, all runs together
 
  private:
   FreeConfigurationSelection selection_;
   ContactSpaceIteration iteration_;
   Problem& problem_;
-  int sweeps_ = 0;
+  std::int64_t sweeps_ = 0;
 };
 
 }  // namespace mjcf_pdg

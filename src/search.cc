@@ -14,6 +14,7 @@ struct Search::Plan {
   int agree_least = 3, agree_most = 6;
   int agree = agree_most;      // until Run knows better
   int queries = 600;           // collision queries after which no further start is made
+  double box_tests = 70e3;     // ... and of triangle meshes, unless the answer is very far
   double evaluations = 700.0;  // ... and estimated time since something was free [evaluations]
   bool follows = true;         // exact meshes: a frame may trust the last one's answer
   int blind = 20;              // noisy starts while nothing is free, then as many anywhere
@@ -32,6 +33,8 @@ constexpr double kWorthARun = 5.0;   // σ over the best, where a varied start c
 constexpr double kDragged = 1.4;     // √σ over its least possible, up to which frames follow
 constexpr int kFramesFollowed = 5;   // ... and so many in a row
 constexpr double kFarthest = 4.0;    // times the distance of a start: where its ray ends
+// Answers so many times as far as meshes are deep in each other: there may well be a nearer one.
+constexpr double kFar = 2.5, kVeryFar = 10.0;
 // Patient tries to come out of overlapping meshes the short way, at such noise [depth].
 constexpr int kWaysOut = 5, kPatientSteps = 120;
 constexpr double kNudge = 0.2;
@@ -44,9 +47,6 @@ constexpr double kPerQuery = 0.3, kPerDistance = 0.8;
 constexpr int kFewDistances = 4;
 constexpr double kFewBodies = 8.0, kLargestCrowd = 2.0;  // of those that overlap
 constexpr Hop kHops[] = {Hop::kFromBest, Hop::kFromInput, Hop::kMirrored};
-
-// σ of an answer ten times as far as the meshes are deep in each other [m²].
-double SuspiciousSigma(double depth) { return 100.0 * depth * depth; }
 
 LocalOptions Coarse() {
   LocalOptions options;
@@ -90,6 +90,7 @@ Search::Plan Search::PlanFor(Effort effort) {
               .agree_least = 8,
               .agree_most = 12,
               .queries = 3000,
+              .box_tests = kInfinity,
               .evaluations = kInfinity,
               .follows = false,
               .blind = 80};
@@ -100,14 +101,19 @@ Search::Plan Search::PlanFor(Effort effort) {
 double Search::BestSigma() const { return HasFree() ? outcome_.free.front().sigma : kInfinity; }
 
 bool Search::Done(const Plan& plan) const {
-  return HasFree() && (outcome_.agreeing >= plan.agree ||
-                       problem_.finder.queries() - first_query_ >= plan.queries ||
-                       Evaluations() >= plan.evaluations);
+  if (!HasFree()) return false;
+  if (outcome_.agreeing >= plan.agree || Evaluations() >= plan.evaluations) return true;
+  const std::int64_t queries = problem_.finder.queries() - first_query_;
+  if (!exact_) return queries >= plan.queries;
+  // Most of them only ask whether a configuration is free, the others cost more.
+  if (Exceeds(kVeryFar)) return queries >= 4 * plan.queries;
+  return queries >= 2 * plan.queries ||
+         static_cast<double>(problem_.finder.box_tests() - first_box_test_) >= plan.box_tests;
 }
 
 double Search::Evaluations() const {
-  const double queries = problem_.finder.queries() - free_query_;
-  const double distances = problem_.finder.distances() - free_distance_;
+  const auto queries = static_cast<double>(problem_.finder.queries() - free_query_);
+  const auto distances = static_cast<double>(problem_.finder.distances() - free_distance_);
   return kPerQuery * queries +
          kPerDistance * distances / std::max(kFewDistances, problem_.input_distances);
 }
@@ -291,10 +297,8 @@ void Search::TryExact(const Plan& plan, const std::vector<NearPair>& overlaps) {
   if (problem_.Uses(kTranslation)) TryRays(overlaps);
   const bool found = outcome_.free.size() > hinted;
   if (!problem_.Uses(kDirect) || (found && Done(plan))) return;
-  double depth = 0.0;
-  for (const NearPair& near : overlaps) depth = std::max(depth, -near.distance);
-  if (BestSigma() > SuspiciousSigma(depth)) {
-    TryFromWithin(depth);
+  if (Exceeds(kFar)) {
+    TryFromWithin();
   } else if (!found || !rigid) {
     Try(center_, kDirect, Coarse());
   }
@@ -302,15 +306,14 @@ void Search::TryExact(const Plan& plan, const std::vector<NearPair>& overlaps) {
 
 // A nut leaves its bolt along the axis only. Its own contacts lead it out, if all of them are seen
 // and no step is longer than the overlap. A try that leads to nothing better is given up early.
-void Search::TryFromWithin(double depth) {
+void Search::TryFromWithin() {
   LocalOptions patient = Coarse();
   patient.max_iterations = kPatientSteps;
   patient.depths = Depths::kSearched;
-  patient.largest_step = depth;
-  for (int k = 0; k < kWaysOut && BestSigma() > SuspiciousSigma(depth) && !problem_.Expired();
-       ++k) {
+  patient.largest_step = depth_;
+  for (int k = 0; k < kWaysOut && Exceeds(k == 0 ? kFar : kVeryFar) && !problem_.Expired(); ++k) {
     const VectorXd q =
-        k == 0 ? center_ : GaussianStart(problem_, center_, depth * depth, kNudge, random_);
+        k == 0 ? center_ : GaussianStart(problem_, center_, depth_ * depth_, kNudge, random_);
     if (!Try(q, kDirect, patient)) return;
   }
 }
@@ -320,6 +323,9 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
   outcome_ = {};
   random_ = Random(problem_.options.seed);
   first_query_ = problem_.finder.queries();
+  first_box_test_ = problem_.finder.box_tests();
+  depth_ = 0.0;
+  for (const NearPair& near : overlaps) depth_ = std::max(depth_, -near.distance);
   Plan plan = PlanFor(problem_.options.effort);
   center_ = problem_.q_in;
   TurnInsideLimits(problem_.tables, center_);
@@ -327,7 +333,6 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
     return problem_.tables.pairs[near.pair].exact;
   });
   if (exact_) {
-    plan.queries *= 2;  // most only ask whether a configuration is free, the others cost more
     plan.evaluations = kInfinity;
     LocalOptions near = Coarse();
     near.last_chances = kHintChances;

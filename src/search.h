@@ -9,6 +9,7 @@
 #ifndef MJCF_PDG_SRC_SEARCH_H_
 #define MJCF_PDG_SRC_SEARCH_H_
 
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
@@ -52,7 +53,7 @@ class Search {
   // A last descent from a candidate to full precision.
   LocalResult Polish(const VectorXd& q);
 
-  int lcp_steps() const { return local_.lcp_steps(); }
+  std::int64_t lcp_steps() const { return local_.lcp_steps(); }
 
  private:
   struct Plan;
@@ -63,7 +64,7 @@ class Search {
   void Count(const LocalResult& result, const std::string& start);
   void TryFreePose(const VectorXd& q_f, const std::string& start);
   void TryTranslations(const std::vector<NearPair>& overlaps);
-  void TryFromWithin(double depth);
+  void TryFromWithin();
   void TryExact(const Plan& plan, const std::vector<NearPair>& overlaps);
   void TryRays(const std::vector<NearPair>& overlaps);
   bool Follows(const Plan& plan);
@@ -77,6 +78,8 @@ class Search {
   // Time since the first free answer, estimated from counts so that answers repeat [evaluations].
   double Evaluations() const;
   bool Done(const Plan& plan) const;
+  // The best answer is farther than so many times the deepest overlap, or none is free.
+  bool Exceeds(double depths) const { return BestSigma() > depths * depths * depth_ * depth_; }
   // By how many starts more than one those should agree that part so many bodies.
   double StartsForManyBodies(const std::vector<NearPair>& overlaps) const;
   // Deepest overlap in units of the thinner geom's half-thickness.
@@ -88,10 +91,11 @@ class Search {
   PairByPair parting_;
   Random random_;
   SearchOutcome outcome_;
-  int first_query_ = 0;                     // the finder's count when the search began
-  int free_query_ = 0, free_distance_ = 0;  // ... and when the first answer was free
-  VectorXd center_;                         // q_in inside its limits
-  bool exact_ = false;                      // some exact mesh overlaps
+  std::int64_t first_query_ = 0, first_box_test_ = 0;  // the finder's counts as the search begins
+  std::int64_t free_query_ = 0, free_distance_ = 0;    // ... and as the first answer is free
+  VectorXd center_;                                    // q_in inside its limits
+  bool exact_ = false;                                 // some exact mesh overlaps
+  double depth_ = 0.0;                                 // the deepest overlap at q_in [m]
   // The last frame that was searched and solved.
   struct Searched {
     VectorXd q_in;

@@ -57,6 +57,7 @@ SolidPair::SolidPair(const Solid& a, const Solid& b, const RelativePose& b_in_a)
 
 // Which children of one of the boxes may be nearer than `cutoff` to the other.
 BoundedBoxes SolidPair::ChildrenNear(Boxes boxes, bool of_a, double cutoff) const {
+  ++box_tests_;
   const float below = static_cast<float>(cutoff);
   if (of_a) {
     OrientedBox other = b_.tree().BoxOf(boxes.b);

@@ -5,6 +5,7 @@
 #ifndef MJCF_PDG_SRC_SOLID_PAIR_H_
 #define MJCF_PDG_SRC_SOLID_PAIR_H_
 
+#include <cstdint>
 #include <vector>
 
 #include "signed_gap.h"
@@ -56,6 +57,8 @@ class SolidPair {
   void Features(double margin, const NearestTriangles& first, std::vector<SignedGap>& out) const;
 
   NearestTriangles OfTriangles(int a, int b) const;
+  // Boxes whose children were compared with another so far: the work, whatever the machine.
+  std::int64_t box_tests() const { return box_tests_; }
   // Unit, from a to b, for near.distance > 0.
   Vector3d Normal(const NearestTriangles& near) const;
 
@@ -89,6 +92,7 @@ class SolidPair {
   RelativePose pose_;
   Matrix4f b_in_a_, a_in_b_;  // the same, rounded
   float rounding_;            // of bounds
+  mutable std::int64_t box_tests_ = 0;
 };
 
 }  // namespace mjcf_pdg

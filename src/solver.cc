@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <utility>
 
@@ -120,14 +121,14 @@ void Solver::Impl::SetUp(const std::vector<double>& q_in) {
 
 std::vector<NearPair> Solver::Impl::Overlaps() {
   std::vector<NearPair> overlaps;
-  const int before = problem.finder.distances();
+  const std::int64_t before = problem.finder.distances();
   problem.finder.Pose(problem.q_in);
   for (const NearPair& near : problem.finder.Find(options.clearance + options.tolerance)) {
     // What cannot be mended counts only if it cannot be accepted either.
     const double accepted = scene.tables().pairs[near.pair].moves ? 0.0 : options.tolerance;
     if (near.distance < problem.required[near.pair] - accepted) overlaps.push_back(near);
   }
-  problem.input_distances = problem.finder.distances() - before;
+  problem.input_distances = static_cast<int>(problem.finder.distances() - before);
   return overlaps;
 }
 
@@ -343,8 +344,8 @@ Result Solver::Solve(const std::vector<double>& q_in,
     const auto limit = std::chrono::duration<double>(impl_->options.time_limit);
     problem.deadline = begin + std::chrono::duration_cast<Clock::duration>(limit);
   }
-  const int queries_before = problem.finder.queries() + impl_->verifier.queries();
-  const int lcp_before = impl_->search.lcp_steps() + impl_->paper.sweeps();
+  const std::int64_t queries_before = problem.finder.queries() + impl_->verifier.queries();
+  const std::int64_t lcp_before = impl_->search.lcp_steps() + impl_->paper.sweeps();
 
   Result result;
   const Verdict& at_start = impl_->verifier.Check(q_in, &q_in, Depths::kSkipped);
@@ -367,8 +368,9 @@ Result Solver::Solve(const std::vector<double>& q_in,
   if (result.status == Status::kAlreadyFree) result.depth_in = result.min_distance;
   if (impl_->options.trajectory) impl_->Remember(result);
   result.stats.collision_queries =
-      problem.finder.queries() + impl_->verifier.queries() - queries_before;
-  result.stats.lcp_sweeps = impl_->search.lcp_steps() + impl_->paper.sweeps() - lcp_before;
+      static_cast<int>(problem.finder.queries() + impl_->verifier.queries() - queries_before);
+  result.stats.lcp_sweeps =
+      static_cast<int>(impl_->search.lcp_steps() + impl_->paper.sweeps() - lcp_before);
   result.stats.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   return result;
 }

@@ -42,7 +42,7 @@ class Verifier {
   const Verdict& Check(const std::vector<double>& q, const std::vector<double>* q_in = nullptr,
                        Depths depths = Depths::kMeasured);
 
-  int queries() const { return queries_; }  // configurations asked about so far
+  std::int64_t queries() const { return queries_; }  // configurations asked about so far
 
   // Of a pair that the last Check let keep its overlap, that overlap, negative [m]; 0 of others.
   double DepthAtRest(int pair) const;
@@ -89,7 +89,7 @@ class Verifier {
   std::vector<Finding> findings_;
   std::vector<std::string> limit_reasons_;
   bool arena_full_ = false;
-  int queries_ = 0;
+  std::int64_t queries_ = 0;
   Verdict verdict_;
 };
 

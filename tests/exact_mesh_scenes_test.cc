@@ -198,6 +198,48 @@ TEST_F(ExactMeshScenesTest, ATiltedNutStaysOnItsBolt) {
   EXPECT_GE(stays, 8);
 }
 
+// ---- A splined shaft in its bore ----
+
+// Below radius 0.02 the solid of revolution is wavy: five teeth about z.
+MeshShape Splined(const std::vector<Eigen::Vector2d>& profile) {
+  MeshShape shape = Revolution(profile, 50);
+  for (Vector3d& p : shape.vertices) {
+    if (p.head<2>().norm() > 0.02) continue;
+    p.head<2>() *= 1.0 + 0.3 * std::cos(5.0 * std::atan2(p.y(), p.x()));
+  }
+  return shape;
+}
+
+// Half a millimetre of play; straight ways lead out along the axis alone, many times as far.
+TEST_F(ExactMeshScenesTest, AShaftStaysInItsBore) {
+  const MeshShape shaft = Splined({{0.004, -0.01}, {0.01, -0.01}, {0.01, 0.01}, {0.004, 0.01}});
+  const MeshShape bore =
+      Splined({{0.0105, -0.005}, {0.03, -0.005}, {0.03, 0.005}, {0.0105, 0.005}});
+  const Scene scene = Scene::FromString(
+      "<mujoco><asset>" + MeshXml("shaft", shaft) + MeshXml("bore", bore, "inertia='exact'") +
+          "</asset><worldbody><geom type='mesh' mesh='bore'/><body><freejoint/>"
+          "<geom type='mesh' mesh='shaft'/></body></worldbody></mujoco>",
+      Exact());
+  const std::vector<double> home = FreePose(Vector3d::Zero());
+  ASSERT_TRUE(FreeByBoth(scene, home));
+  Random rng(5);
+  int overlapping = 0;
+  for (int i = 0; i < 12; ++i) {
+    const Vector3d shift = 8e-4 * rng.Normals(3);
+    const std::vector<double> q =
+        FreePose(shift, Quaterniond(Eigen::AngleAxisd(0.08, rng.UnitVector())));
+    Options options;
+    options.seed = i;
+    const Result result = Solver(scene, options).Solve(q);
+    if (result.status == Status::kAlreadyFree) continue;
+    ++overlapping;
+    ASSERT_EQ(result.status, Status::kSolved) << i << ": " << result.reason;
+    EXPECT_TRUE(FreeByBoth(scene, result.q)) << i;
+    EXPECT_LE(result.sigma, ObjectNorm(scene, Metric::kSequential, q).Sigma(home)) << i;
+  }
+  EXPECT_GE(overlapping, 10);
+}
+
 // The hint overlaps by 6e-8 m, which the verifier accepts.
 TEST_F(ExactMeshScenesTest, NoAnswerIsWorseThanAFreeHint) {
   const Scene scene = Scene::FromFile(MJCF_PDG_MODEL_DIR "/rigid/nut_on_bolt.xml", Exact());
