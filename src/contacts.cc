@@ -65,7 +65,7 @@ const std::vector<NearPair>& ContactFinder::Find(double margin, Depths depths) {
   for (const BodyPair& bodies : tables_.body_pairs) {
     if (!BodiesNear(bodies, margin)) continue;
     for (int pair = bodies.begin; pair < bodies.end; ++pair) {
-      if (DistanceBound(pair) > margin) continue;
+      if (!SpheresNear(tables_.pairs[pair], margin)) continue;
       const KeptPair& kept = tables_.pairs[pair];
       if (!kept.exact) {
         if (Distance(pair, margin, near)) near_.push_back(near);
@@ -107,6 +107,18 @@ double ContactFinder::DistanceBound(int pair) const {
          m.geom_rbound[g1] - m.geom_rbound[g2];
 }
 
+// As DistanceBound(pair) <= margin, without its root.
+bool ContactFinder::SpheresNear(const KeptPair& kept, double margin) const {
+  const mjModel& m = model_;
+  const mjData& d = *posed_.data();
+  const int g1 = kept.geom1, g2 = kept.geom2;
+  if (m.geom_type[g1] == mjGEOM_PLANE) return SphereAbovePlane(m, d, g1, g2) <= margin;
+  if (m.geom_rbound[g1] <= 0.0 || m.geom_rbound[g2] <= 0.0) return true;
+  const double reach = m.geom_rbound[g1] + m.geom_rbound[g2] + margin;
+  return (AsVector(d.geom_xpos + 3 * g1) - AsVector(d.geom_xpos + 3 * g2)).squaredNorm() <=
+         reach * reach;
+}
+
 // Separating-axis test on the geoms' oriented boxes, face normals only.
 bool ContactFinder::BoxesNear(int geom1, int geom2, double margin) const {
   const mjModel& m = model_;
@@ -120,9 +132,10 @@ bool ContactFinder::BoxesNear(int geom1, int geom2, double margin) const {
   const Matrix3d overlap = (R1.transpose() * R2).cwiseAbs();
   const Eigen::Array3d gap1 =
       (R1.transpose() * t).cwiseAbs().array() - half1.array() - (overlap * half2).array();
+  if (gap1.maxCoeff() > margin) return false;
   const Eigen::Array3d gap2 = (R2.transpose() * t).cwiseAbs().array() - half2.array() -
                               (overlap.transpose() * half1).array();
-  return gap1.maxCoeff() <= margin && gap2.maxCoeff() <= margin;
+  return gap2.maxCoeff() <= margin;
 }
 
 bool ContactFinder::BoundsNear(const KeptPair& kept, double margin) const {

@@ -70,12 +70,17 @@ void ActiveSetLcp::UpdateSlack(const ConstMatrix& G, const VectorXd& b, const Ve
 }
 
 // By its distance in z; -1 if no row is beyond `tolerance`.
-int ActiveSetLcp::MostViolated(double tolerance) {
-  if (side_.size() == 0) return -1;
-  violation_ = side_ * slack_.array();
-  violation_ = (violation_ > tolerance).select(violation_ * inverse_norms_, 0.0);
-  Eigen::Index worst = 0;
-  return violation_.maxCoeff(&worst) > 0.0 ? static_cast<int>(worst) : -1;
+int ActiveSetLcp::MostViolated(double tolerance) const {
+  int worst = -1;
+  double farthest = 0.0;
+  for (int i = 0; i < static_cast<int>(side_.size()); ++i) {
+    const double violation = side_[i] * slack_[i];
+    if (violation > tolerance && violation * inverse_norms_[i] > farthest) {
+      farthest = violation * inverse_norms_[i];
+      worst = i;
+    }
+  }
+  return worst;
 }
 
 // `row`, just solved for by SolveFree, becomes the last of the free rows.

@@ -50,7 +50,7 @@ class ActiveSetLcp {
   using ConstMatrix = Eigen::Ref<const Eigen::MatrixXd>;
 
   void UpdateSlack(const ConstMatrix& G, const Eigen::VectorXd& b, const Eigen::VectorXd& lambda);
-  int MostViolated(double tolerance);
+  int MostViolated(double tolerance) const;
   void Enter(const ConstMatrix& G, const Eigen::VectorXd& mu, int row, Eigen::VectorXd& lambda);
   void AddFree(int row);
   void RemoveFree(int k);
@@ -61,7 +61,7 @@ class ActiveSetLcp {
   Eigen::ArrayXd side_;    // kLow, kFree or kHigh of each row
   std::vector<int> free_;  // rows strictly between their bounds
   Eigen::ArrayXd norms_;   // of G's columns
-  Eigen::ArrayXd inverse_norms_, violation_;
+  Eigen::ArrayXd inverse_norms_;
   Eigen::VectorXd slack_;  // b - GᵀG λ: positive where a constraint is violated
   Eigen::VectorXd x_;      // G λ
   // L with L Lᵀ = G_FᵀG_F of the free rows F, row by row.
