@@ -14,7 +14,7 @@ struct Search::Plan {
   int agree_least = 3, agree_most = 6;
   int agree = agree_most;      // until Run knows better
   int queries = 600;           // collision queries after which no further start is made
-  double box_tests = 70e3;     // ... and of triangle meshes, unless the answer is very far
+  double box_tests = 12e3;     // ... and per dof, of triangle meshes, unless the answer is very far
   double evaluations = 700.0;  // ... and estimated time since something was free [evaluations]
   bool follows = true;         // exact meshes: a frame may trust the last one's answer
   int blind = 20;              // noisy starts while nothing is free, then as many anywhere
@@ -107,8 +107,8 @@ bool Search::Done(const Plan& plan) const {
   if (!exact_) return queries >= plan.queries;
   // Most of them only ask whether a configuration is free, the others cost more.
   if (Exceeds(kVeryFar)) return queries >= 4 * plan.queries;
-  return queries >= 2 * plan.queries ||
-         static_cast<double>(problem_.finder.box_tests() - first_box_test_) >= plan.box_tests;
+  const auto box_tests = static_cast<double>(problem_.finder.box_tests() - first_box_test_);
+  return queries >= 2 * plan.queries || box_tests >= plan.box_tests * problem_.tables.n;
 }
 
 double Search::Evaluations() const {
