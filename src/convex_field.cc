@@ -15,6 +15,62 @@ using Eigen::Vector3d;
 // Nearer to an ellipsoid's plane of symmetry than this, in half sizes: on it.
 constexpr double kOnPlane = 1e-14;
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr int kMaxCuts = 120;  // of a triangle
+
+// What cuts leave of a triangle: a convex polygon in its plane.
+class Remainder {
+ public:
+  explicit Remainder(const Vector3d corners[3]) { std::copy_n(corners, 3, corners_.begin()); }
+
+  bool empty() const { return count_ == 0; }
+
+  // By triangles about the first corner; of a thin polygon, the corners' mean.
+  Vector3d Centroid() const {
+    Vector3d centroid = Vector3d::Zero(), mean = Vector3d::Zero();
+    double area = 0.0;
+    for (int k = 1; k + 1 < count_; ++k) {
+      const Vector3d a = corners_[k] - corners_[0], b = corners_[k + 1] - corners_[0];
+      const double part = a.cross(b).norm();
+      centroid += part * (corners_[0] + corners_[k] + corners_[k + 1]) / 3.0;
+      area += part;
+    }
+    if (area > 0.0) return centroid / area;
+    for (int k = 0; k < count_; ++k) mean += corners_[k] / count_;
+    return mean;
+  }
+
+  // Of direction · (x - origin) over the polygon.
+  double Least(const Vector3d& direction, const Vector3d& origin) const {
+    double least = kInfinity;
+    for (int k = 0; k < count_; ++k) {
+      least = std::min(least, direction.dot(corners_[k] - origin));
+    }
+    return least;
+  }
+
+  // Keeps what is on the plane through `origin` or on the far side of its normal.
+  void Cut(const Vector3d& normal, const Vector3d& origin) {
+    std::array<Vector3d, 3 + kMaxCuts> kept;
+    int count = 0;
+    for (int k = 0; k < count_; ++k) {
+      const Vector3d& p = corners_[k];
+      const Vector3d& q = corners_[(k + 1) % count_];
+      const double at_p = normal.dot(p - origin), at_q = normal.dot(q - origin);
+      if (at_p <= 0.0) kept[count++] = p;
+      if ((at_p < 0.0 && at_q > 0.0) || (at_p > 0.0 && at_q < 0.0)) {
+        kept[count++] = p + at_p / (at_p - at_q) * (q - p);
+      }
+    }
+    std::copy_n(kept.begin(), count, corners_.begin());
+    count_ = count;
+  }
+
+ private:
+  std::array<Vector3d, 3 + kMaxCuts> corners_;  // each cut adds one at most
+  int count_ = 3;
+};
+
 FieldValue FromCore(const Vector3d& away, double radius) {
   const double length = away.norm();
   return {length - radius, length > 0.0 ? Vector3d(away / length) : Vector3d(Vector3d::UnitX())};
@@ -119,7 +175,7 @@ Vector3d ConvexField::Support(const Vector3d& n) const {
 double ConvexField::OuterRadius() const {
   switch (type) {
     case mjGEOM_PLANE:
-      return std::numeric_limits<double>::infinity();
+      return kInfinity;
     case mjGEOM_SPHERE:
       return size[0];
     case mjGEOM_CAPSULE:
@@ -136,56 +192,24 @@ double ConvexField::OuterRadius() const {
 // rest can hold.
 FieldMinimum MinimumOnTriangle(const ConvexField& field, const Vector3d corners[3], double cutoff,
                                double accuracy) {
-  constexpr int kMaxCuts = 120;
-  FieldMinimum best{std::numeric_limits<double>::infinity(), corners[0]};
-  double proven = -std::numeric_limits<double>::infinity();
-  std::array<Vector3d, 3 + kMaxCuts> polygon, next;
-  int count = 3;
-  for (int k = 0; k < 3; ++k) polygon[k] = corners[k];
+  FieldMinimum best{kInfinity, corners[0]};
   auto ask = [&](const Vector3d& x) {
     const FieldValue value = field.At(x);
     if (value.f < best.f) best = {value.f, x};
     return value;
   };
   for (int k = 0; k < 3; ++k) ask(corners[k]);
-  double lowest = std::numeric_limits<double>::infinity();  // below which no part cut off can be
-  for (int cut = 0; cut < kMaxCuts && count >= 1; ++cut) {
-    // The centroid by triangles about the first corner; of a thin polygon, the corners' mean.
-    Vector3d centroid = Vector3d::Zero();
-    double area = 0.0;
-    for (int k = 1; k + 1 < count; ++k) {
-      const double part = (polygon[k] - polygon[0]).cross(polygon[k + 1] - polygon[0]).norm();
-      centroid += part * (polygon[0] + polygon[k] + polygon[k + 1]) / 3.0;
-      area += part;
-    }
-    if (area > 0.0) {
-      centroid /= area;
-    } else {
-      centroid.setZero();
-      for (int k = 0; k < count; ++k) centroid += polygon[k] / count;
-    }
+  Remainder rest(corners);
+  double proven = -kInfinity, lowest = kInfinity;  // below `lowest` no part cut off can be
+  for (int cut = 0; cut < kMaxCuts && !rest.empty(); ++cut) {
+    const Vector3d centroid = rest.Centroid();
     const FieldValue value = ask(centroid);
-    double rest = std::numeric_limits<double>::infinity();
-    for (int k = 0; k < count; ++k) {
-      rest = std::min(rest, value.f + value.gradient.dot(polygon[k] - centroid));
-    }
-    proven = std::max(proven, std::min(rest, lowest));
+    const double least = value.f + rest.Least(value.gradient, centroid);
+    proven = std::max(proven, std::min(least, lowest));
     if (proven >= cutoff) return {cutoff, best.x};
     if (best.f - proven <= accuracy) break;
     lowest = std::min(lowest, value.f);
-    int kept = 0;
-    for (int k = 0; k < count; ++k) {
-      const Vector3d& p = polygon[k];
-      const Vector3d& q = polygon[(k + 1) % count];
-      const double at_p = value.gradient.dot(p - centroid);
-      const double at_q = value.gradient.dot(q - centroid);
-      if (at_p <= 0.0) next[kept++] = p;
-      if ((at_p < 0.0 && at_q > 0.0) || (at_p > 0.0 && at_q < 0.0)) {
-        next[kept++] = p + at_p / (at_p - at_q) * (q - p);
-      }
-    }
-    std::swap(polygon, next);
-    count = kept;
+    rest.Cut(value.gradient, centroid);
   }
   if (best.f >= cutoff) return {cutoff, best.x};
   return best;

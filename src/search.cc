@@ -102,7 +102,7 @@ double Search::BestSigma() const { return HasFree() ? outcome_.free.front().sigm
 
 bool Search::Done(const Plan& plan) const {
   if (!HasFree()) return false;
-  if (outcome_.agreeing >= plan.agree || Evaluations() >= plan.evaluations) return true;
+  if (agreeing_ >= plan.agree || Evaluations() >= plan.evaluations) return true;
   const std::int64_t queries = problem_.finder.queries() - first_query_;
   if (!exact_) return queries >= plan.queries;
   // Most of them only ask whether a configuration is free, the others cost more.
@@ -180,9 +180,9 @@ bool Search::Try(const VectorXd& q, const std::string& start, const LocalOptions
 void Search::Count(const LocalResult& result, const std::string& start) {
   const bool independent = start != kHop;
   if (result.free && result.sigma * kAgreement < BestSigma()) {
-    outcome_.agreeing = independent;
+    agreeing_ = independent;
   } else if (result.reached_known || (result.free && result.sigma <= kAgreement * BestSigma())) {
-    outcome_.agreeing += independent && start != kTranslation;
+    agreeing_ += independent && start != kTranslation;
   }
 }
 
@@ -321,6 +321,7 @@ void Search::TryFromWithin() {
 SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
                           const std::optional<FreeConfiguration>& hint) {
   outcome_ = {};
+  agreeing_ = 0;
   random_ = Random(problem_.options.seed);
   first_query_ = problem_.finder.queries();
   first_box_test_ = problem_.finder.box_tests();

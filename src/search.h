@@ -35,7 +35,6 @@ struct SearchOutcome {
   std::vector<Candidate> free;  // best first
   LocalResult least_overlap;    // best configuration that is not free; q empty if none was needed
   std::string least_overlap_start;
-  int agreeing = 0;  // independent starts that ended at the best candidate, or at its door
   int starts = 0;
   int iterations = 0;
 };
@@ -91,6 +90,7 @@ class Search {
   PairByPair parting_;
   Random random_;
   SearchOutcome outcome_;
+  int agreeing_ = 0;  // independent starts that ended at the best candidate, or at its door
   std::int64_t first_query_ = 0, first_box_test_ = 0;  // the finder's counts as the search begins
   std::int64_t free_query_ = 0, free_distance_ = 0;    // ... and as the first answer is free
   VectorXd center_;                                    // q_in inside its limits
