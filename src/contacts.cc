@@ -65,7 +65,7 @@ const std::vector<NearPair>& ContactFinder::Find(double margin, Depths depths) {
   for (const BodyPair& bodies : tables_.body_pairs) {
     if (!BodiesNear(bodies, margin)) continue;
     for (int pair = bodies.begin; pair < bodies.end; ++pair) {
-      if (!SpheresNear(tables_.pairs[pair], margin)) continue;
+      if (DistanceBound(pair) > margin) continue;
       const KeptPair& kept = tables_.pairs[pair];
       if (!kept.exact) {
         if (Distance(pair, margin, near)) near_.push_back(near);
@@ -105,18 +105,6 @@ double ContactFinder::DistanceBound(int pair) const {
   if (m.geom_rbound[g1] <= 0.0 || m.geom_rbound[g2] <= 0.0) return -kInfinity;
   return (AsVector(d.geom_xpos + 3 * g1) - AsVector(d.geom_xpos + 3 * g2)).norm() -
          m.geom_rbound[g1] - m.geom_rbound[g2];
-}
-
-// As DistanceBound(pair) <= margin, without its root.
-bool ContactFinder::SpheresNear(const KeptPair& kept, double margin) const {
-  const mjModel& m = model_;
-  const mjData& d = *posed_.data();
-  const int g1 = kept.geom1, g2 = kept.geom2;
-  if (m.geom_type[g1] == mjGEOM_PLANE) return SphereAbovePlane(m, d, g1, g2) <= margin;
-  if (m.geom_rbound[g1] <= 0.0 || m.geom_rbound[g2] <= 0.0) return true;
-  const double reach = m.geom_rbound[g1] + m.geom_rbound[g2] + margin;
-  return (AsVector(d.geom_xpos + 3 * g1) - AsVector(d.geom_xpos + 3 * g2)).squaredNorm() <=
-         reach * reach;
 }
 
 // Separating-axis test on the geoms' oriented boxes, face normals only.

@@ -59,7 +59,6 @@ class ContactFinder {
   std::int64_t box_tests() const { return exact_.box_tests(); }
 
  private:
-  bool SpheresNear(const KeptPair& kept, double margin) const;
   bool BoundsNear(const KeptPair& kept, double margin) const;
   bool HullGap(const KeptPair& kept, double overlap, SignedGap& gap);
   bool GeomGap(int geom1, int geom2, double cutoff, SignedGap& gap);

@@ -105,7 +105,7 @@ bool Search::Done(const Plan& plan) const {
   if (agreeing_ >= plan.agree || Evaluations() >= plan.evaluations) return true;
   const std::int64_t queries = problem_.finder.queries() - first_query_;
   if (!exact_) return queries >= plan.queries;
-  // Most of them only ask whether a configuration is free, the others cost more.
+  // More queries: most of them only ask whether a configuration is free.
   if (Exceeds(kVeryFar)) return queries >= 4 * plan.queries;
   const auto box_tests = static_cast<double>(problem_.finder.box_tests() - first_box_test_);
   return queries >= 2 * plan.queries || box_tests >= plan.box_tests * problem_.tables.n;
@@ -326,7 +326,8 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
   first_query_ = problem_.finder.queries();
   first_box_test_ = problem_.finder.box_tests();
   depth_ = 0.0;
-  for (const NearPair& near : overlaps) depth_ = std::max(depth_, -near.distance);
+  for (const NearPair& near : overlaps)
+    depth_ = std::max(depth_, problem_.required[near.pair] - near.distance);
   Plan plan = PlanFor(problem_.options.effort);
   center_ = problem_.q_in;
   TurnInsideLimits(problem_.tables, center_);

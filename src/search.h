@@ -77,7 +77,7 @@ class Search {
   // Time since the first free answer, estimated from counts so that answers repeat [evaluations].
   double Evaluations() const;
   bool Done(const Plan& plan) const;
-  // The best answer is farther than so many times the deepest overlap, or none is free.
+  // The best answer is farther than so many times depth_, or none is free.
   bool Exceeds(double depths) const { return BestSigma() > depths * depths * depth_ * depth_; }
   // By how many starts more than one those should agree that part so many bodies.
   double StartsForManyBodies(const std::vector<NearPair>& overlaps) const;
@@ -95,7 +95,7 @@ class Search {
   std::int64_t free_query_ = 0, free_distance_ = 0;    // ... and as the first answer is free
   VectorXd center_;                                    // q_in inside its limits
   bool exact_ = false;                                 // some exact mesh overlaps
-  double depth_ = 0.0;                                 // the deepest overlap at q_in [m]
+  double depth_ = 0.0;                                 // that q_in must be parted by [m]
   // The last frame that was searched and solved.
   struct Searched {
     VectorXd q_in;

@@ -173,6 +173,18 @@ TEST_F(ExactMeshSolveTest, ClearancesAreKeptExactly) {
   EXPECT_GT(solved, 60);
 }
 
+// What a clearance lacks counts as depth: an answer that far is not far, and ends the search.
+TEST_F(ExactMeshSolveTest, WhatIsTooNearIsNoLongSearch) {
+  Options options;
+  options.clearance = 6e-3;
+  const MeshShape cup = test::Cup(0.05, 0.1, 0.004, 32);
+  const Scene scene = test::MeshScene(cup, "type='mesh' mesh='moving'", cup);
+  const Result result = Solver(scene, options).Solve(FreePose({0.101, 0.0, 0.0}));
+  ASSERT_EQ(result.status, Status::kSolved) << result.reason;
+  EXPECT_LT(std::sqrt(result.sigma), 6e-3);
+  EXPECT_LE(result.stats.starts, 8);
+}
+
 // Whatever a solver did before: rows may be shared out among threads in any way.
 TEST_F(ExactMeshSolveTest, TheSameInputGivesTheSameBits) {
   Random rng(29);
