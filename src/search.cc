@@ -326,8 +326,9 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
   first_query_ = problem_.finder.queries();
   first_box_test_ = problem_.finder.box_tests();
   depth_ = 0.0;
-  for (const NearPair& near : overlaps)
-    depth_ = std::max(depth_, problem_.required[near.pair] - near.distance);
+  for (const NearPair& near : overlaps) {
+    depth_ = std::max(depth_, problem_.options.clearance - near.distance);
+  }
   Plan plan = PlanFor(problem_.options.effort);
   center_ = problem_.q_in;
   TurnInsideLimits(problem_.tables, center_);
