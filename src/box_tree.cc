@@ -216,9 +216,10 @@ BoundedBoxes BoxTree::ChildrenOn(int box, const Vector3d& p, const Vector3d& alo
     const Lanes reach = group.half[i] + rounding;
     // Along the slab: in it from start to end, or never. The quotient of a tiny step is large.
     const Lanes safe = (step.abs() < 1e-30f).select(1e-30f, step);
-    const Lanes t1 = (-reach - start) / safe, t2 = (reach - start) / safe;
-    enter = enter.max(t1.min(t2));
-    leave = leave.min(t1.max(t2));
+    const Lanes per_length = 1.0f / safe;
+    const Lanes middle = -start * per_length, half = reach * per_length.abs();
+    enter = enter.max(middle - half);
+    leave = leave.min(middle + half);
   }
   BoundedBoxes out;
   for (int k = 0; k < group.size; ++k) {

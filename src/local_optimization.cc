@@ -29,9 +29,11 @@ constexpr double kLargestTurn = 1.0;  // of a joint in a step; no linearization 
 // Margins within which pairs get rows, in units of the scene's size; later 1.5 times the step.
 constexpr double kFirstMargin = 0.12, kLeastMargin = 0.01, kLargestMargin = 0.5;
 constexpr double kUnseenOverlap = 1e-3;  // counted for an overlap of unknown depth [size]
-constexpr int kBisections = 4;           // of a step that ends in an overlap, the first at
-constexpr double kWorthAStep = 0.125;    // ... the least free part of it that is taken
-constexpr double kLimitReach = 0.5;      // joint limits farther than this get no row [rad or m]
+// Exact meshes keep a stand-off from what bounds a step, for curved surfaces meet earlier than
+// their planes: twice the overlap that a step ends in, at most a share of its length; less after
+// others.
+constexpr double kStandOffPerOverlap = 2.0, kStandOffPerStep = 0.3, kStandOffKept = 0.25;
+constexpr double kLimitReach = 0.5;  // joint limits farther than this get no row [rad or m]
 
 }  // namespace
 
@@ -48,6 +50,7 @@ void LocalOptimization::Look(const VectorXd& q, double margin, Iterate& out) {
 void LocalOptimization::Evaluate(double margin, Iterate& out) {
   out.sigma = problem_.norm.Sigma(out.q);
   features_.Keep(problem_.tables, problem_.finder.posed(), out.near);
+  out.found = out.near.size();
   features_.AppendLearnt(problem_.tables, problem_.finder.posed(), margin, out.near);
   out.violation = 0.0;
   out.worst = -1.0;
@@ -110,7 +113,8 @@ void LocalOptimization::Linearize(const Iterate& at, double margin) {
   }
   rows_.Clear(tables.n);
   for (const NearPair* near : nearest) {
-    const double offset = problem_.tolerances.aim - problem_.required[near->pair];
+    double offset = problem_.tolerances.aim - problem_.required[near->pair];
+    if (tables.pairs[near->pair].exact) offset -= stand_off_;
     const int row = rows_.Append(near->distance + offset);
     ContactRow(tables, posed, near->pair, near->p1_W, near->p2_W, near->n_W, rows_.C.row(row));
     // The features of an exact pair need no memory: all of them are here.
@@ -194,25 +198,6 @@ void LocalOptimization::Keep(const Iterate& it, LocalResult& result) const {
   }
 }
 
-// Exact meshes: a step from a free configuration that ends in an overlap is cut to a free part, the
-// longest that bisection finds, if that is worth a step, as in contact-space projection (Alg. 2).
-// Triangles that cross tell little, those that nearly touch there bound the next step.
-void LocalOptimization::StayFree(const Iterate& current, double margin, Iterate& trial) {
-  if (problem_.IsFree(trial.near)) return;
-  double free = 0.0, overlapping = 1.0;
-  VectorXd q;
-  for (int k = 0; k < kBisections; ++k) {
-    const double t = k == 0 ? kWorthAStep : 0.5 * (free + overlapping);
-    problem_.norm.Retract(current.q, t * dq_, q);
-    ClampToLimits(problem_.tables, q);
-    (problem_.Free(q) ? free : overlapping) = t;
-    if (free == 0.0) return problem_.finder.Pose(trial.q);
-  }
-  problem_.norm.Retract(current.q, free * dq_, next_);
-  ClampToLimits(problem_.tables, next_);
-  Look(next_, margin, trial);
-}
-
 // One linearization at the current iterate, one step, judged: the trial.
 void LocalOptimization::Step(Descent& d) {
   const double margin = kFirstMargin * problem_.size;
@@ -224,8 +209,31 @@ void LocalOptimization::Step(Descent& d) {
   const double reach =
       std::clamp(1.5 * d.length, kLeastMargin * problem_.size, kLargestMargin * problem_.size);
   Look(next_, reach, d.trial);
-  if (features_.learning() && Free(d.current)) StayFree(d.current, reach, d.trial);
   Evaluate(reach, d.trial);
+  if (features_.learning()) AdaptStandOff(d);
+}
+
+void LocalOptimization::AdaptStandOff(const Descent& d) {
+  if (Free(d.trial)) {
+    stand_off_ *= kStandOffKept;
+  } else {
+    const double wanted = kStandOffPerOverlap * std::max(stand_off_, d.trial.violation);
+    stand_off_ = std::min(wanted, kStandOffPerStep * d.length);
+  }
+}
+
+// A step of exact meshes that ends in an overlap is not taken, for triangles that cross tell
+// little. It is made again from where they are apart, half as long, knowing what the overlap
+// taught. False when it is too short.
+bool LocalOptimization::Retreat(Descent& d) {
+  AdaptDamping(d.current, d.trial);
+  d.radius = 0.5 * std::min(d.radius, d.length);
+  problem_.finder.Pose(d.current.q);
+  d.finder_at_current = true;
+  d.current.near.resize(d.current.found);
+  features_.AppendLearnt(problem_.tables, problem_.finder.posed(), kFirstMargin * problem_.size,
+                         d.current.near);
+  return d.radius >= kLeastRadius;
 }
 
 // Steps are judged by a price a few times the largest force: by μ, which is far above, a micrometre
@@ -315,6 +323,7 @@ void LocalOptimization::Begin(const VectorXd& q, Descent& d) {
   damps_ = problem_.Uses("damping");
   merit_price_ = 0.0;
   damping_ = kFirstDamping;
+  stand_off_ = 0.0;
   depths_ = d.options.depths;
   next_ = q;
   ClampToLimits(problem_.tables, next_);
@@ -336,6 +345,10 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
     d.sigma_before = d.result.sigma;
     Keep(d.trial, d.result);
     if (GivesUp(d)) break;
+    if (features_.learning() && Free(d.current) && !Free(d.trial)) {
+      if (!Retreat(d)) break;
+      continue;
+    }
     Advance(d);
     if (HasConverged(d)) break;
     const int patience = features_.learning() ? kPatienceWithPlanes : kPatience;

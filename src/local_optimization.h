@@ -67,6 +67,7 @@ class LocalOptimization {
     VectorXd q;
     double worst = 0.0;  // largest overlap beyond `accept`
     std::vector<NearPair> near;
+    std::size_t found = 0;  // the first of `near`; the others are planes learnt before
   };
 
   // One Run.
@@ -91,7 +92,8 @@ class LocalOptimization {
   // Poses q and asks what is near; Evaluate judges it, at that pose.
   void Look(const VectorXd& q, double margin, Iterate& out);
   void Evaluate(double margin, Iterate& out);
-  void StayFree(const Iterate& current, double margin, Iterate& trial);
+  void AdaptStandOff(const Descent& d);
+  bool Retreat(Descent& d);
   void MeasureOverlap(std::size_t k, double margin, Iterate& out);
   void Linearize(const Iterate& at, double margin);
   bool NearKnown(const VectorXd& q, const LocalOptions& options);
@@ -118,6 +120,7 @@ class LocalOptimization {
   Cost predicted_;               // after the last step, by its linearization
   double promised_sigma_ = 0.0;  // had it not been cut
   double damping_ = 0.0;
+  double stand_off_ = 0.0;  // of exact meshes [m]
   Depths depths_ = Depths::kMeasured;
   bool remembers_ = true, damps_ = true;  // false: left out (Options::without)
 

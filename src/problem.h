@@ -46,10 +46,7 @@ struct Problem {
   // No pair that can move is nearer than required, by the solver's own distances. One query.
   bool Free(const VectorXd& q) {
     finder.Pose(q);
-    return IsFree(finder.Find(options.clearance, Depths::kSkipped));
-  }
-  // The same, where `near` is what was found within some margin.
-  bool IsFree(const std::vector<NearPair>& near) const {
+    const std::vector<NearPair>& near = finder.Find(options.clearance, Depths::kSkipped);
     return std::none_of(near.begin(), near.end(),
                         [this](const NearPair& n) { return Overlaps(n, tolerances.accept); });
   }

@@ -14,7 +14,7 @@ struct Search::Plan {
   int agree_least = 3, agree_most = 6;
   int agree = agree_most;      // until Run knows better
   int queries = 600;           // collision queries after which no further start is made
-  double box_tests = 12e3;     // ... and per dof, of triangle meshes, unless the answer is very far
+  double box_tests = 10e3;     // ... and per dof, of triangle meshes, unless the answer is very far
   double evaluations = 700.0;  // ... and estimated time since something was free [evaluations]
   bool follows = true;         // exact meshes: a frame may trust the last one's answer
   int blind = 20;              // noisy starts while nothing is free, then as many anywhere
@@ -30,7 +30,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kAgreement = 1.01;  // σ over the best: the same answer
 constexpr double kGiveUp = 1.15;     // a start whose prediction is worse than this is dropped
 constexpr double kWorthARun = 5.0;   // σ over the best, where a varied start comes free
-constexpr double kDragged = 1.4;     // √σ over its least possible, up to which frames follow
+constexpr double kDragged = 2.0;     // √σ over its least possible, up to which frames follow
 constexpr int kFramesFollowed = 5;   // ... and so many in a row
 constexpr double kFarthest = 4.0;    // times the distance of a start: where its ray ends
 // Answers so many times as far as meshes are deep in each other: there may well be a nearer one.
@@ -38,7 +38,7 @@ constexpr double kFar = 2.5, kVeryFar = 10.0;
 // Patient tries to come out of overlapping meshes the short way, at such noise [depth].
 constexpr int kWaysOut = 5, kPatientSteps = 120;
 constexpr double kNudge = 0.2;
-constexpr int kHintChances = 3;  // LocalOptions::last_chances of a start near its answer
+constexpr int kHintChances = 2;  // LocalOptions::last_chances of a start near its answer
 // Spreads of the noisy starts, in turn: how far the nearest answer's basin reaches is not known.
 constexpr double kNoise[] = {5.0, 2.0, 3.0, 8.0};
 // Time of a query and of a pair distance [evaluations], the latter over those at q_in but no fewer

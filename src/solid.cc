@@ -190,6 +190,14 @@ int Solid::Winding(const Vector3d& x) const {
   return ray.winding;
 }
 
+int Solid::WindingFrom(const Vector3d& known, int winding, const Vector3d& x) const {
+  Ray ray;
+  ray.from = x;
+  ray.along = known - x;
+  CastBelow(BoxTree::kRoot, ray);
+  return ray.doubtful ? Winding(x) : winding + ray.winding;
+}
+
 void Solid::Crossings(const Vector3d& p, const Vector3d& q, std::vector<double>& out) const {
   out.clear();
   Ray ray;

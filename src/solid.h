@@ -58,6 +58,8 @@ class Solid {
   // How often the oriented surface winds round x, by signed crossings of a ray; rays through edges
   // are given up for another direction. Not zero: inside. 0 for a mesh that is not closed.
   int Winding(const Vector3d& x) const;
+  // The same, told from how often it winds round `known`: quicker where that is near.
+  int WindingFrom(const Vector3d& known, int winding, const Vector3d& x) const;
   bool Contains(const Vector3d& x) const { return Winding(x) != 0; }
 
   // Parameters in [0, 1], ascending, at which the segment from p to q crosses triangles.

@@ -15,158 +15,169 @@ constexpr double kShallow = 1e-3;    // of the smaller mesh's radius
 constexpr int kMaxWays = 8;          // rows of one overlap
 constexpr double kSameDirection = 0.9;
 
-// Points of `from` inside `in`, by branch and bound on their depth.
+// Points of each mesh inside the other, by branch and bound on their depth.
 class DepthSearch {
  public:
-  // `pose`: from -> in.
-  DepthSearch(const Solid& from, const Solid& in, const RelativePose& pose, int most_parts)
-      : from_(from), in_(in), pose_(pose), most_parts_(most_parts) {}
+  DepthSearch(const SolidPair& pair, int most_parts, std::vector<WayOut>& ways)
+      : pair_(pair),
+        sides_{{pair.a(), pair.b(), pair.pose().Inverse()}, {pair.b(), pair.a(), pair.pose()}},
+        most_parts_(most_parts),
+        ways_(ways) {}
 
-  struct Point {
-    double depth = 0.0;
-    Vector3d x, p;  // in the frame of `in`: the point and its nearest one on the surface
-    int triangle = -1;
-  };
-
-  std::vector<Point> Run() {
-    parts_.push({});
+  void Run() {
+    for (const int side : {0, 1}) {
+      if (sides_[side].in.closed()) parts_.push({.side = side});
+    }
     for (int asked = 0; asked < most_parts_ && !parts_.empty();) {
       Part part = parts_.top();
       parts_.pop();
-      if (part.bound <= kDeepEnough * deepest_ || part.bound <= kNoDepth) break;
+      const double deepest = std::max(deepest_[0], deepest_[1]);
+      if (part.bound <= std::max(kNoDepth, kDeepEnough * deepest)) break;
       if (!part.asked) {
         ++asked;
         Ask(part);
         parts_.push(part);
-      } else if (from_.tree().IsLeaf(part.box)) {
+      } else if (sides_[part.side].from.tree().IsLeaf(part.box)) {
         AskTriangle(part);
       } else {
         PushChildren(part);
       }
     }
-    return std::move(points_);
   }
 
  private:
+  // Points of one mesh in the other one's frame.
+  struct Side {
+    const Solid& from;
+    const Solid& in;
+    const RelativePose pose;  // from -> in
+
+    // How far the box reaches from x.
+    double Reach(int box, const Vector3d& x) const {
+      const OrientedBox& shape = from.tree().BoxOf(box);
+      const Vector3d away = pose * shape.Center().cast<double>() - x;
+      const Vector3d local = shape.Along(pose.R.transpose() * away);
+      return (local.cwiseAbs() + shape.half.cast<double>()).norm();
+    }
+  };
   // Asked: how deep some vertex x of it is. If not, x and what is known of it are its parent's.
   struct Part {
     double bound = std::numeric_limits<double>::infinity();  // no point of it is deeper
+    int side = 0;
     int box = BoxTree::kRoot;
-    Vector3d x;
+    Vector3d x = Vector3d::Zero();
     SurfacePoint nearest;  // to x
-    bool inside = false, asked = false;
+    int winding = 0;       // round x
+    bool asked = false;
 
-    double Depth() const { return inside ? nearest.distance : -nearest.distance; }
+    bool Knows() const { return nearest.triangle >= 0; }
+    double Depth() const { return winding != 0 ? nearest.distance : -nearest.distance; }
     bool operator<(const Part& other) const {
-      return std::tuple(bound, asked, -box) < std::tuple(other.bound, other.asked, -other.box);
+      return std::tuple(bound, asked, -box, -side) <
+             std::tuple(other.bound, other.asked, -other.box, -other.side);
     }
   };
 
-  // How far the box reaches from x.
-  double Reach(int box, const Vector3d& x) const {
-    const OrientedBox& shape = from_.tree().BoxOf(box);
-    const Vector3d away = pose_ * shape.Center().cast<double>() - x;
-    const Vector3d local = shape.Along(pose_.R.transpose() * away);
-    return (local.cwiseAbs() + shape.half.cast<double>()).norm();
+  // Depths change no faster than points move, and none is farther from the surface than from x's
+  // nearest point.
+  void Bound(Part& part) const {
+    const Side& side = sides_[part.side];
+    part.bound = std::min({part.bound, part.Depth() + side.Reach(part.box, part.x),
+                           side.Reach(part.box, part.nearest.p)});
   }
 
   void Ask(Part& part) {
-    const int triangle = from_.tree().MiddleTriangle(part.box);
-    const Vector3d x = pose_ * from_.Corner(triangle, 0);
-    // No surface between the two: the same side.
-    const bool same_side =
-        part.nearest.triangle >= 0 && (x - part.x).norm() < part.nearest.distance;
-    part.nearest = in_.NearestFrom(part.nearest, x);
-    if (!same_side) part.inside = in_.Contains(x);
+    const Side& side = sides_[part.side];
+    const int triangle = side.from.tree().MiddleTriangle(part.box);
+    const Vector3d x = side.pose * side.from.Corner(triangle, 0);
+    part.winding = part.Knows() ? WindingBeside(part, x) : side.in.Winding(x);
+    part.nearest = side.in.NearestFrom(part.nearest, x);
     part.x = x;
-    part.bound = std::min(part.bound, part.Depth() + Reach(part.box, x));
+    Bound(part);
     part.asked = true;
-    if (part.inside) Record(part.nearest, x, triangle);
+    if (part.winding != 0) Record(part.side, part.nearest, x, triangle);
+  }
+
+  // Of a point near the part's own; the same, if no surface is between the two. On a surface it is
+  // neither inside nor outside.
+  int WindingBeside(const Part& part, const Vector3d& x) const {
+    const Solid& in = sides_[part.side].in;
+    if ((x - part.x).norm() < part.nearest.distance) return part.winding;
+    const bool on_surface = part.nearest.distance <= kNoDepth;
+    return on_surface ? in.Winding(x) : in.WindingFrom(part.x, part.winding, x);
   }
 
   void PushChildren(const Part& parent) {
-    const int first = from_.tree().FirstChild(parent.box);
-    for (int k = 0; k < from_.tree().NumChildren(parent.box); ++k) {
+    const BoxTree& tree = sides_[parent.side].from.tree();
+    const int first = tree.FirstChild(parent.box);
+    for (int k = 0; k < tree.NumChildren(parent.box); ++k) {
       Part child = parent;
       child.box = first + k;
       child.asked = false;
-      child.bound = std::min(parent.bound, parent.Depth() + Reach(child.box, parent.x));
+      if (!pair_.MayTouch(parent.side == 0, child.box)) continue;
+      Bound(child);
       parts_.push(child);
     }
   }
 
   void AskTriangle(const Part& leaf) {
-    const int triangle = from_.tree().TriangleOf(leaf.box);
-    // No surface within: its points are on one side, and its edges cross nothing.
-    const bool one_side = leaf.nearest.distance > Reach(leaf.box, leaf.x);
+    const Side& side = sides_[leaf.side];
+    const int triangle = side.from.tree().TriangleOf(leaf.box);
     Vector3d x[3];
-    for (int k = 0; k < 3; ++k) x[k] = pose_ * from_.Corner(triangle, k);
-    for (const Vector3d& p : {x[1], x[2], Vector3d((x[0] + x[1] + x[2]) / 3.0)}) {
-      AskPoint(p, leaf, one_side);
-    }
-    if (one_side) return;
+    for (int k = 0; k < 3; ++k) x[k] = side.pose * side.from.Corner(triangle, k);
+    for (const Vector3d& p : {x[1], x[2], Vector3d((x[0] + x[1] + x[2]) / 3.0)}) AskPoint(p, leaf);
+    // No surface within: its edges cross nothing.
+    if (leaf.nearest.distance > side.Reach(leaf.box, leaf.x)) return;
     for (int k = 0; k < 3; ++k) AskEdge(x[k], x[(k + 1) % 3], leaf);
   }
 
   void AskEdge(const Vector3d& p, const Vector3d& q, const Part& leaf) {
-    in_.Crossings(p, q, crossings_);
+    sides_[leaf.side].in.Crossings(p, q, crossings_);
     if (crossings_.empty()) return;
     crossings_.insert(crossings_.begin(), 0.0);
     crossings_.push_back(1.0);
     for (std::size_t i = 0; i + 1 < crossings_.size(); ++i) {
-      AskPoint(p + 0.5 * (crossings_[i] + crossings_[i + 1]) * (q - p), leaf, false);
+      AskPoint(p + 0.5 * (crossings_[i] + crossings_[i + 1]) * (q - p), leaf);
     }
   }
 
-  // `same_side`: as the leaf's vertex.
-  void AskPoint(const Vector3d& x, const Part& leaf, bool same_side) {
-    const SurfacePoint nearest = in_.NearestFrom(leaf.nearest, x);
-    if (!WorthARow(nearest.distance)) return;
-    if (same_side ? !leaf.inside : !in_.Contains(x)) return;
-    Record(nearest, x, from_.tree().TriangleOf(leaf.box));
+  void AskPoint(const Vector3d& x, const Part& leaf) {
+    const Side& side = sides_[leaf.side];
+    const SurfacePoint nearest = side.in.NearestFrom(leaf.nearest, x);
+    if (!WorthARow(leaf.side, nearest.distance) || WindingBeside(leaf, x) == 0) return;
+    Record(leaf.side, nearest, x, side.from.tree().TriangleOf(leaf.box));
   }
 
-  bool WorthARow(double depth) const { return depth > std::max(kNoDepth, kWorthARow * deepest_); }
-
-  void Record(const SurfacePoint& way_out, const Vector3d& x, int triangle) {
-    if (!WorthARow(way_out.distance)) return;
-    points_.push_back({way_out.distance, x, way_out.p, triangle});
-    deepest_ = std::max(deepest_, way_out.distance);
+  bool WorthARow(int of, double depth) const {
+    return depth > std::max(kNoDepth, kWorthARow * deepest_[of]);
   }
 
-  const Solid& from_;
-  const Solid& in_;
-  const RelativePose pose_;
+  // x, of a triangle of the side's mesh, is inside the other.
+  void Record(int of, const SurfacePoint& way_out, const Vector3d& x, int triangle) {
+    if (!WorthARow(of, way_out.distance)) return;
+    deepest_[of] = std::max(deepest_[of], way_out.distance);
+    const Side& side = sides_[of];
+    const Vector3d out = (way_out.p - x) / way_out.distance;
+    WayOut way{{-way_out.distance, way_out.p, x, out}};
+    way.faces_apart =
+        !side.from.closed() || out.dot(side.pose.R * side.from.Normal(triangle)) < 0.0;
+    if (of == 0) {
+      const RelativePose& b_in_a = sides_[1].pose;
+      way.gap.p1 = b_in_a * x;
+      way.gap.p2 = b_in_a * way_out.p;
+      way.gap.n = b_in_a.R * -out;
+    }
+    ways_.push_back(way);
+  }
+
+  const SolidPair& pair_;
+  const Side sides_[2];   // a in b, b in a
   const int most_parts_;  // asked for the depth of some vertex
   std::priority_queue<Part> parts_;
-  std::vector<Point> points_;
   std::vector<double> crossings_;
-  double deepest_ = 0.0;
+  double deepest_[2] = {0.0, 0.0};  // of each side
+  std::vector<WayOut>& ways_;       // in the frame of a
 };
-
-// Points of a inside b and the other way round, in the frame of a.
-void AppendWays(const SolidPair& pair, bool of_a, int most_parts, std::vector<WayOut>& ways) {
-  const Solid& from = of_a ? pair.a() : pair.b();
-  const Solid& in = of_a ? pair.b() : pair.a();
-  if (!in.closed()) return;
-  const RelativePose pose = of_a ? pair.pose().Inverse() : pair.pose();
-  for (const DepthSearch::Point& point : DepthSearch(from, in, pose, most_parts).Run()) {
-    const Vector3d out = (point.p - point.x) / point.depth;  // the point's way, `in`'s frame
-    WayOut way;
-    way.faces_apart = !from.closed() || out.dot(pose.R * from.Normal(point.triangle)) < 0.0;
-    way.gap.distance = -point.depth;
-    if (of_a) {
-      way.gap.p1 = pair.pose() * point.x;
-      way.gap.p2 = pair.pose() * point.p;
-      way.gap.n = pair.pose().R * -out;
-    } else {
-      way.gap.p1 = point.p;
-      way.gap.p2 = point.x;
-      way.gap.n = out;
-    }
-    ways.push_back(way);
-  }
-}
 
 // Where the surfaces coincide, or nearly, their points say little: a point below one's surface may
 // be deep inside both.
@@ -218,8 +229,7 @@ void AppendDeepest(std::vector<WayOut>& ways, double patch, std::vector<SignedGa
 
 void AppendOverlaps(const SolidPair& pair, int most_parts, std::vector<SignedGap>& out) {
   std::vector<WayOut> ways;
-  AppendWays(pair, true, most_parts, ways);
-  AppendWays(pair, false, most_parts, ways);
+  DepthSearch(pair, most_parts, ways).Run();
   const double size = std::min(pair.a().radius(), pair.b().radius());
   auto deep = [size](const WayOut& way) { return -way.gap.distance > kShallow * size; };
   if (std::none_of(ways.begin(), ways.end(), deep)) AppendCommonPoint(pair, ways);

@@ -33,13 +33,13 @@ struct WayOut {
 // A point of some piece of one mesh is inside the other. To be asked when no triangles intersect.
 bool Contained(const SolidPair& pair);
 
-// How many parts of a mesh to look at for the depth of an overlap: a quick look, and one that finds
-// most threads of a nut.
-constexpr int kFewParts = 40, kManyParts = 400;
+// How many parts of the two meshes to look at for the depth of an overlap: a quick look, and one
+// that finds most threads of a nut.
+constexpr int kFewParts = 64, kManyParts = 800;
 
 // The overlap of two meshes that intersect or contain each other: appends at least one gap of
 // distance <= 0, those along which the surfaces face each other first, of those the deepest; others
-// are at other places or in other directions. Of each mesh at most `most_parts` parts are looked
+// are at other places or in other directions. Of the meshes at most `most_parts` parts are looked
 // at.
 void AppendOverlaps(const SolidPair& pair, int most_parts, std::vector<SignedGap>& out);
 

@@ -251,6 +251,41 @@ TEST_F(ExactMeshSolveTest, NoDescentEndsInACrossing) {
   EXPECT_GT(free, 5);
 }
 
+// An answer touches. From there to the next frame's, steps along what curves end in overlaps,
+// unless they are short and stand off.
+TEST_F(ExactMeshSolveTest, DescentsLeaveTouchingStarts) {
+  const Scene scene = Scene::FromFile(MJCF_PDG_MODEL_DIR "/rigid/spoon_cup.xml", Exact());
+  Options options;
+  options.tolerance = 1e-5;
+  options.effort = Effort::kFast;
+  Solver solver(scene, options);
+  Problem problem(scene.tables(), options);
+  problem.required = VectorXd::Constant(1, problem.tolerances.aim + 2e-7);
+  problem.size = 0.05;
+  LocalOptimization local(problem);
+  std::vector<double> last;
+  int frames = 0, stuck = 0;
+  for (double t = 0.0; t < 1.0; t += 0.0125) {
+    const Eigen::Quaterniond turn(
+        Eigen::AngleAxisd(2.0 * M_PI * t, Vector3d(1, 1, 2).normalized()));
+    const std::vector<double> q = FreePose({-0.1 + 0.2 * t, 0.005, 0.06}, turn);
+    if (!last.empty()) {
+      problem.q_in = Eigen::Map<const VectorXd>(q.data(), 7);
+      problem.norm.SetReference(problem.q_in);
+      const VectorXd start = Eigen::Map<const VectorXd>(last.data(), 7);
+      const LocalResult result = local.Run(start, {});
+      ASSERT_TRUE(result.free) << t;
+      ++frames;
+      stuck += result.q == start;
+    }
+    const Result answer = solver.Solve(q);
+    last.clear();
+    if (answer.status == Status::kSolved) last = answer.q;
+  }
+  EXPECT_GT(frames, 50);
+  EXPECT_LE(stuck, frames / 8);
+}
+
 // The frames of a trajectory drag the answers along: followed for most frames, but not for long.
 TEST_F(ExactMeshSolveTest, ATrajectoryIsFollowedAndStaysNear) {
   const Scene scene = Scene::FromFile(MJCF_PDG_MODEL_DIR "/rigid/spoon_cup.xml", Exact());

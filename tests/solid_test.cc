@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+
 #include "brute_mesh.h"
 #include "test_support.h"
 
@@ -87,6 +90,21 @@ TEST(SolidTest, InsideIsWhatTheSolidAngleSays) {
     }
     EXPECT_GT(inside, 30);
   }
+}
+
+TEST(SolidTest, WindingIsToldFromAnotherPoints) {
+  Random rng(6);
+  MeshShape two = test::TorusKnot(0.1, 0.03, 40, 8);
+  two.Append(test::BoxMesh({0.05, 0.05, 0.05}));
+  const Solid solid = MakeSolid(two);
+  std::array<int, 3> seen = {};
+  for (int i = 0; i < 1000; ++i) {
+    const Vector3d known = kTreeUnits * rng.InBox(0.15), x = kTreeUnits * rng.InBox(0.15);
+    const int winding = solid.Winding(x);
+    EXPECT_EQ(solid.WindingFrom(known, solid.Winding(known), x), winding) << x.transpose();
+    ++seen[winding];
+  }
+  EXPECT_GT(*std::min_element(seen.begin(), seen.end()), 10);
 }
 
 // Rays from the middle of symmetric meshes meet edges and vertices in many directions.
