@@ -66,8 +66,8 @@ class DepthSearch {
     int side = 0;
     int box = BoxTree::kRoot;
     Vector3d x = Vector3d::Zero();
-    SurfacePoint nearest;  // to x
-    int winding = 0;       // round x
+    SurfacePoint nearest = {};  // to x
+    int winding = 0;            // round x
     bool asked = false;
 
     bool Knows() const { return nearest.triangle >= 0; }
