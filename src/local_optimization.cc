@@ -30,9 +30,9 @@ constexpr double kLargestTurn = 1.0;  // of a joint in a step; no linearization 
 constexpr double kFirstMargin = 0.12, kLeastMargin = 0.01, kLargestMargin = 0.5;
 constexpr double kUnseenOverlap = 1e-3;  // counted for an overlap of unknown depth [size]
 // Exact meshes keep a stand-off from what bounds a step, for curved surfaces meet earlier than
-// their planes: twice the overlap that a step ends in, at most a share of its length; less after
-// others.
-constexpr double kStandOffPerOverlap = 2.0, kStandOffPerStep = 0.3, kStandOffKept = 0.25;
+// their planes: twice the overlap that a step ends in, at most a share of its length; kept in part
+// after others.
+constexpr double kStandOffPerOverlap = 2.0, kStandOffPerStep = 0.03, kStandOffKept = 0.1;
 constexpr double kLimitReach = 0.5;  // joint limits farther than this get no row [rad or m]
 
 }  // namespace
