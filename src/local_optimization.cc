@@ -32,7 +32,8 @@ constexpr double kUnseenOverlap = 1e-3;  // counted for an overlap of unknown de
 // Exact meshes keep a stand-off from what bounds a step, for curved surfaces meet earlier than
 // their planes: twice the overlap that a step ends in, at most a share of its length; kept in part
 // after others.
-constexpr double kStandOffPerOverlap = 2.0, kStandOffPerStep = 0.03, kStandOffKept = 0.1;
+constexpr double kStandOffPerOverlap = 2.0, kStandOffPerStep = 0.03, kStandOffKept = 0.25;
+constexpr double kShorter = 0.25;    // a step that ends in an overlap is made again, so much of it
 constexpr double kLimitReach = 0.5;  // joint limits farther than this get no row [rad or m]
 
 }  // namespace
@@ -223,11 +224,11 @@ void LocalOptimization::AdaptStandOff(const Descent& d) {
 }
 
 // A step of exact meshes that ends in an overlap is not taken, for triangles that cross tell
-// little. It is made again from where they are apart, half as long, knowing what the overlap
+// little. It is made again from where they are apart, much shorter, knowing what the overlap
 // taught. False when it is too short.
 bool LocalOptimization::Retreat(Descent& d) {
   AdaptDamping(d.current, d.trial);
-  d.radius = 0.5 * std::min(d.radius, d.length);
+  d.radius = kShorter * std::min(d.radius, d.length);
   problem_.finder.Pose(d.current.q);
   d.finder_at_current = true;
   d.current.near.resize(d.current.found);

@@ -14,7 +14,7 @@ struct Search::Plan {
   int agree_least = 3, agree_most = 6;
   int agree = agree_most;      // until Run knows better
   int queries = 600;           // collision queries after which no further start is made
-  double box_tests = 10e3;     // ... and per dof, of triangle meshes, unless the answer is very far
+  double box_tests = 9e3;      // ... and per dof, of triangle meshes, unless the answer is very far
   double evaluations = 700.0;  // ... and estimated time since something was free [evaluations]
   bool follows = true;         // exact meshes: a frame may trust the last one's answer
   int blind = 20;              // noisy starts while nothing is free, then as many anywhere

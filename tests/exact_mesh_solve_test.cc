@@ -283,7 +283,7 @@ TEST_F(ExactMeshSolveTest, DescentsLeaveTouchingStarts) {
     if (answer.status == Status::kSolved) last = answer.q;
   }
   EXPECT_GT(frames, 50);
-  EXPECT_LE(stuck, frames / 5);
+  EXPECT_LE(stuck, frames / 8);
 }
 
 // The frames of a trajectory drag the answers along: followed for most frames, but not for long.
