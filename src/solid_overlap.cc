@@ -19,8 +19,7 @@ constexpr double kSameDirection = 0.9;
 class DepthSearch {
  public:
   DepthSearch(const SolidPair& pair, int most_parts, std::vector<WayOut>& ways)
-      : pair_(pair),
-        sides_{{pair.a(), pair.b(), pair.pose().Inverse()}, {pair.b(), pair.a(), pair.pose()}},
+      : sides_{{pair.a(), pair.b(), pair.pose().Inverse()}, {pair.b(), pair.a(), pair.pose()}},
         most_parts_(most_parts),
         ways_(ways) {}
 
@@ -52,6 +51,11 @@ class DepthSearch {
     const Solid& in;
     const RelativePose pose;  // from -> in
 
+    // Whether no point of the box is inside the other mesh: the root's box holds all of it.
+    bool IsOutside(int box) const {
+      const Vector3d center = pose * from.tree().BoxOf(box).Center().cast<double>();
+      return in.tree().RootDistance(center) > from.tree().HalfDiagonal(box);
+    }
     // How far the box reaches from x.
     double Reach(int box, const Vector3d& x) const {
       const OrientedBox& shape = from.tree().BoxOf(box);
@@ -108,13 +112,14 @@ class DepthSearch {
   }
 
   void PushChildren(const Part& parent) {
-    const BoxTree& tree = sides_[parent.side].from.tree();
+    const Side& side = sides_[parent.side];
+    const BoxTree& tree = side.from.tree();
     const int first = tree.FirstChild(parent.box);
     for (int k = 0; k < tree.NumChildren(parent.box); ++k) {
       Part child = parent;
       child.box = first + k;
       child.asked = false;
-      if (!pair_.MayTouch(parent.side == 0, child.box)) continue;
+      if (side.IsOutside(child.box)) continue;
       Bound(child);
       parts_.push(child);
     }
@@ -170,7 +175,6 @@ class DepthSearch {
     ways_.push_back(way);
   }
 
-  const SolidPair& pair_;
   const Side sides_[2];   // a in b, b in a
   const int most_parts_;  // asked for the depth of some vertex
   std::priority_queue<Part> parts_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <queue>
+#include <tuple>
 #include <utility>
 
 #include "triangle_distance.h"
@@ -25,8 +26,7 @@ struct Part {
 
 struct NearestFirst {
   bool operator()(const Part& x, const Part& y) const {
-    if (x.bound != y.bound) return x.bound > y.bound;
-    return std::pair(x.a, x.b) > std::pair(y.a, y.b);
+    return std::tuple(x.bound, x.a, x.b) > std::tuple(y.bound, y.a, y.b);
   }
 };
 
@@ -55,27 +55,18 @@ SolidPair::SolidPair(const Solid& a, const Solid& b, const RelativePose& b_in_a)
       rounding_(BoxTree::Rounding(a.tree().scale() + b.tree().scale() +
                                   static_cast<float>(b_in_a.t.lpNorm<1>()))) {}
 
-// Of the mesh that is not split, in the frame of the one that is.
-OrientedBox SolidPair::OtherBox(Boxes boxes, bool split_a) const {
-  OrientedBox other = split_a ? b_.tree().BoxOf(boxes.b) : a_.tree().BoxOf(boxes.a);
-  other.frame = (split_a ? b_in_a_ : a_in_b_) * other.frame;
-  return other;
-}
-
 // Which children of one of the boxes may be nearer than `cutoff` to the other.
-BoundedBoxes SolidPair::ChildrenNear(Boxes boxes, bool split_a, double cutoff) const {
+BoundedBoxes SolidPair::ChildrenNear(Boxes boxes, bool of_a, double cutoff) const {
   ++box_tests_;
-  return (split_a ? a_ : b_)
-      .tree()
-      .ChildrenNear(split_a ? boxes.a : boxes.b, OtherBox(boxes, split_a),
-                    static_cast<float>(cutoff), rounding_);
-}
-
-bool SolidPair::MayTouch(bool of_a, int box) const {
-  const Solid& other = of_a ? b_ : a_;
-  if (other.tree().IsLeaf(BoxTree::kRoot)) return true;
-  const BoundedBoxes near = ChildrenNear(of_a ? Boxes{.a = box} : Boxes{.b = box}, !of_a, 0.0);
-  return near.begin() != near.end();
+  const float below = static_cast<float>(cutoff);
+  if (of_a) {
+    OrientedBox other = b_.tree().BoxOf(boxes.b);
+    other.frame = b_in_a_ * other.frame;
+    return a_.tree().ChildrenNear(boxes.a, other, below, rounding_);
+  }
+  OrientedBox other = a_.tree().BoxOf(boxes.a);
+  other.frame = a_in_b_ * other.frame;
+  return b_.tree().ChildrenNear(boxes.b, other, below, rounding_);
 }
 
 SolidPair::Corners SolidPair::CornersOf(int a, int b) const {

@@ -57,8 +57,6 @@ class SolidPair {
   void Features(double margin, const NearestTriangles& first, std::vector<SignedGap>& out) const;
 
   NearestTriangles OfTriangles(int a, int b) const;
-  // Whether a box of one mesh is near some child of the other one's root.
-  bool MayTouch(bool of_a, int box) const;
   // Boxes whose children were compared with another so far: the work, whatever the machine.
   std::int64_t box_tests() const { return box_tests_; }
   // Unit, from a to b, for near.distance > 0.
@@ -85,8 +83,7 @@ class SolidPair {
                            double share) const;
   NearestTriangles Guess() const;
   void Descend(Boxes boxes, double share, NearestTriangles& best) const;
-  OrientedBox OtherBox(Boxes boxes, bool split_a) const;
-  BoundedBoxes ChildrenNear(Boxes boxes, bool split_a, double cutoff) const;
+  BoundedBoxes ChildrenNear(Boxes boxes, bool of_a, double cutoff) const;
   void Patches(double margin, double patch, std::vector<NearestTriangles>& out) const;
   bool BoundsMotion(const NearestTriangles& near) const;
 

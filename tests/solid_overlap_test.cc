@@ -162,6 +162,32 @@ TEST(SolidOverlapTest, ABoxOnABoxIsAsDeepAsItsLowestCorner) {
   }
 }
 
+// Boxes over parts of a surface leave the middle out.
+TEST(SolidOverlapTest, ABodyWhollyInsideIsAsDeepAsItsDeepestVertex) {
+  Random rng(75);
+  MeshShape body;
+  for (const Vector3d& p :
+       {Vector3d(1, 1, 1), Vector3d(1, -1, -1), Vector3d(-1, 1, -1), Vector3d(-1, -1, 1)}) {
+    body.vertices.push_back(0.3 * p);
+  }
+  body.faces = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
+  const MeshShape pebble = Globe(10, 12, [](const auto&) { return 0.01; });
+  const Solid around = MakeSolid(body), inside = MakeSolid(pebble);
+  int contained = 0;
+  for (int i = 0; i < 40; ++i) {
+    const Vector3d t = rng.InBox(0.1);
+    const SolidPair pair(around, inside, {Matrix3d::Identity(), kTreeUnits * t});
+    if (pair.RoughlyNearest(SolidPair::kTouching, nullptr).a >= 0 || !Contained(pair)) continue;
+    ++contained;
+    std::vector<SignedGap> gaps;
+    AppendOverlaps(pair, kFewParts, gaps);
+    ExpectOverlaps(gaps);
+    const double deepest = DeepestVertex(Moved(pebble, Matrix3d::Identity(), t), body);
+    EXPECT_GT(-gaps.front().distance / kTreeUnits, deepest / 1.1) << t.transpose();
+  }
+  EXPECT_GT(contained, 10);
+}
+
 TEST(SolidOverlapTest, SurfacesThatCoincideAndOpenMeshesHaveADepth) {
   const Matrix3d I = Matrix3d::Identity();
   for (const MeshShape& shape : SmallShapes()) {

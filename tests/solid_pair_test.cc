@@ -102,33 +102,6 @@ TEST(SolidPairTest, RoughlyNearestIsNearestWithinAFifthAndSeesWhatIntersects) {
   EXPECT_GT(crossing, 20);
 }
 
-// Calls `ask` of every box of the tree.
-template <typename Ask>
-void ForEachBox(const BoxTree& tree, int box, const Ask& ask) {
-  ask(box);
-  if (tree.IsLeaf(box)) return;
-  for (int k = 0; k < tree.NumChildren(box); ++k) ForEachBox(tree, tree.FirstChild(box) + k, ask);
-}
-
-TEST(SolidPairTest, BoxesThatMayTouchHoldWhatDoes) {
-  int crossing = 0, far = 0;
-  ForRandomPoses(67, 12, 0.3, [&](const SolidPair& pair, const Posed&, double expected) {
-    const NearestTriangles near = pair.Nearest(kFar);
-    for (const bool of_a : {true, false}) {
-      const BoxTree& tree = (of_a ? pair.a() : pair.b()).tree();
-      ForEachBox(tree, BoxTree::kRoot, [&](int box) {
-        const bool may = pair.MayTouch(of_a, box);
-        const bool holds = expected == 0.0 && tree.Holds(box, of_a ? near.a : near.b);
-        EXPECT_TRUE(may || !holds);
-        crossing += holds;
-        far += !may;
-      });
-    }
-  });
-  EXPECT_GT(crossing, 100);
-  EXPECT_GT(far, 1000);
-}
-
 // ---- Degenerate ----
 
 MeshShape OneTriangle(const Vector3d& p, const Vector3d& q, const Vector3d& r) {
