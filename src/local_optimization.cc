@@ -33,7 +33,8 @@ constexpr double kUnseenOverlap = 1e-3;  // counted for an overlap of unknown de
 // their planes: twice the overlap that a step ends in, at most a share of its length; kept in part
 // after others.
 constexpr double kStandOffPerOverlap = 2.0, kStandOffPerStep = 0.03, kStandOffKept = 0.25;
-constexpr double kShorter = 0.25;    // a step that ends in an overlap is made again, so much of it
+// A step that ends in an overlap is made again, so long: at first, what it taught may suffice.
+constexpr double kHardlyShorter = 0.7, kShorter = 0.2;
 constexpr double kLimitReach = 0.5;  // joint limits farther than this get no row [rad or m]
 
 }  // namespace
@@ -224,11 +225,12 @@ void LocalOptimization::AdaptStandOff(const Descent& d) {
 }
 
 // A step of exact meshes that ends in an overlap is not taken, for triangles that cross tell
-// little. It is made again from where they are apart, much shorter, knowing what the overlap
-// taught. False when it is too short.
+// little. It is made again from where they are apart, shorter, knowing what the overlap taught.
+// False when it is too short.
 bool LocalOptimization::Retreat(Descent& d) {
   AdaptDamping(d.current, d.trial);
-  d.radius = kShorter * std::min(d.radius, d.length);
+  const double share = d.retreats++ == 0 ? kHardlyShorter : kShorter;
+  d.radius = share * std::min(d.radius, d.length);
   problem_.finder.Pose(d.current.q);
   d.finder_at_current = true;
   d.current.near.resize(d.current.found);
@@ -279,6 +281,7 @@ bool LocalOptimization::GivesUp(Descent& d) {
 
 // The trial becomes the current iterate, and the best one if it is better.
 void LocalOptimization::Advance(Descent& d) {
+  d.retreats = 0;
   SetMeritPrice();
   AdaptDamping(d.current, d.trial);
   if (d.without_progress == 0) d.first_length = d.length;

@@ -80,6 +80,7 @@ class LocalOptimization {
     double length = 0.0, first_length = 0.0;    // of the last step, of the first since the best [m]
     double sigma_before = 0.0;                  // result.sigma before the last step
     int without_progress = 0;                   // steps since the best
+    int retreats = 0;                           // ... since one was taken
     int settled = 0, hopeless = 0, idle = 0;    // steps in a row that were so
   };
 

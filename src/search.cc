@@ -38,7 +38,8 @@ constexpr double kFar = 2.5, kVeryFar = 10.0;
 // Patient tries to come out of overlapping meshes the short way, at such noise [depth].
 constexpr int kWaysOut = 5, kPatientSteps = 120;
 constexpr double kNudge = 0.2;
-constexpr int kHintChances = 2;  // LocalOptions::last_chances of a start near its answer
+// LocalOptions::last_chances of a start near its answer, and at it.
+constexpr int kHintChances = 2, kPolishChances = 3;
 // Spreads of the noisy starts, in turn: how far the nearest answer's basin reaches is not known.
 constexpr double kNoise[] = {5.0, 2.0, 3.0, 8.0};
 // Time of a query and of a pair distance [evaluations], the latter over those at q_in but no fewer
@@ -377,6 +378,7 @@ LocalResult Search::Polish(const VectorXd& q) {
   options.max_iterations = 15;
   options.convergence = 1e-6;
   options.trust_radius = 0.05;
+  options.last_chances = kPolishChances;
   return local_.Run(q, options);
 }
 
