@@ -12,7 +12,7 @@ constexpr int kMaxContactRows = 48;
 constexpr double kFirstPrice = 10.0, kHighestPrice = 1e4, kLimitPrice = 1e6;
 constexpr double kDeskSize = 0.1, kDeskDepth = 1.0;  // typical radius and deepest overlap there [m]
 constexpr double kPriceOverForce = 3.0;  // by which steps are judged, over the largest force
-constexpr double kNearKnown = 0.1;       // √σ to a known optimum, in units of its own √σ
+constexpr double kNearKnown = 0.15;      // √σ to a known optimum, in units of its own √σ
 constexpr double kBeatsKnown = 0.95;     // a prediction below that may lead elsewhere
 constexpr int kGiveUpFrom = 4;  // a start that still overlaps after so many steps is judged too
 constexpr int kHopeless = 2, kSettled = 2;               // such steps in a row end it
@@ -34,7 +34,7 @@ constexpr double kUnseenOverlap = 1e-3;  // counted for an overlap of unknown de
 // after others.
 constexpr double kStandOffPerOverlap = 2.0, kStandOffPerStep = 0.03, kStandOffKept = 0.25;
 // A step that ends in an overlap is made again, so long: at first, what it taught may suffice.
-constexpr double kHardlyShorter = 0.7, kShorter = 0.2;
+constexpr double kHardlyShorter = 0.7, kShorter = 0.15;
 constexpr double kLimitReach = 0.5;  // joint limits farther than this get no row [rad or m]
 
 }  // namespace

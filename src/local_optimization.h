@@ -41,7 +41,7 @@ struct LocalOptions {
 struct LocalResult {
   VectorXd q;
   double sigma = std::numeric_limits<double>::infinity();  // [m²]
-  bool reached_known = false;  // ended within a tenth of √known_sigma of LocalOptions::known
+  bool reached_known = false;  // ended within 0.15 √known_sigma of LocalOptions::known
   bool hopeless = false;       // ended by LocalOptions::give_up_sigma
   bool free = false;           // by the solver's own distances
   double violation = 0;        // Σ over pairs of the overlap beyond what is accepted [m]
