@@ -19,7 +19,7 @@ namespace mjcf_pdg {
 enum class ExactQuery {
   kNearest,             // the nearest feature alone; of an overlap its deepest places
   kFeatures,            // all features within a margin; of an overlap its deepest places, measured
-  kSearchedFeatures,    // the same, looking ten times as long for those places
+  kSearchedFeatures,    // the same, looking many times as long for those places
   kUnmeasuredFeatures,  // the same, of an overlap only that there is one
 };
 
