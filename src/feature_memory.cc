@@ -55,6 +55,10 @@ void FeatureMemory::Learn(const SceneTables& tables, const PosedModel& posed,
   learnt.push_back(Fixed(tables, posed, crossing));
 }
 
+void FeatureMemory::ForgetLearnt() {
+  for (const int pair : pairs_) known_[pair].learnt.clear();
+}
+
 void FeatureMemory::Append(const SceneTables& tables, const PosedModel& posed, int pair,
                            std::vector<NearPair>& out) const {
   for (const auto* planes : {&known_[pair].planes, &known_[pair].learnt}) {

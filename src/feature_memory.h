@@ -27,6 +27,9 @@ class FeatureMemory {
   // Where a pair that was apart overlaps.
   void Learn(const SceneTables& tables, const PosedModel& posed, const NearPair& crossing);
 
+  // What was learnt of all pairs.
+  void ForgetLearnt();
+
   // Appends the pair's features as they stand at the pose; none if it was never apart.
   void Append(const SceneTables& tables, const PosedModel& posed, int pair,
               std::vector<NearPair>& out) const;

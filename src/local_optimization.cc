@@ -35,6 +35,7 @@ constexpr double kUnseenOverlap = 1e-3;  // counted for an overlap of unknown de
 constexpr double kStandOffPerOverlap = 2.0, kStandOffPerStep = 0.03, kStandOffKept = 0.25;
 // A step that ends in an overlap is made again, so long: at first, what it taught may suffice.
 constexpr double kHardlyShorter = 0.7, kShorter = 0.15;
+constexpr double kHeld = 1e-3;       // nothing farther holds a settled iterate [size]
 constexpr double kLimitReach = 0.5;  // joint limits farther than this get no row [rad or m]
 
 }  // namespace
@@ -264,6 +265,20 @@ bool LocalOptimization::NearKnown(const VectorXd& q, const LocalOptions& options
   return (J_ * apart_).squaredNorm() < kNearKnown * kNearKnown * options.known_sigma;
 }
 
+// What was learnt where meshes overlapped says little far from there: if nothing else holds a free
+// iterate, it is forgotten. False if there was nothing to forget.
+bool LocalOptimization::ForgetPlanes(Iterate& at) {
+  if (!Free(at) || at.found == at.near.size()) return false;
+  const auto learnt = at.near.begin() + static_cast<std::ptrdiff_t>(at.found);
+  const bool held = std::any_of(at.near.begin(), learnt, [this](const NearPair& near) {
+    return near.distance - problem_.required[near.pair] < kHeld * problem_.size;
+  });
+  if (held) return false;
+  features_.ForgetLearnt();
+  at.near.erase(learnt, at.near.end());
+  return true;
+}
+
 // The trial promises nothing better than is known, or nears the known optimum, or idles.
 bool LocalOptimization::GivesUp(Descent& d) {
   const LocalOptions& options = d.options;
@@ -275,7 +290,8 @@ bool LocalOptimization::GivesUp(Descent& d) {
   d.result.reached_known = NearKnown(d.trial.q, options);
   if (d.result.reached_known) return true;
   const bool lower = !(d.result.sigma > (1.0 - options.convergence) * d.sigma_before);
-  d.idle = features_.learning() && d.result.free && !lower ? d.idle + 1 : 0;
+  const bool idles = features_.learning() && d.result.free && !lower;
+  d.idle = idles && !ForgetPlanes(d.trial) ? d.idle + 1 : 0;
   return d.idle == options.last_chances;
 }
 

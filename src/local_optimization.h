@@ -86,6 +86,7 @@ class LocalOptimization {
 
   void Begin(const VectorXd& q, Descent& d);
   void Step(Descent& d);
+  bool ForgetPlanes(Iterate& at);
   bool GivesUp(Descent& d);
   void Advance(Descent& d);
   bool HasConverged(Descent& d);
