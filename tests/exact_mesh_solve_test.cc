@@ -289,6 +289,27 @@ TEST_F(ExactMeshSolveTest, DescentsLeaveTouchingStarts) {
   EXPECT_LE(stuck, frames / 8);
 }
 
+// What a step learnt where meshes overlapped must not hold a later one back in the air.
+TEST_F(ExactMeshSolveTest, AnswersOfOneDescentHardlyEverEndInTheAir) {
+  const MeshShape star = test::Globe(
+      7, 10, [](const Vector3d& d) { return 0.015 + 0.06 * std::pow(d.cwiseAbs().maxCoeff(), 8); });
+  const Scene scene =
+      test::MeshScene(test::Cup(0.09, 0.08, 0.02, 10), "type='mesh' mesh='moving'", star);
+  Options options;
+  options.effort = Effort::kFast;
+  Solver solver(scene, options);
+  Random rng(91);
+  int solved = 0, in_the_air = 0;
+  for (int i = 0; i < 1500; ++i) {
+    const Result result = solver.Solve(FreePose(rng.InBox(0.08), rng.UnitQuat()));
+    if (result.status != Status::kSolved) continue;
+    ++solved;
+    in_the_air += result.min_distance > 2e-4;
+  }
+  EXPECT_GT(solved, 500);
+  EXPECT_LE(in_the_air, 5);
+}
+
 // The frames of a trajectory drag the answers along: followed for most frames, but not for long.
 TEST_F(ExactMeshSolveTest, ATrajectoryIsFollowedAndStaysNear) {
   const Scene scene = Scene::FromFile(MJCF_PDG_MODEL_DIR "/rigid/spoon_cup.xml", Exact());
