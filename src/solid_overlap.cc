@@ -19,7 +19,8 @@ constexpr double kSameDirection = 0.9;
 class DepthSearch {
  public:
   DepthSearch(const SolidPair& pair, int most_parts, std::vector<WayOut>& ways)
-      : sides_{{pair.a(), pair.b(), pair.pose().Inverse()}, {pair.b(), pair.a(), pair.pose()}},
+      : pair_(pair),
+        sides_{{pair.a(), pair.b(), pair.pose().Inverse()}, {pair.b(), pair.a(), pair.pose()}},
         most_parts_(most_parts),
         ways_(ways) {}
 
@@ -51,11 +52,6 @@ class DepthSearch {
     const Solid& in;
     const RelativePose pose;  // from -> in
 
-    // Whether no point of the box is inside the other mesh: the root's box holds all of it.
-    bool IsOutside(int box) const {
-      const Vector3d center = pose * from.tree().BoxOf(box).Center().cast<double>();
-      return in.tree().RootDistance(center) > from.tree().HalfDiagonal(box);
-    }
     // How far the box reaches from x.
     double Reach(int box, const Vector3d& x) const {
       const OrientedBox& shape = from.tree().BoxOf(box);
@@ -111,15 +107,15 @@ class DepthSearch {
     return on_surface ? in.Winding(x) : in.WindingFrom(part.x, part.winding, x);
   }
 
+  // Those that may have points inside the other mesh: its root's box holds all of it.
   void PushChildren(const Part& parent) {
-    const Side& side = sides_[parent.side];
-    const BoxTree& tree = side.from.tree();
-    const int first = tree.FirstChild(parent.box);
-    for (int k = 0; k < tree.NumChildren(parent.box); ++k) {
+    const bool of_a = parent.side == 0;
+    const SolidPair::Boxes boxes =
+        of_a ? SolidPair::Boxes{.a = parent.box} : SolidPair::Boxes{.b = parent.box};
+    for (const BoundedBox& near : pair_.ChildrenNear(boxes, of_a, 0.0)) {
       Part child = parent;
-      child.box = first + k;
+      child.box = near.box;
       child.asked = false;
-      if (side.IsOutside(child.box)) continue;
       Bound(child);
       parts_.push(child);
     }
@@ -175,6 +171,7 @@ class DepthSearch {
     ways_.push_back(way);
   }
 
+  const SolidPair& pair_;
   const Side sides_[2];   // a in b, b in a
   const int most_parts_;  // asked for the depth of some vertex
   std::priority_queue<Part> parts_;

@@ -35,7 +35,7 @@ bool Contained(const SolidPair& pair);
 
 // How many parts of the two meshes to look at for the depth of an overlap: a quick look, and one
 // that finds the threads of a nut.
-constexpr int kFewParts = 64, kManyParts = 1700;
+constexpr int kFewParts = 75, kManyParts = 1700;
 
 // The overlap of two meshes that intersect or contain each other: appends at least one gap of
 // distance <= 0, those along which the surfaces face each other first, of those the deepest; others

@@ -55,7 +55,6 @@ SolidPair::SolidPair(const Solid& a, const Solid& b, const RelativePose& b_in_a)
       rounding_(BoxTree::Rounding(a.tree().scale() + b.tree().scale() +
                                   static_cast<float>(b_in_a.t.lpNorm<1>()))) {}
 
-// Which children of one of the boxes may be nearer than `cutoff` to the other.
 BoundedBoxes SolidPair::ChildrenNear(Boxes boxes, bool of_a, double cutoff) const {
   ++box_tests_;
   const float below = static_cast<float>(cutoff);

@@ -57,6 +57,14 @@ class SolidPair {
   void Features(double margin, const NearestTriangles& first, std::vector<SignedGap>& out) const;
 
   NearestTriangles OfTriangles(int a, int b) const;
+
+  // A box of each mesh.
+  struct Boxes {
+    int a = BoxTree::kRoot, b = BoxTree::kRoot;
+  };
+  // The children of one of the two, of mesh a or else b, that may be nearer than `cutoff` to the
+  // other.
+  BoundedBoxes ChildrenNear(Boxes boxes, bool of_a, double cutoff) const;
   // Boxes whose children were compared with another so far: the work, whatever the machine.
   std::int64_t box_tests() const { return box_tests_; }
   // Unit, from a to b, for near.distance > 0.
@@ -68,9 +76,6 @@ class SolidPair {
 
  private:
   static constexpr double kNearly = 0.8;
-  struct Boxes {
-    int a = BoxTree::kRoot, b = BoxTree::kRoot;
-  };
   struct Corners {
     Vector3d a[3], b[3];
   };
@@ -83,7 +88,6 @@ class SolidPair {
                            double share) const;
   NearestTriangles Guess() const;
   void Descend(Boxes boxes, double share, NearestTriangles& best) const;
-  BoundedBoxes ChildrenNear(Boxes boxes, bool of_a, double cutoff) const;
   void Patches(double margin, double patch, std::vector<NearestTriangles>& out) const;
   bool BoundsMotion(const NearestTriangles& near) const;
 
