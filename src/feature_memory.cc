@@ -55,10 +55,6 @@ void FeatureMemory::Learn(const SceneTables& tables, const PosedModel& posed,
   learnt.push_back(Fixed(tables, posed, crossing));
 }
 
-void FeatureMemory::ForgetLearnt() {
-  for (const int pair : pairs_) known_[pair].learnt.clear();
-}
-
 void FeatureMemory::Append(const SceneTables& tables, const PosedModel& posed, int pair,
                            std::vector<NearPair>& out) const {
   for (const auto* planes : {&known_[pair].planes, &known_[pair].learnt}) {
@@ -75,7 +71,9 @@ void FeatureMemory::AppendLearnt(const SceneTables& tables, const PosedModel& po
     if (std::any_of(out.begin(), out.end(), overlaps)) continue;
     std::erase_if(known_[pair].learnt, [&](const Plane& plane) {
       const NearPair near = InWorld(tables, posed, pair, plane);
-      if (near.distance >= 0.0 && near.distance < margin) out.push_back(near);
+      // Its points have slid along it: what it says of there is a guess.
+      const bool here = (near.p2_W - near.p1_W).norm() < margin;
+      if (near.distance >= 0.0 && here) out.push_back(near);
       return near.distance < 0.0;
     });
   }

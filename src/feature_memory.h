@@ -27,14 +27,11 @@ class FeatureMemory {
   // Where a pair that was apart overlaps.
   void Learn(const SceneTables& tables, const PosedModel& posed, const NearPair& crossing);
 
-  // What was learnt of all pairs.
-  void ForgetLearnt();
-
   // Appends the pair's features as they stand at the pose; none if it was never apart.
   void Append(const SceneTables& tables, const PosedModel& posed, int pair,
               std::vector<NearPair>& out) const;
-  // Appends what was learnt of all pairs and is nearer than `margin` at the pose, where they are
-  // apart.
+  // Appends what was learnt of all pairs that are apart at the pose, if its points are nearer to
+  // each other than `margin`.
   void AppendLearnt(const SceneTables& tables, const PosedModel& posed, double margin,
                     std::vector<NearPair>& out);
 

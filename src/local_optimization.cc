@@ -33,9 +33,9 @@ constexpr double kUnseenOverlap = 1e-3;  // counted for an overlap of unknown de
 // their planes: twice the overlap that a step ends in, at most a share of its length; kept in part
 // after others.
 constexpr double kStandOffPerOverlap = 2.0, kStandOffPerStep = 0.03, kStandOffKept = 0.25;
-// A step that ends in an overlap is made again, so long: at first, what it taught may suffice.
-constexpr double kHardlyShorter = 0.7, kShorter = 0.15;
-constexpr double kHeld = 1e-3;       // nothing farther holds a settled iterate [size]
+// A step that ends in an overlap is made again: by this share of its length the first time, when
+// what it taught may suffice, then by the smaller one.
+constexpr double kFirstRetreat = 0.7, kRetreat = 0.15;
 constexpr double kLimitReach = 0.5;  // joint limits farther than this get no row [rad or m]
 
 }  // namespace
@@ -230,7 +230,7 @@ void LocalOptimization::AdaptStandOff(const Descent& d) {
 // False when it is too short.
 bool LocalOptimization::Retreat(Descent& d) {
   AdaptDamping(d.current, d.trial);
-  const double share = d.retreats++ == 0 ? kHardlyShorter : kShorter;
+  const double share = d.retreats++ == 0 ? kFirstRetreat : kRetreat;
   d.radius = share * std::min(d.radius, d.length);
   problem_.finder.Pose(d.current.q);
   d.finder_at_current = true;
@@ -265,20 +265,6 @@ bool LocalOptimization::NearKnown(const VectorXd& q, const LocalOptions& options
   return (J_ * apart_).squaredNorm() < kNearKnown * kNearKnown * options.known_sigma;
 }
 
-// What was learnt where meshes overlapped says little far from there: if nothing else holds a free
-// iterate, it is forgotten. False if there was nothing to forget.
-bool LocalOptimization::ForgetPlanes(Iterate& at) {
-  if (!Free(at) || at.found == at.near.size()) return false;
-  const auto learnt = at.near.begin() + static_cast<std::ptrdiff_t>(at.found);
-  const bool held = std::any_of(at.near.begin(), learnt, [this](const NearPair& near) {
-    return near.distance - problem_.required[near.pair] < kHeld * problem_.size;
-  });
-  if (held) return false;
-  features_.ForgetLearnt();
-  at.near.erase(learnt, at.near.end());
-  return true;
-}
-
 // The trial promises nothing better than is known, or nears the known optimum, or idles.
 bool LocalOptimization::GivesUp(Descent& d) {
   const LocalOptions& options = d.options;
@@ -290,8 +276,7 @@ bool LocalOptimization::GivesUp(Descent& d) {
   d.result.reached_known = NearKnown(d.trial.q, options);
   if (d.result.reached_known) return true;
   const bool lower = !(d.result.sigma > (1.0 - options.convergence) * d.sigma_before);
-  const bool idles = features_.learning() && d.result.free && !lower;
-  d.idle = idles && !ForgetPlanes(d.trial) ? d.idle + 1 : 0;
+  d.idle = features_.learning() && d.result.free && !lower ? d.idle + 1 : 0;
   return d.idle == options.last_chances;
 }
 

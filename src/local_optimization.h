@@ -41,10 +41,10 @@ struct LocalOptions {
 struct LocalResult {
   VectorXd q;
   double sigma = std::numeric_limits<double>::infinity();  // [m²]
-  bool reached_known = false;  // ended within 0.15 √known_sigma of LocalOptions::known
-  bool hopeless = false;       // ended by LocalOptions::give_up_sigma
-  bool free = false;           // by the solver's own distances
-  double violation = 0;        // Σ over pairs of the overlap beyond what is accepted [m]
+  bool reached_known = false;                              // ended close to LocalOptions::known
+  bool hopeless = false;                                   // ended by LocalOptions::give_up_sigma
+  bool free = false;                                       // by the solver's own distances
+  double violation = 0;  // Σ over pairs of the overlap beyond what is accepted [m]
   int iterations = 0;
 };
 
@@ -80,13 +80,12 @@ class LocalOptimization {
     double length = 0.0, first_length = 0.0;    // of the last step, of the first since the best [m]
     double sigma_before = 0.0;                  // result.sigma before the last step
     int without_progress = 0;                   // steps since the best
-    int retreats = 0;                           // ... since one was taken
+    int retreats = 0;                           // since a step was taken
     int settled = 0, hopeless = 0, idle = 0;    // steps in a row that were so
   };
 
   void Begin(const VectorXd& q, Descent& d);
   void Step(Descent& d);
-  bool ForgetPlanes(Iterate& at);
   bool GivesUp(Descent& d);
   void Advance(Descent& d);
   bool HasConverged(Descent& d);
