@@ -64,7 +64,7 @@ Ccdg::Ccdg(const SceneTables& tables, ContactFinder& finder)
     : tables_(tables),
       finder_(finder),
       motion_(tables),
-      separation_(*tables.model),
+      separation_(tables),
       states_(tables.pairs.size()),
       bodies_safe_(tables.body_pairs.size()),
       bodies_required_(tables.body_pairs.size()) {

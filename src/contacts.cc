@@ -49,6 +49,7 @@ ContactFinder::ContactFinder(const SceneTables& tables, double clearance)
       model_(tables.query_model),
       posed_(&model_),
       exact_(tables, clearance),
+      convex_(tables),
       centers_W_(tables.body_spheres.size()) {
   near_.reserve(64);
 }
@@ -80,11 +81,10 @@ const std::vector<NearPair>& ContactFinder::Find(double margin, Depths depths) {
 
 void ContactFinder::AppendFeatures(int pair, double margin, Depths depths,
                                    std::vector<NearPair>& out) {
-  const KeptPair& kept = tables_.pairs[pair];
   features_.clear();
   exact_.Features(posed_, pair, margin, depths, features_);
   SignedGap hull;
-  if (!features_.empty() && HullGap(kept, features_.front().distance, hull)) {
+  if (!features_.empty() && HullGap(pair, features_.front().distance, hull)) {
     std::erase_if(features_, [](const SignedGap& gap) { return gap.distance < 0.0; });
     features_.insert(features_.begin(), hull);
   }
@@ -134,9 +134,9 @@ bool ContactFinder::Distance(int pair, double cutoff, NearPair& near) {
   const KeptPair& kept = tables_.pairs[pair];
   if (!kept.has_distance || !BoundsNear(kept, cutoff)) return false;
   SignedGap gap, hull;
-  const bool found = kept.exact ? exact_.Distance(posed_, pair, cutoff, gap)
-                                : GeomGap(kept.geom1, kept.geom2, cutoff, gap);
-  if (found && kept.exact && HullGap(kept, gap.distance, hull)) gap = hull;
+  const bool found =
+      kept.exact ? exact_.Distance(posed_, pair, cutoff, gap) : GeomGap(pair, cutoff, gap);
+  if (found && kept.exact && HullGap(pair, gap.distance, hull)) gap = hull;
   if (found) near = ToNearPair(pair, gap);
   return found;
 }
@@ -144,20 +144,23 @@ bool ContactFinder::Distance(int pair, double cutoff, NearPair& near) {
 // A measured overlap of an exact pair knows depths of points; that of the hulls is a move that is
 // certain to part the meshes. Where it is hardly longer, as for convex meshes, it is the better
 // row.
-bool ContactFinder::HullGap(const KeptPair& kept, double overlap, SignedGap& gap) {
+bool ContactFinder::HullGap(int pair, double overlap, SignedGap& gap) {
   constexpr double kShorter = 0.9, kLonger = 2.0;  // ellipsoids' can be too shallow
   if (!(overlap < 0.0) || std::isinf(overlap)) return false;
-  if (!GeomGap(kept.geom1, kept.geom2, 0.0, gap)) return false;
+  if (!GeomGap(pair, 0.0, gap)) return false;
   return gap.distance <= kShorter * overlap && gap.distance >= kLonger * overlap;
 }
 
-bool ContactFinder::GeomGap(int geom1, int geom2, double cutoff, SignedGap& gap) {
+bool ContactFinder::GeomGap(int pair, double cutoff, SignedGap& gap) {
   ++distances_;
+  const int geom1 = tables_.pairs[pair].geom1, geom2 = tables_.pairs[pair].geom2;
   const int type1 = model_.geom_type[geom1], type2 = model_.geom_type[geom2];
   if (type1 == mjGEOM_CAPSULE && type2 == mjGEOM_BOX) {
     gap = CapsuleBoxInWorld(posed_, geom1, geom2);
     return gap.distance < cutoff;
   }
+  const ConvexDistance::Answer answer = convex_.Ask(posed_, pair, cutoff, gap);
+  if (answer != ConvexDistance::Answer::kUnknown) return answer == ConvexDistance::Answer::kNear;
   mjtNum fromto[6];
   gap.distance = mj_geomDistance(&model_, posed_.data(), geom1, geom2, cutoff, fromto);
   if (gap.distance >= cutoff) return false;

@@ -2,17 +2,18 @@
 //
 // Candidates come from bounding volumes over *all* kept pairs, not from MuJoCo's contacts: with a
 // positive margin MuJoCo 4.0 drops or misplaces box-box contacts, and it misses capsules that
-// pierce boxes. Distances, depths and normals are signed pair distances: mj_geomDistance, our own
-// for capsule-box, triangles for exact meshes (exact_contacts.h). An exact pair that overlaps is
-// told as the penetration depth of its convex hulls where that is at most twice what its triangles
-// say: a move by it is certain to part them. SDF and height field pairs have contacts only; those
-// come from mj_collision.
+// pierce boxes. Distances, depths and normals are signed pair distances: our own where convex geoms
+// are apart (convex_distance.h) and for capsule-box, else mj_geomDistance; triangles for exact
+// meshes (exact_contacts.h). An exact pair that overlaps is told as the penetration depth of its
+// convex hulls where that is at most twice what its triangles say: a move by it is certain to part
+// them. SDF and height field pairs have contacts only; those come from mj_collision.
 #ifndef MJCF_PDG_SRC_CONTACTS_H_
 #define MJCF_PDG_SRC_CONTACTS_H_
 
 #include <cstdint>
 #include <vector>
 
+#include "convex_distance.h"
 #include "exact_contacts.h"
 #include "kinematics.h"
 
@@ -37,7 +38,10 @@ class ContactFinder {
   void Pose(const VectorXd& q) { posed_.Pose(q); }
   const PosedModel& posed() const { return posed_; }
   // What follows does not depend on the queries before.
-  void Forget() { exact_.Forget(); }
+  void Forget() {
+    exact_.Forget();
+    convex_.Forget();
+  }
 
   // All kept pairs nearer than `margin` at the posed configuration, in the scene's order, those
   // of SDFs and height fields last; exact pairs with their features (exact_contacts.h). One query.
@@ -60,8 +64,8 @@ class ContactFinder {
 
  private:
   bool BoundsNear(const KeptPair& kept, double margin) const;
-  bool HullGap(const KeptPair& kept, double overlap, SignedGap& gap);
-  bool GeomGap(int geom1, int geom2, double cutoff, SignedGap& gap);
+  bool HullGap(int pair, double overlap, SignedGap& gap);
+  bool GeomGap(int pair, double cutoff, SignedGap& gap);
   void FindContactOnly(double margin);
   bool BodiesNear(const BodyPair& bodies, double margin) const;
   bool BoxesNear(int geom1, int geom2, double margin) const;
@@ -70,6 +74,7 @@ class ContactFinder {
   mjModel model_;  // the scene's query model with our own margin
   PosedModel posed_;
   ExactContacts exact_;
+  ConvexDistance convex_;
   std::vector<SignedGap> features_;
   std::vector<NearPair> near_;
   std::vector<Vector3d> centers_W_;  // of body_spheres

@@ -11,9 +11,15 @@ std::optional<MeshHull> HullOf(const mjModel& m, int mesh) {
   const int* graph = m.mesh_graph + m.mesh_graphadr[mesh];
   const auto num_vertices = static_cast<std::size_t>(graph[0]);
   const auto num_corners = 3 * static_cast<std::size_t>(graph[1]);
-  const int* vertices = graph + 2 + num_vertices;
-  const int* faces = vertices + 2 * num_vertices + num_corners;
-  return MeshHull{{vertices, num_vertices}, {faces, num_corners}};
+  const std::size_t num_edges = num_vertices + num_corners;
+  const int* first_edge = graph + 2;
+  const int* vertices = first_edge + num_vertices;
+  const int* edges = vertices + num_vertices;
+  const int* faces = edges + num_edges;
+  return MeshHull{{vertices, num_vertices},
+                  {faces, num_corners},
+                  {first_edge, num_vertices},
+                  {edges, num_edges}};
 }
 
 }  // namespace mjcf_pdg

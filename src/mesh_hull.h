@@ -9,10 +9,12 @@
 
 namespace mjcf_pdg {
 
-// Both count from the mesh's first vertex.
 struct MeshHull {
+  // Both count from the mesh's first vertex.
   std::span<const int> vertices;
   std::span<const int> faces;  // three vertices each
+  // Per hull vertex, where its neighbours begin in `edges`: places in `vertices`, then -1.
+  std::span<const int> first_edge, edges;
 };
 
 // Refers to the model. None where MuJoCo has no hull of the mesh.

@@ -10,6 +10,7 @@
 #include "names.h"
 #include "options.h"
 #include "scene_tables.h"
+#include "support_points.h"
 #include "verify_exact_mesh.h"
 
 namespace mjcf_pdg {
@@ -133,6 +134,7 @@ std::shared_ptr<const SceneTables> MakeTables(std::shared_ptr<const mjModel> own
   FillKeptPairs(*tables);
   RefuseUnseenPairs(*tables);
   BuildSolids(*tables);
+  tables->support = std::make_shared<const SupportPoints>(*model, tables->pairs);
   tables->verifier_shapes = MakeVerifierShapes(*tables);
   tables->verify_model = UnblindedCopy(*tables);
   tables->query_model = tables->verify_model;

@@ -12,6 +12,7 @@
 namespace mjcf_pdg {
 
 class Solid;
+class SupportPoints;
 
 // A joint that may move. Angles in rad, slides in m.
 struct JointEntry {
@@ -75,6 +76,7 @@ struct SceneTables {
   std::vector<BodyPair> body_pairs;
   std::vector<BoundingSphere> body_spheres;  // nbody
   bool has_contact_only_pairs = false;
+  std::shared_ptr<const SupportPoints> support;  // of the kept pairs' convex geoms
 
   std::vector<char> exact;                           // ngeom: collides as its triangles ...
   std::vector<char> convex;                          // ... which are those of its convex hull

@@ -3,16 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
-
-#include "mesh_hull.h"
 
 namespace mjcf_pdg {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// MuJoCo's own collision queries use all vertices below this, the hull graph from here on.
-constexpr int kGraphFromVertices = 10;
 constexpr int kMaxRootSteps = 10;
 constexpr double kRootRatio = 0.8;  // a step this close to the largest one is good enough
 
@@ -44,36 +39,6 @@ double ConcaveRoot(const Function& f, double horizon) {
 
 }  // namespace
 
-Separation::Separation(const mjModel& model) {
-  hulls_.resize(model.nmesh);
-  std::vector<int> kept;
-  for (int mesh = 0; mesh < model.nmesh; ++mesh) {
-    hulls_[mesh].begin = static_cast<int>(kept.size());
-    const int first = model.mesh_vertadr[mesh], count = model.mesh_vertnum[mesh];
-    const std::optional<MeshHull> hull = HullOf(model, mesh);
-    if (hull && count >= kGraphFromVertices) {
-      for (const int vertex : hull->vertices) kept.push_back(first + vertex);
-    } else {
-      for (int k = 0; k < count; ++k) kept.push_back(first + k);
-    }
-    hulls_[mesh].end = static_cast<int>(kept.size());
-  }
-  vertices_.resize(3, kept.size());
-  for (std::size_t k = 0; k < kept.size(); ++k) {
-    vertices_.col(k) = Eigen::Map<const Eigen::Vector3f>(model.mesh_vert + 3 * kept[k]);
-  }
-}
-
-double Separation::MeshSupport(int mesh, const Vector3d& direction) const {
-  const Hull& hull = hulls_[mesh];
-  double best = -kInfinity;
-  for (int k = hull.begin; k < hull.end; ++k) {
-    best = std::max(best, direction.x() * vertices_(0, k) + direction.y() * vertices_(1, k) +
-                              direction.z() * vertices_(2, k));
-  }
-  return best;
-}
-
 double Separation::Support(const PosedModel& posed, int geom, const Vector3d& direction_W) const {
   return CoreSupport(posed, geom, direction_W) +
          CoreRadius(*posed.model(), geom) * direction_W.norm();
@@ -98,8 +63,10 @@ double Separation::CoreSupport(const PosedModel& posed, int geom,
       return at_center + size[0] * u.head<2>().norm() + size[1] * std::abs(u.z());
     case mjGEOM_BOX:
       return at_center + u.cwiseAbs().dot(AsVector(size));
-    case mjGEOM_MESH:
-      return at_center + MeshSupport(m.geom_dataid[geom], u);
+    case mjGEOM_MESH: {
+      int vertex = 0;
+      return at_center + u.dot(support_.Farthest(geom, u, vertex));
+    }
     default:
       return kInfinity;
   }

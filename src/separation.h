@@ -9,16 +9,15 @@
 #ifndef MJCF_PDG_SRC_SEPARATION_H_
 #define MJCF_PDG_SRC_SEPARATION_H_
 
-#include <vector>
-
 #include "motion_bound.h"
+#include "support_points.h"
 
 namespace mjcf_pdg {
 
 // Immutable after construction.
 class Separation {
  public:
-  explicit Separation(const mjModel& model);
+  explicit Separation(const SceneTables& tables) : support_(*tables.support) {}
 
   // A lower bound of the pair's signed distance [m] by the plane of normal n_W; -inf where a geom
   // is not convex (SDF, height field). A plane's own normal must be given for it.
@@ -34,13 +33,8 @@ class Separation {
 
  private:
   double CoreSupport(const PosedModel& posed, int geom, const Vector3d& direction_W) const;
-  double MeshSupport(int mesh, const Vector3d& direction) const;
 
-  struct Hull {
-    int begin = 0, end = 0;
-  };
-  std::vector<Hull> hulls_;                           // nmesh, into vertices_
-  Eigen::Matrix<float, 3, Eigen::Dynamic> vertices_;  // as MuJoCo stores them
+  const SupportPoints& support_;
 };
 
 }  // namespace mjcf_pdg

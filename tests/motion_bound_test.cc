@@ -290,7 +290,7 @@ TEST_F(SeparationTest, TheWitnessNormalOfACloseePairProvesItsDistance) {
   int proven = 0;
   for (const Scene& scene : Scenes(rng)) {
     Line line(scene);
-    const Separation separation(*line.tables.model);
+    const Separation separation(line.tables);
     for (int trial = 0; trial < 100; ++trial) {
       line.Set(RandomConfiguration(scene, rng), line.dq);
       line.Pose(0.0);
@@ -323,7 +323,7 @@ TEST_F(SeparationTest, NoSafeStepCrossesItsFloor) {
   int steps = 0, whole = 0;
   for (const Scene& scene : Scenes(rng)) {
     Line line(scene);
-    const Separation separation(*line.tables.model);
+    const Separation separation(line.tables);
     for (int trial = 0; trial < 200; ++trial) {
       line.Set(RandomConfiguration(scene, rng), RandomTangent(line, rng));
       line.Pose(0.0);

@@ -1,0 +1,51 @@
+// Farthest points of convex geoms: all that distances, depths and separating planes ask of them.
+#ifndef MJCF_PDG_SRC_SUPPORT_POINTS_H_
+#define MJCF_PDG_SRC_SUPPORT_POINTS_H_
+
+#include <mujoco/mujoco.h>
+
+#include <Eigen/Dense>
+#include <vector>
+
+#include "scene_tables.h"
+
+namespace mjcf_pdg {
+
+// Spheres, capsules, ellipsoids, cylinders, boxes and meshes, these as MuJoCo collides them: hulls.
+// A sphere's core is its centre, a capsule's its segment; the geom exceeds it by a radius.
+// Immutable after construction.
+class SupportPoints {
+ public:
+  // Of the geoms of these pairs. Refers to the model.
+  SupportPoints(const mjModel& model, const std::vector<KeptPair>& pairs);
+
+  // False for planes, SDFs and height fields.
+  bool Knows(int geom) const;
+  // A point of the core that is farthest along `direction_G`, both in the geom's frame [m]. Of a
+  // mesh, `vertex` says where the way to it starts, and then where it ended: 0 at first.
+  Eigen::Vector3d Farthest(int geom, const Eigen::Vector3d& direction_G, int& vertex) const;
+
+ private:
+  struct Hull {
+    int begin = 0, end = 0;  // vertices
+    bool has_edges = false;
+  };
+  struct Neighbour {
+    Eigen::Vector3f p;
+    int vertex = 0;
+  };
+
+  void AddHull(int mesh);
+  int Climb(const Hull& hull, const Eigen::Vector3d& direction, int vertex) const;
+  int LookAtAll(const Hull& hull, const Eigen::Vector3d& direction) const;
+
+  const mjModel& model_;
+  std::vector<Hull> hulls_;                // nmesh
+  std::vector<Eigen::Vector3f> vertices_;  // of all hulls
+  std::vector<int> first_neighbour_;       // of each vertex, and of one beyond the last
+  std::vector<Neighbour> neighbours_;      // joined to it by an edge; counted from the hull's first
+};
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_SUPPORT_POINTS_H_
