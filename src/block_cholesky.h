@@ -26,6 +26,7 @@ class BlockCholesky {
         Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> in_place(block);
       }
     }
+    inverse_ = L_.diagonal().cwiseInverse();
   }
 
   // B = L⁻¹ B; B has as many rows as H.
@@ -34,10 +35,11 @@ class BlockCholesky {
     if (B.cols() == 0) return;
     for (const ColumnRange& b : *blocks_) {
       auto rows = B.middleRows(b.begin, b.size);
-      if (b.size == 1) {
-        rows /= L_(b.begin, b.begin);
-      } else {
-        Block(b).template triangularView<Eigen::Lower>().solveInPlace(rows);
+      if (b.size > kSmall) Block(b).template triangularView<Eigen::Lower>().solveInPlace(rows);
+    }
+    for (Eigen::Index j = 0; j < B.cols(); ++j) {
+      for (const ColumnRange& b : *blocks_) {
+        if (b.size <= kSmall) SolveSmall(b, &B.coeffRef(b.begin, j));
       }
     }
   }
@@ -56,12 +58,22 @@ class BlockCholesky {
   }
 
  private:
+  static constexpr int kSmall = 6;  // for these, Eigen takes longer to begin than to solve
+
+  void SolveSmall(const ColumnRange& b, double* x) const {
+    for (int i = 0; i < b.size; ++i) {
+      for (int k = 0; k < i; ++k) x[i] -= L_(b.begin + i, b.begin + k) * x[k];
+      x[i] *= inverse_[b.begin + i];
+    }
+  }
+
   Eigen::Block<const Eigen::MatrixXd> Block(const ColumnRange& b) const {
     return L_.block(b.begin, b.begin, b.size, b.size);
   }
 
   const std::vector<ColumnRange>* blocks_ = nullptr;
   Eigen::MatrixXd L_;
+  Eigen::VectorXd inverse_;  // of its diagonal
 };
 
 }  // namespace mjcf_pdg

@@ -12,15 +12,22 @@ int LastDof(const mjModel& m, int body) {
   return body > 0 ? m.body_dofadr[body] + m.body_dofnum[body] - 1 : -1;
 }
 
-// n · velocity of the point p_W under unit speed of `dof`.
-double PointRate(const PosedModel& posed, int dof, const Vector3d& p_W, const Vector3d& n_W) {
-  const mjModel& m = *posed.model();
-  const mjData& d = *posed.data();
-  const int root = m.body_rootid[m.dof_bodyid[dof]];
-  const Vector3d lever = p_W - AsVector(d.subtree_com + 3 * root);
-  const double* cdof = d.cdof + 6 * dof;
-  return n_W.dot(AsVector(cdof + 3) + AsVector(cdof).cross(lever));
-}
+// A unit force along n_W at a point p_W of a body, as motion axes see it: about the centre of mass
+// of the body's tree.
+struct Wrench {
+  Wrench(const PosedModel& posed, int body, const Vector3d& p_W, const Vector3d& n_W)
+      : torque((p_W - AsVector(posed.data()->subtree_com + 3 * posed.model()->body_rootid[body]))
+                   .cross(n_W)),
+        force(n_W) {}
+
+  // n · velocity of the point under unit speed of `dof`.
+  double Rate(const mjData& d, int dof) const {
+    const double* cdof = d.cdof + 6 * dof;
+    return torque.dot(AsVector(cdof)) + force.dot(AsVector(cdof + 3));
+  }
+
+  Vector3d torque, force;
+};
 
 }  // namespace
 
@@ -43,16 +50,17 @@ int ContactRows::Append(double gap_value) {
 void ContactRow(const SceneTables& tables, const PosedModel& posed, int pair, const Vector3d& p1_W,
                 const Vector3d& p2_W, const Vector3d& n_W, Eigen::Ref<Eigen::RowVectorXd> out) {
   const mjModel& m = *posed.model();
+  const mjData& d = *posed.data();
+  const int body1 = m.geom_bodyid[tables.pairs[pair].geom1];
+  const int body2 = m.geom_bodyid[tables.pairs[pair].geom2];
+  const Wrench on1(posed, body1, p1_W, n_W), on2(posed, body2, p2_W, n_W);
   out.setZero();
-  int dof1 = LastDof(m, m.geom_bodyid[tables.pairs[pair].geom1]);
-  int dof2 = LastDof(m, m.geom_bodyid[tables.pairs[pair].geom2]);
+  int dof1 = LastDof(m, body1), dof2 = LastDof(m, body2);
   while (dof1 != dof2) {
     const bool second = dof2 > dof1;
     int& dof = second ? dof2 : dof1;
     const int col = tables.column_of_dof[dof];
-    if (col >= 0) {
-      out[col] = second ? PointRate(posed, dof, p2_W, n_W) : -PointRate(posed, dof, p1_W, n_W);
-    }
+    if (col >= 0) out[col] = second ? on2.Rate(d, dof) : -on1.Rate(d, dof);
     dof = m.dof_parentid[dof];
   }
 }

@@ -26,13 +26,11 @@ ConvexDistance::ConvexDistance(const SceneTables& tables)
 void ConvexDistance::Forget() { memories_.assign(memories_.size(), Memory()); }
 
 ConvexDistance::Answer ConvexDistance::AskPlane(const PosedModel& posed, const KeptPair& pair,
-                                                double cutoff, Memory& memory,
-                                                SignedGap& gap) const {
+                                                double cutoff, SignedGap& gap) const {
   const mjData& d = *posed.data();
   gap.n = AsMatrix(d.geom_xmat + 9 * pair.geom1).col(2);
   const Matrix3d R2 = AsMatrix(d.geom_xmat + 9 * pair.geom2);
-  const Vector3d lowest =
-      tables_.support->Farthest(pair.geom2, -(R2.transpose() * gap.n), memory.vertex2);
+  const Vector3d lowest = tables_.support->Farthest(pair.geom2, -(R2.transpose() * gap.n));
   gap.p2 = AsVector(d.geom_xpos + 3 * pair.geom2) + R2 * lowest -
            CoreRadius(*posed.model(), pair.geom2) * gap.n;
   gap.distance = gap.n.dot(gap.p2 - AsVector(d.geom_xpos + 3 * pair.geom1));
@@ -41,10 +39,10 @@ ConvexDistance::Answer ConvexDistance::AskPlane(const PosedModel& posed, const K
 }
 
 // The points of the two that are farthest towards each other, along ∓n.
-void ConvexDistance::AddFarthest(const KeptPair& pair, const RelativePose& pose, const Vector3d& n,
-                                 Memory& memory) {
-  const Vector3d p1 = tables_.support->Farthest(pair.geom1, -n, memory.vertex1);
-  const Vector3d p2 = tables_.support->Farthest(pair.geom2, pose.R.transpose() * n, memory.vertex2);
+void ConvexDistance::AddFarthest(const KeptPair& pair, const RelativePose& pose,
+                                 const Vector3d& n) {
+  const Vector3d p1 = tables_.support->Farthest(pair.geom1, -n);
+  const Vector3d p2 = tables_.support->Farthest(pair.geom2, pose.R.transpose() * n);
   simplex_.Add(p1, pose.R * p2 + pose.t);
 }
 
@@ -71,13 +69,13 @@ ConvexDistance::Answer ConvexDistance::Ask(const PosedModel& posed, int pair, do
   const mjModel& m = *posed.model();
   const mjData& d = *posed.data();
   Memory& memory = memories_[pair];
-  if (m.geom_type[kept.geom1] == mjGEOM_PLANE) return AskPlane(posed, kept, cutoff, memory, gap);
+  if (m.geom_type[kept.geom1] == mjGEOM_PLANE) return AskPlane(posed, kept, cutoff, gap);
   const Matrix3d R1 = AsMatrix(d.geom_xmat + 9 * kept.geom1);
   const Vector3d x1 = AsVector(d.geom_xpos + 3 * kept.geom1);
   const RelativePose pose{R1.transpose() * AsMatrix(d.geom_xmat + 9 * kept.geom2),
                           R1.transpose() * (AsVector(d.geom_xpos + 3 * kept.geom2) - x1)};
   const double radius1 = CoreRadius(m, kept.geom1), radius2 = CoreRadius(m, kept.geom2);
-  if (!Recall(pose, memory)) AddFarthest(kept, pose, -pose.t, memory);
+  if (!Recall(pose, memory)) AddFarthest(kept, pose, -pose.t);
   for (int step = 0; step < kMaxSteps; ++step) {
     simplex_.Reduce();
     const Vector3d nearest = simplex_.Nearest();
@@ -86,7 +84,7 @@ ConvexDistance::Answer ConvexDistance::Ask(const PosedModel& posed, int pair, do
       Remember(pose, memory);
       return Answer::kUnknown;
     }
-    AddFarthest(kept, pose, nearest, memory);
+    AddFarthest(kept, pose, nearest);
     const double at_least = simplex_.Last().dot(nearest) / between;
     const bool beyond = at_least - radius1 - radius2 >= cutoff;
     gap.distance = between - radius1 - radius2;

@@ -34,11 +34,10 @@ class ConvexDistance {
 
  private:
   // The last simplex, its corners in the frames of geom 1 and geom 2: points of them wherever they
-  // are. And the vertices found last.
+  // are.
   struct Memory {
     int size = 0;
     Vector3d p1_G[4], p2_G[4];
-    int vertex1 = 0, vertex2 = 0;
   };
   // Geom 2 in the frame of geom 1.
   struct RelativePose {
@@ -46,10 +45,9 @@ class ConvexDistance {
     Vector3d t;
   };
 
-  Answer AskPlane(const PosedModel& posed, const KeptPair& pair, double cutoff, Memory& memory,
+  Answer AskPlane(const PosedModel& posed, const KeptPair& pair, double cutoff,
                   SignedGap& gap) const;
-  void AddFarthest(const KeptPair& pair, const RelativePose& pose, const Vector3d& n,
-                   Memory& memory);
+  void AddFarthest(const KeptPair& pair, const RelativePose& pose, const Vector3d& n);
   bool Recall(const RelativePose& pose, const Memory& memory);
   void Remember(const RelativePose& pose, Memory& memory) const;
 

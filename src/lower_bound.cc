@@ -137,7 +137,7 @@ void ClaimPairs(const LowerBoundInput& in, std::vector<Claim>& claims) {
     if (!pair.plane && pair.hope > floor && cells_left > 0) {
       root = SearchDirections(pair, floor, cells_left);
     }
-    const double S = std::max(pair.LeverS(), root * root);
+    const double S = pair.LeverS(root * root);
     floor = std::max(floor, std::sqrt(S));
     claims.push_back({S, pair.movers});
   }

@@ -17,14 +17,15 @@ double LambdaMax(const Matrix3d& A) {
   return mean + std::sqrt(2.0 / 3.0 * (A - mean * Matrix3d::Identity()).squaredNorm());
 }
 
-// g²: the maximum over the geom of Σ_j ρ_j².
-double LeverSquared(const Chain& chain, const ConvexGeom& geom) {
+// g²: the maximum over the geom of Σ_j ρ_j², or some value beyond `enough`.
+double LeverSquared(const Chain& chain, const ConvexGeom& geom, double enough) {
   double most = 0.0;
   if (chain.empty()) return most;
   for (const Vector3d& p : geom.points) {
     double sum = 0.0;
     for (const Mover& mover : chain) sum += ReachSquared(mover, p, geom.radius);
     most = std::max(most, sum);
+    if (most > enough) break;
   }
   return most;
 }
@@ -91,9 +92,12 @@ struct Cell {
 
 }  // namespace
 
-double PairProblem::LeverS() const {
-  const double g = LeverSquared(chain[0], geom[0]) + LeverSquared(chain[1], geom[1]);
-  return g > 0.0 && needed > 0.0 ? needed * needed / g : 0.0;
+double PairProblem::LeverS(double floor) const {
+  if (!(needed > 0.0)) return floor;
+  const double enough = floor > 0.0 ? needed * needed / floor : kInfinity;
+  double g = LeverSquared(chain[0], geom[0], enough);
+  g += LeverSquared(chain[1], geom[1], enough - g);
+  return g > 0.0 ? std::max(floor, needed * needed / g) : floor;
 }
 
 double PairProblem::RootAt(const Vector3d& a, const Vector3d& b, const Vector3d& n,

@@ -21,7 +21,8 @@ struct PairProblem {
   std::vector<int> movers;  // of both chains
   double hope = 0.0;        // √S along one direction: more will not be proven, levers aside
 
-  double LeverS() const;
+  // By levers, S; `floor` if that is more.
+  double LeverS(double floor) const;
   // √S for all unit vectors within eps of n: the best of the points tried.
   double RootFor(const Vector3d& n, double eps) const;
   // √S if geom 1 is a plane: a half-space is left along its normal only.

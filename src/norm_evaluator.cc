@@ -306,9 +306,12 @@ void NormEvaluator::FillBodyPose(const NormTerm& term, VectorXd& r, MatrixXd* J)
 void NormEvaluator::InnerProduct(const MatrixXd& J, MatrixXd& H) const {
   H.resize(tables_.n, tables_.n);
   for (const ColumnRange& block : blocks_) {
-    const auto columns = J.middleCols(block.begin, block.size);
+    // Where H is block-diagonal, so is J: a joint's term has a row for each of its columns.
+    const bool all = NeedsPose();
+    const auto own =
+        J.block(all ? 0 : block.begin, block.begin, all ? J.rows() : block.size, block.size);
     H.block(block.begin, block.begin, block.size, block.size).noalias() =
-        columns.transpose() * columns;
+        own.transpose().lazyProduct(own);
   }
   H.diagonal().array() += 1e-8 * H.diagonal().mean() + 1e-12;
 }

@@ -63,10 +63,8 @@ double Separation::CoreSupport(const PosedModel& posed, int geom,
       return at_center + size[0] * u.head<2>().norm() + size[1] * std::abs(u.z());
     case mjGEOM_BOX:
       return at_center + u.cwiseAbs().dot(AsVector(size));
-    case mjGEOM_MESH: {
-      int vertex = 0;
-      return at_center + u.dot(support_.Farthest(geom, u, vertex));
-    }
+    case mjGEOM_MESH:
+      return at_center + u.dot(support_.Farthest(geom, u));
     default:
       return kInfinity;
   }

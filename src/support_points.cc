@@ -14,6 +14,31 @@ using Eigen::Vector3d;
 // MuJoCo's own collision queries use all vertices below this, the hull from here on.
 constexpr int kHullFromVertices = 10;
 
+// Directions by the faces of a cube, each cut into squares.
+constexpr int kCells = 8;
+
+int CellOf(const Vector3d& direction) {
+  int axis = 0;
+  const double largest = direction.cwiseAbs().maxCoeff(&axis);
+  if (!(largest > 0.0)) return 0;
+  auto place = [&](double along) {
+    return std::min(static_cast<int>((along / largest + 1.0) * 0.5 * kCells), kCells - 1);
+  };
+  const int face = 2 * axis + (direction[axis] < 0.0);
+  return (face * kCells + place(direction[(axis + 1) % 3])) * kCells +
+         place(direction[(axis + 2) % 3]);
+}
+
+Vector3d MiddleOf(int cell) {
+  auto along = [](int place) { return (2.0 * place + 1.0) / kCells - 1.0; };
+  const int face = cell / (kCells * kCells), axis = face / 2;
+  Vector3d direction;
+  direction[axis] = face % 2 == 0 ? 1.0 : -1.0;
+  direction[(axis + 1) % 3] = along(cell / kCells % kCells);
+  direction[(axis + 2) % 3] = along(cell % kCells);
+  return direction;
+}
+
 double Along(const Vector3d& direction, const Eigen::Vector3f& p) {
   return direction.x() * p.x() + direction.y() * p.y() + direction.z() * p.z();
 }
@@ -39,8 +64,9 @@ void SupportPoints::AddHull(int mesh) {
   const std::optional<MeshHull> graph = HullOf(model_, mesh);
   const bool has_edges = graph && count >= kHullFromVertices;
   const int size = has_edges ? static_cast<int>(graph->vertices.size()) : count;
-  const int begin = static_cast<int>(vertices_.size());
-  hulls_[mesh] = {begin, begin + size, has_edges};
+  Hull& hull = hulls_[mesh];
+  hull.begin = static_cast<int>(vertices_.size());
+  hull.end = hull.begin + size;
   for (int k = 0; k < size; ++k) {
     const std::ptrdiff_t vertex = model_.mesh_vertadr[mesh] + (has_edges ? graph->vertices[k] : k);
     vertices_.emplace_back(model_.mesh_vert + 3 * vertex);
@@ -49,8 +75,13 @@ void SupportPoints::AddHull(int mesh) {
     first_neighbour_.push_back(static_cast<int>(neighbours_.size()));
     if (!has_edges) continue;
     for (const int* edge = graph->edges.data() + graph->first_edge[k]; *edge >= 0; ++edge) {
-      neighbours_.push_back({vertices_[begin + *edge], *edge});
+      neighbours_.push_back({vertices_[hull.begin + *edge], *edge});
     }
+  }
+  if (!has_edges) return;
+  hull.starts = static_cast<int>(starts_.size());
+  for (int cell = 0; cell < 6 * kCells * kCells; ++cell) {
+    starts_.push_back(LookAtAll(hull, MiddleOf(cell)));
   }
 }
 
@@ -98,7 +129,7 @@ int SupportPoints::LookAtAll(const Hull& hull, const Vector3d& direction) const 
   return vertex;
 }
 
-Vector3d SupportPoints::Farthest(int geom, const Vector3d& direction_G, int& vertex) const {
+Vector3d SupportPoints::Farthest(int geom, const Vector3d& direction_G) const {
   const double* size = model_.geom_size + 3 * geom;
   auto signed_by = [](double length, double direction) {
     return direction < 0.0 ? -length : length;
@@ -121,7 +152,9 @@ Vector3d SupportPoints::Farthest(int geom, const Vector3d& direction_G, int& ver
               signed_by(size[2], direction_G.z())};
     case mjGEOM_MESH: {
       const Hull& hull = hulls_[model_.geom_dataid[geom]];
-      vertex = hull.has_edges ? Climb(hull, direction_G, vertex) : LookAtAll(hull, direction_G);
+      const int vertex = hull.starts < 0
+                             ? LookAtAll(hull, direction_G)
+                             : Climb(hull, direction_G, starts_[hull.starts + CellOf(direction_G)]);
       return vertices_[hull.begin + vertex].cast<double>();
     }
     default:

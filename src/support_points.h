@@ -21,14 +21,13 @@ class SupportPoints {
 
   // False for planes, SDFs and height fields.
   bool Knows(int geom) const;
-  // A point of the core that is farthest along `direction_G`, both in the geom's frame [m]. Of a
-  // mesh, `vertex` says where the way to it starts, and then where it ended: 0 at first.
-  Eigen::Vector3d Farthest(int geom, const Eigen::Vector3d& direction_G, int& vertex) const;
+  // A point of the core that is farthest along `direction_G`, both in the geom's frame [m].
+  Eigen::Vector3d Farthest(int geom, const Eigen::Vector3d& direction_G) const;
 
  private:
   struct Hull {
     int begin = 0, end = 0;  // vertices
-    bool has_edges = false;
+    int starts = -1;         // its part of starts_; -1: without edges
   };
   struct Neighbour {
     Eigen::Vector3f p;
@@ -44,6 +43,7 @@ class SupportPoints {
   std::vector<Eigen::Vector3f> vertices_;  // of all hulls
   std::vector<int> first_neighbour_;       // of each vertex, and of one beyond the last
   std::vector<Neighbour> neighbours_;      // joined to it by an edge; counted from the hull's first
+  std::vector<int> starts_;                // the farthest vertex along some direction of each cell
 };
 
 }  // namespace mjcf_pdg
