@@ -23,7 +23,10 @@ ConvexDistance::ConvexDistance(const SceneTables& tables)
   }
 }
 
-void ConvexDistance::Forget() { memories_.assign(memories_.size(), Memory()); }
+void ConvexDistance::Forget() {
+  for (const int pair : remembered_) memories_[pair].size = 0;
+  remembered_.clear();
+}
 
 ConvexDistance::Answer ConvexDistance::AskPlane(const PosedModel& posed, const KeptPair& pair,
                                                 double cutoff, SignedGap& gap) const {
@@ -54,7 +57,9 @@ bool ConvexDistance::Recall(const RelativePose& pose, const Memory& memory) {
   return memory.size > 0;
 }
 
-void ConvexDistance::Remember(const RelativePose& pose, Memory& memory) const {
+void ConvexDistance::Remember(const RelativePose& pose, int pair) {
+  Memory& memory = memories_[pair];
+  if (memory.size == 0) remembered_.push_back(pair);
   memory.size = simplex_.size();
   for (int k = 0; k < memory.size; ++k) {
     memory.p1_G[k] = simplex_[k].p1;
@@ -68,20 +73,19 @@ ConvexDistance::Answer ConvexDistance::Ask(const PosedModel& posed, int pair, do
   const KeptPair& kept = tables_.pairs[pair];
   const mjModel& m = *posed.model();
   const mjData& d = *posed.data();
-  Memory& memory = memories_[pair];
   if (m.geom_type[kept.geom1] == mjGEOM_PLANE) return AskPlane(posed, kept, cutoff, gap);
   const Matrix3d R1 = AsMatrix(d.geom_xmat + 9 * kept.geom1);
   const Vector3d x1 = AsVector(d.geom_xpos + 3 * kept.geom1);
   const RelativePose pose{R1.transpose() * AsMatrix(d.geom_xmat + 9 * kept.geom2),
                           R1.transpose() * (AsVector(d.geom_xpos + 3 * kept.geom2) - x1)};
   const double radius1 = CoreRadius(m, kept.geom1), radius2 = CoreRadius(m, kept.geom2);
-  if (!Recall(pose, memory)) AddFarthest(kept, pose, -pose.t);
+  if (!Recall(pose, memories_[pair])) AddFarthest(kept, pose, -pose.t);
   for (int step = 0; step < kMaxSteps; ++step) {
     simplex_.Reduce();
     const Vector3d nearest = simplex_.Nearest();
     const double between = nearest.norm();
     if (simplex_.size() == 4 || between < kTouching) {
-      Remember(pose, memory);
+      Remember(pose, pair);
       return Answer::kUnknown;
     }
     AddFarthest(kept, pose, nearest);
@@ -91,7 +95,7 @@ ConvexDistance::Answer ConvexDistance::Ask(const PosedModel& posed, int pair, do
     const bool meet = between - at_least <= kMeet + kMeetShare * std::abs(gap.distance);
     if (!beyond && !meet) continue;
     simplex_.DropLast();
-    Remember(pose, memory);
+    Remember(pose, pair);
     if (beyond || gap.distance >= cutoff) return Answer::kBeyond;
     const Vector3d n = -nearest / between;
     gap.n = R1 * n;

@@ -49,11 +49,12 @@ class ConvexDistance {
                   SignedGap& gap) const;
   void AddFarthest(const KeptPair& pair, const RelativePose& pose, const Vector3d& n);
   bool Recall(const RelativePose& pose, const Memory& memory);
-  void Remember(const RelativePose& pose, Memory& memory) const;
+  void Remember(const RelativePose& pose, int pair);
 
   const SceneTables& tables_;
   std::vector<char> knows_;       // per kept pair
   std::vector<Memory> memories_;  // per kept pair
+  std::vector<int> remembered_;   // those that are not empty
   Simplex simplex_;               // in the frame of geom 1
 };
 
