@@ -95,6 +95,7 @@ const CcdResult& Ccdg::Move(const VectorXd& q0, const VectorXd& dq, const CcdOpt
 
 void Ccdg::Start(const VectorXd& q0, const VectorXd& dq, const CcdOptions& options,
                  const VectorXd* required) {
+  finder_.ForgetConvex();
   options_ = options;
   required_ = required;
   q0_ = q0;

@@ -37,11 +37,13 @@ class ContactFinder {
   void SetMocap(const MocapPoses& poses) { posed_.SetMocap(poses); }
   void Pose(const VectorXd& q) { posed_.Pose(q); }
   const PosedModel& posed() const { return posed_; }
-  // What follows does not depend on the queries before.
+  // What follows does not depend on the queries before ...
   void Forget() {
     exact_.Forget();
-    convex_.Forget();
+    ForgetConvex();
   }
+  // ... but for exact pairs.
+  void ForgetConvex() { convex_.Forget(); }
 
   // All kept pairs nearer than `margin` at the posed configuration, in the scene's order, those
   // of SDFs and height fields last; exact pairs with their features (exact_contacts.h). One query.

@@ -324,6 +324,7 @@ bool LocalOptimization::ReturnToBest(Descent& d) {
 void LocalOptimization::Begin(const VectorXd& q, Descent& d) {
   memory_.Clear(problem_.tables.pairs.size());
   features_.Clear(problem_.tables.pairs.size());
+  problem_.finder.ForgetConvex();
   remembers_ = problem_.Uses("witness_memory");
   damps_ = problem_.Uses("damping");
   merit_price_ = 0.0;

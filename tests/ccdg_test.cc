@@ -306,7 +306,6 @@ TEST_F(CcdgTest, AResultDoesNotDependOnWhatWasAskedBefore) {
     const VectorXd q0 = RandomConfiguration(used.scene, rng);
     const VectorXd q1 = RandomConfiguration(used.scene, rng);
     used.Move(RandomConfiguration(used.scene, rng), RandomConfiguration(used.scene, rng));
-    used.finder.Forget();
     const CcdResult& a = used.Move(q0, q1);
     Mover fresh(ArmXml());
     EXPECT_EQ(a.t, fresh.Move(q0, q1).t);

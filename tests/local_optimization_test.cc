@@ -30,7 +30,6 @@ struct Local {
   }
 
   void Refer(const VectorXd& q_in) {
-    problem.finder.Forget();
     problem.q_in = Normalized(scene.tables(), q_in);
     problem.norm.SetReference(problem.q_in);
   }
