@@ -72,8 +72,8 @@ std::optional<PairProblem> MakePair(const LowerBoundInput& in, const Chains& cha
   if (pair.plane && !pair.chain[0].empty()) return std::nullopt;
   pair.movers = path1;
   pair.movers.insert(pair.movers.end(), path2.begin(), path2.end());
-  pair.geom[0] = ConvexGeomOf(m, *in.posed.data(), kept.geom1);
-  pair.geom[1] = ConvexGeomOf(m, *in.posed.data(), kept.geom2);
+  pair.geom[0] = ConvexGeomOf(in.posed, *in.tables.support, kept.geom1);
+  pair.geom[1] = ConvexGeomOf(in.posed, *in.tables.support, kept.geom2);
   pair.hope = pair.plane ? pair.RootForPlane() : pair.RootFor(near.n_W, 0.0);
   return pair;
 }

@@ -9,30 +9,28 @@
 #include <vector>
 
 #include "kinematics.h"
+#include "support_points.h"
 
 namespace mjcf_pdg {
 
 // At q_in, in world axes.
 struct ConvexGeom {
-  int type = 0;
-  Vector3d center, size;
+  const SupportPoints* support = nullptr;
+  int geom = 0;
+  double core_radius = 0.0;  // by which it exceeds its support points [m]
+  Vector3d center;
   Matrix3d R;
   // The geom is the hull of the points, grown by the radius; a round geom is inside that.
   std::vector<Vector3d> points;
   double radius = 0.0;
-
-  // Cylinders and ellipsoids, whose points are not their own.
-  bool IsRound() const { return type == mjGEOM_ELLIPSOID || type == mjGEOM_CYLINDER; }
+  bool round = false;  // a cylinder or ellipsoid, whose points are not its own
 
   // The geom's farthest point along n.
   Vector3d Support(const Vector3d& n) const;
-
- private:
-  Vector3d RoundSupport(const Vector3d& n) const;
 };
 
 // Any geom with a signed distance; of a plane, nothing but center and R is of use.
-ConvexGeom ConvexGeomOf(const mjModel& m, const mjData& d, int geom);
+ConvexGeom ConvexGeomOf(const PosedModel& posed, const SupportPoints& support, int geom);
 
 }  // namespace mjcf_pdg
 

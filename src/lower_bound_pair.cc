@@ -151,7 +151,7 @@ double PairProblem::RootForPlane() const {
     return std::isfinite(at) ? at : 0.0;  // there is no way out: no number is a bound
   };
   double best = root(geom[1].Support(-n));
-  if (geom[1].IsRound()) return best;
+  if (geom[1].round) return best;
   for (const Vector3d& p : geom[1].points) best = std::max(best, root(p - geom[1].radius * n));
   return best;
 }

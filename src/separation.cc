@@ -46,28 +46,13 @@ double Separation::Support(const PosedModel& posed, int geom, const Vector3d& di
 
 double Separation::CoreSupport(const PosedModel& posed, int geom,
                                const Vector3d& direction_W) const {
-  const mjModel& m = *posed.model();
-  const double* size = m.geom_size + 3 * geom;
   const double at_center = direction_W.dot(AsVector(posed.data()->geom_xpos + 3 * geom));
   const Vector3d u = AsMatrix(posed.data()->geom_xmat + 9 * geom).transpose() * direction_W;
-  switch (m.geom_type[geom]) {
-    case mjGEOM_PLANE:  // a half space, bounded only along its own normal
-      return u.z() > 0.0 && u.head<2>().norm() <= 1e-14 * u.z() ? at_center : kInfinity;
-    case mjGEOM_SPHERE:
-      return at_center;
-    case mjGEOM_CAPSULE:
-      return at_center + size[1] * std::abs(u.z());
-    case mjGEOM_ELLIPSOID:
-      return at_center + u.cwiseProduct(AsVector(size)).norm();
-    case mjGEOM_CYLINDER:
-      return at_center + size[0] * u.head<2>().norm() + size[1] * std::abs(u.z());
-    case mjGEOM_BOX:
-      return at_center + u.cwiseAbs().dot(AsVector(size));
-    case mjGEOM_MESH:
-      return at_center + u.dot(support_.Farthest(geom, u));
-    default:
-      return kInfinity;
-  }
+  if (support_.Knows(geom)) return at_center + u.dot(support_.Farthest(geom, u));
+  // A plane is a half space, bounded only along its own normal; others are not convex.
+  const bool plane = posed.model()->geom_type[geom] == mjGEOM_PLANE;
+  const bool bounded = plane && u.z() > 0.0 && u.head<2>().norm() <= 1e-14 * u.z();
+  return bounded ? at_center : kInfinity;
 }
 
 double Separation::Distance(const PosedModel& posed, int geom1, int geom2,

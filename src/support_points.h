@@ -21,7 +21,8 @@ class SupportPoints {
 
   // False for planes, SDFs and height fields.
   bool Knows(int geom) const;
-  // A point of the core that is farthest along `direction_G`, both in the geom's frame [m].
+  // A point of the core that is farthest along `direction_G`, both in the frame of the geom, which
+  // is one that Knows knows and in one of the pairs [m].
   Eigen::Vector3d Farthest(int geom, const Eigen::Vector3d& direction_G) const;
 
  private:

@@ -25,8 +25,6 @@ double LeastNorm(const std::vector<Vector3d>& x) {
         const double weights[] = {1.0 * i / kCells, 1.0 * j / kCells, 1.0 * k / kCells,
                                   1.0 - 1.0 * (i + j + k) / kCells};
         if (corners < 4 && weights[3] > 1e-9) continue;
-        if (corners < 3 && k > 0) continue;
-        if (corners < 2 && j > 0) continue;
         Vector3d mean = Vector3d::Zero();
         for (std::size_t c = 0; c < corners; ++c) mean += weights[c] * x[c];
         least = std::min(least, mean.norm());
