@@ -10,7 +10,7 @@ namespace mjcf_pdg {
 struct Search::Plan {
   // The search ends when `agree` independent starts have ended at the best answer: between these
   // bounds, 1 + StartsForManyBodies + agree_per_depth · RelativeDepth; `spared` fewer, but no fewer
-  // than the least, where a third of all starts do; not of exact meshes.
+  // than the least, where a third of all starts do.
   double agree_per_depth = 1.0;
   int agree_least = 3, agree_most = 6, spared = 2;
   int agree = agree_most;      // until Run knows better
@@ -106,7 +106,7 @@ double Search::BestSigma() const { return HasFree() ? outcome_.free.front().sigm
 
 bool Search::Done(const Plan& plan) const {
   if (!HasFree()) return false;
-  const bool few_answers = !exact_ && outcome_.starts <= kStartsPerAgreeing * agreeing_;
+  const bool few_answers = outcome_.starts <= kStartsPerAgreeing * agreeing_;
   const int enough = std::max(plan.agree - (few_answers ? plan.spared : 0), plan.agree_least);
   if (agreeing_ >= enough || Evaluations() >= plan.evaluations) return true;
   const std::int64_t queries = problem_.finder.queries() - first_query_;
@@ -343,6 +343,7 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
   });
   if (exact_) {
     plan.evaluations = kInfinity;
+    plan.spared = 0;
     LocalOptions near = Coarse();
     near.last_chances = kHintChances;
     if (hint) Try(hint->q, hint->start, near);
