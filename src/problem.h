@@ -37,10 +37,11 @@ struct Problem {
   NormEvaluator norm;  // reference q_in
   ContactFinder finder;
   MocapPoses mocap;
-  VectorXd q_in;            // normalized
-  VectorXd required;        // per kept pair: smallest distance that counts as free [m]
-  double size = 1.0;        // a typical geom radius [m]
-  int input_distances = 0;  // pair distances that a query without margin takes at q_in
+  VectorXd q_in;                   // normalized
+  VectorXd required;               // per kept pair: smallest distance that counts as free [m]
+  double size = 1.0;               // a typical geom radius [m]
+  int input_distances = 0;         // pair distances that a query without margin takes at q_in
+  double sigma_lower_bound = 0.0;  // of every free configuration, see lower_bound.h [m²]
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
 
   // No pair that can move is nearer than required, by the solver's own distances. One query.

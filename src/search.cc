@@ -10,7 +10,7 @@ namespace mjcf_pdg {
 struct Search::Plan {
   // The search ends when `agree` independent starts have ended at the best answer: between these
   // bounds, 1 + StartsForManyBodies + agree_per_depth · RelativeDepth; `spared` fewer, but no fewer
-  // than the least, where a third of all starts do.
+  // than the least, where a third of all starts do and the best is not far from what is proven.
   double agree_per_depth = 1.0;
   int agree_least = 3, agree_most = 6, spared = 2;
   int agree = agree_most;      // until Run knows better
@@ -30,6 +30,7 @@ constexpr char kTranslation[] = "constrained_translation", kAnywhereStart[] = "a
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kAgreement = 1.01;    // σ over the best: the same answer
 constexpr int kStartsPerAgreeing = 3;  // no more: there are few other answers
+constexpr double kNearProven = 4.0;    // σ over its lower bound: contacts hardly interact
 constexpr double kGiveUp = 1.15;       // a start whose prediction is worse than this is dropped
 constexpr double kWorthARun = 5.0;     // σ over the best, where a varied start comes free
 constexpr double kDragged = 2.0;       // √σ over its least possible, up to which frames follow
@@ -106,7 +107,8 @@ double Search::BestSigma() const { return HasFree() ? outcome_.free.front().sigm
 
 bool Search::Done(const Plan& plan) const {
   if (!HasFree()) return false;
-  const bool few_answers = outcome_.starts <= kStartsPerAgreeing * agreeing_;
+  const bool few_answers = outcome_.starts <= kStartsPerAgreeing * agreeing_ &&
+                           BestSigma() <= kNearProven * problem_.sigma_lower_bound;
   const int enough = std::max(plan.agree - (few_answers ? plan.spared : 0), plan.agree_least);
   if (agreeing_ >= enough || Evaluations() >= plan.evaluations) return true;
   const std::int64_t queries = problem_.finder.queries() - first_query_;
@@ -343,7 +345,6 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
   });
   if (exact_) {
     plan.evaluations = kInfinity;
-    plan.spared = 0;
     LocalOptions near = Coarse();
     near.last_chances = kHintChances;
     if (hint) Try(hint->q, hint->start, near);

@@ -247,7 +247,8 @@ void Solver::Impl::Repair(const std::vector<double>& q_in, std::optional<VectorX
                           Result& result) {
   const std::vector<NearPair> overlaps = Overlaps();
   DeepenContactsIn(overlaps, result);
-  result.sigma_lower_bound = SigmaLowerBound(problem, overlaps);
+  problem.sigma_lower_bound = SigmaLowerBound(problem, overlaps);
+  result.sigma_lower_bound = problem.sigma_lower_bound;
   SearchOutcome outcome;
   if (SomeMove(overlaps)) outcome = Run(overlaps, std::move(hint));
   const bool solved = !FrozenOverlap(overlaps) && AcceptBest(outcome, q_in, result);
