@@ -8,7 +8,8 @@ namespace mjcf_pdg {
 namespace {
 
 constexpr int kMaxSteps = 30;
-// Where the two bounds of a distance meet: [m], and as a share of it.
+constexpr int kMaxGrowth = 60;  // of a polytope [corners]
+// Where the two bounds of a distance or depth meet: [m], and as a share of it.
 constexpr double kMeet = 1e-9, kMeetShare = 1e-6;
 constexpr double kTouching = 1e-7;  // the direction between nearer cores is not certain [m]
 
@@ -24,8 +25,17 @@ ConvexDistance::ConvexDistance(const SceneTables& tables)
 }
 
 void ConvexDistance::Forget() {
-  for (const int pair : remembered_) memories_[pair].size = 0;
+  for (const int pair : remembered_) memories_[pair].clear();
   remembered_.clear();
+}
+
+ConvexDistance::Corner ConvexDistance::RelativePose::CornerOf(const Points& points) const {
+  const Vector3d p2 = R * points.p2_G + t;
+  return {points.p1_G - p2, points.p1_G, p2};
+}
+
+ConvexDistance::Points ConvexDistance::RelativePose::PointsOf(const Corner& corner) const {
+  return {corner.p1, R.transpose() * (corner.p2 - t)};
 }
 
 ConvexDistance::Answer ConvexDistance::AskPlane(const PosedModel& posed, const KeptPair& pair,
@@ -41,30 +51,36 @@ ConvexDistance::Answer ConvexDistance::AskPlane(const PosedModel& posed, const K
   return gap.distance < cutoff ? Answer::kNear : Answer::kBeyond;
 }
 
-// The points of the two that are farthest towards each other, along ∓n.
-void ConvexDistance::AddFarthest(const KeptPair& pair, const RelativePose& pose,
-                                 const Vector3d& n) {
-  const Vector3d p1 = tables_.support->Farthest(pair.geom1, -n);
-  const Vector3d p2 = tables_.support->Farthest(pair.geom2, pose.R.transpose() * n);
-  simplex_.Add(p1, pose.R * p2 + pose.t);
+ConvexDistance::Corner ConvexDistance::Farthest(const KeptPair& pair, const RelativePose& pose,
+                                                const Vector3d& n) const {
+  const SupportPoints& support = *tables_.support;
+  return pose.CornerOf(
+      {support.Farthest(pair.geom1, n), support.Farthest(pair.geom2, -(pose.R.transpose() * n))});
 }
 
-bool ConvexDistance::Recall(const RelativePose& pose, const Memory& memory) {
+void ConvexDistance::RecallSimplex(const RelativePose& pose, int pair) {
   simplex_.Clear();
-  for (int k = 0; k < memory.size; ++k) {
-    simplex_.Add(memory.p1_G[k], pose.R * memory.p2_G[k] + pose.t);
-  }
-  return memory.size > 0;
+  for (const Points& points : memories_[pair]) simplex_.Add(pose.CornerOf(points));
 }
 
-void ConvexDistance::Remember(const RelativePose& pose, int pair) {
-  Memory& memory = memories_[pair];
-  if (memory.size == 0) remembered_.push_back(pair);
-  memory.size = simplex_.size();
-  for (int k = 0; k < memory.size; ++k) {
-    memory.p1_G[k] = simplex_[k].p1;
-    memory.p2_G[k] = pose.R.transpose() * (simplex_[k].p2 - pose.t);
+void ConvexDistance::RememberSimplex(const RelativePose& pose, int pair) {
+  std::vector<Points>& simplex = memories_[pair];
+  if (simplex.empty()) remembered_.push_back(pair);
+  simplex.clear();
+  for (int k = 0; k < simplex_.size(); ++k) simplex.push_back(pose.PointsOf(simplex_[k]));
+}
+
+std::optional<ExpandingPolytope::Face> ConvexDistance::Overlap(const RelativePose& pose,
+                                                               const KeptPair& pair) {
+  bool sound = polytope_.Start(simplex_);
+  for (int step = 0; sound && step < kMaxGrowth; ++step) {
+    const ExpandingPolytope::Face face = polytope_.Nearest();
+    const Corner farthest = Farthest(pair, pose, face.n);
+    const double beyond = farthest.x.dot(face.n) - face.distance;
+    if (beyond <= kMeet + kMeetShare * face.distance) return face;
+    sound = polytope_.Add(farthest);
   }
+  return std::nullopt;
 }
 
 ConvexDistance::Answer ConvexDistance::Ask(const PosedModel& posed, int pair, double cutoff,
@@ -79,29 +95,38 @@ ConvexDistance::Answer ConvexDistance::Ask(const PosedModel& posed, int pair, do
   const RelativePose pose{R1.transpose() * AsMatrix(d.geom_xmat + 9 * kept.geom2),
                           R1.transpose() * (AsVector(d.geom_xpos + 3 * kept.geom2) - x1)};
   const double radius1 = CoreRadius(m, kept.geom1), radius2 = CoreRadius(m, kept.geom2);
-  if (!Recall(pose, memories_[pair])) AddFarthest(kept, pose, -pose.t);
+  const double radii = radius1 + radius2;
+  auto answer = [&](const Corner& nearest, const Vector3d& n, double core_distance) {
+    gap.distance = core_distance - radii;
+    if (gap.distance >= cutoff) return Answer::kBeyond;
+    gap.n = R1 * n;
+    gap.p1 = x1 + R1 * (nearest.p1 + radius1 * n);
+    gap.p2 = x1 + R1 * (nearest.p2 - radius2 * n);
+    return Answer::kNear;
+  };
+  RecallSimplex(pose, pair);
+  if (simplex_.size() == 0) simplex_.Add(Farthest(kept, pose, pose.t));
   for (int step = 0; step < kMaxSteps; ++step) {
     simplex_.Reduce();
-    const Vector3d nearest = simplex_.Nearest();
-    const double between = nearest.norm();
-    if (simplex_.size() == 4 || between < kTouching) {
-      Remember(pose, pair);
+    if (simplex_.size() == 4) {
+      RememberSimplex(pose, pair);
+      const std::optional<ExpandingPolytope::Face> face = Overlap(pose, kept);
+      return face ? answer(polytope_.Foot(*face), face->n, -face->distance) : Answer::kUnknown;
+    }
+    const Corner nearest = simplex_.Nearest();
+    const double between = nearest.x.norm();
+    if (between < kTouching) {
+      RememberSimplex(pose, pair);
       return Answer::kUnknown;
     }
-    AddFarthest(kept, pose, nearest);
-    const double at_least = simplex_.Last().dot(nearest) / between;
-    const bool beyond = at_least - radius1 - radius2 >= cutoff;
-    gap.distance = between - radius1 - radius2;
-    const bool meet = between - at_least <= kMeet + kMeetShare * std::abs(gap.distance);
+    simplex_.Add(Farthest(kept, pose, -nearest.x));
+    const double at_least = simplex_.Last().dot(nearest.x) / between;
+    const bool beyond = at_least - radii >= cutoff;
+    const bool meet = between - at_least <= kMeet + kMeetShare * std::abs(between - radii);
     if (!beyond && !meet) continue;
     simplex_.DropLast();
-    Remember(pose, pair);
-    if (beyond || gap.distance >= cutoff) return Answer::kBeyond;
-    const Vector3d n = -nearest / between;
-    gap.n = R1 * n;
-    gap.p1 = x1 + R1 * (simplex_.Nearest1() + radius1 * n);
-    gap.p2 = x1 + R1 * (simplex_.Nearest2() - radius2 * n);
-    return Answer::kNear;
+    RememberSimplex(pose, pair);
+    return beyond ? Answer::kBeyond : answer(nearest, -nearest.x / between, between);
   }
   return Answer::kUnknown;
 }

@@ -81,6 +81,16 @@ Face NearestOfTetrahedron(const Vector3d x[4]) {
 
 }  // namespace
 
+Simplex::Corner Simplex::Nearest() const {
+  Corner mean{Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()};
+  for (int k = 0; k < size_; ++k) {
+    mean.x += corners_[k].weight * corners_[k].x;
+    mean.p1 += corners_[k].weight * corners_[k].p1;
+    mean.p2 += corners_[k].weight * corners_[k].p2;
+  }
+  return mean;
+}
+
 void Simplex::Reduce() {
   Vector3d x[4];
   for (int k = 0; k < size_; ++k) x[k] = corners_[k].x;
