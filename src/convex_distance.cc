@@ -25,7 +25,7 @@ ConvexDistance::ConvexDistance(const SceneTables& tables)
 }
 
 void ConvexDistance::Forget() {
-  for (const int pair : remembered_) memories_[pair].clear();
+  for (const int pair : remembered_) memories_[pair].size = 0;
   remembered_.clear();
 }
 
@@ -58,16 +58,16 @@ ConvexDistance::Corner ConvexDistance::Farthest(const KeptPair& pair, const Rela
       {support.Farthest(pair.geom1, n), support.Farthest(pair.geom2, -(pose.R.transpose() * n))});
 }
 
-void ConvexDistance::RecallSimplex(const RelativePose& pose, int pair) {
+void ConvexDistance::RecallSimplex(const RelativePose& pose, const Memory& memory) {
   simplex_.Clear();
-  for (const Points& points : memories_[pair]) simplex_.Add(pose.CornerOf(points));
+  for (int k = 0; k < memory.size; ++k) simplex_.Add(pose.CornerOf(memory.corners[k]));
 }
 
 void ConvexDistance::RememberSimplex(const RelativePose& pose, int pair) {
-  std::vector<Points>& simplex = memories_[pair];
-  if (simplex.empty()) remembered_.push_back(pair);
-  simplex.clear();
-  for (int k = 0; k < simplex_.size(); ++k) simplex.push_back(pose.PointsOf(simplex_[k]));
+  Memory& memory = memories_[pair];
+  if (memory.size == 0) remembered_.push_back(pair);
+  memory.size = simplex_.size();
+  for (int k = 0; k < memory.size; ++k) memory.corners[k] = pose.PointsOf(simplex_[k]);
 }
 
 std::optional<ExpandingPolytope::Face> ConvexDistance::Overlap(const RelativePose& pose,
@@ -104,7 +104,7 @@ ConvexDistance::Answer ConvexDistance::Ask(const PosedModel& posed, int pair, do
     gap.p2 = x1 + R1 * (nearest.p2 - radius2 * n);
     return Answer::kNear;
   };
-  RecallSimplex(pose, pair);
+  RecallSimplex(pose, memories_[pair]);
   if (simplex_.size() == 0) simplex_.Add(Farthest(kept, pose, pose.t));
   for (int step = 0; step < kMaxSteps; ++step) {
     simplex_.Reduce();
@@ -125,7 +125,8 @@ ConvexDistance::Answer ConvexDistance::Ask(const PosedModel& posed, int pair, do
     const bool meet = between - at_least <= kMeet + kMeetShare * std::abs(between - radii);
     if (!beyond && !meet) continue;
     simplex_.DropLast();
-    RememberSimplex(pose, pair);
+    const bool as_remembered = step == 0 && simplex_.size() == memories_[pair].size;
+    if (!as_remembered) RememberSimplex(pose, pair);
     return beyond ? Answer::kBeyond : answer(nearest, -nearest.x / between, between);
   }
   return Answer::kUnknown;

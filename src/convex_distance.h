@@ -39,6 +39,10 @@ class ConvexDistance {
   struct Points {
     Vector3d p1_G, p2_G;
   };
+  struct Memory {  // the last simplex
+    int size = 0;
+    Points corners[4];
+  };
   // Geom 2 in the frame of geom 1.
   struct RelativePose {
     Matrix3d R;
@@ -52,17 +56,17 @@ class ConvexDistance {
                   SignedGap& gap) const;
   // The corner of the geoms' Minkowski difference that is farthest along n.
   Corner Farthest(const KeptPair& pair, const RelativePose& pose, const Vector3d& n) const;
-  void RecallSimplex(const RelativePose& pose, int pair);
+  void RecallSimplex(const RelativePose& pose, const Memory& memory);
   void RememberSimplex(const RelativePose& pose, int pair);
   // How deep the cores overlap, and where; none if the two bounds do not meet.
   std::optional<ExpandingPolytope::Face> Overlap(const RelativePose& pose, const KeptPair& pair);
 
   const SceneTables& tables_;
-  std::vector<char> knows_;                    // per kept pair
-  std::vector<std::vector<Points>> memories_;  // per kept pair: its last simplex
-  std::vector<int> remembered_;                // those that are not empty
-  Simplex simplex_;                            // in the frame of geom 1
-  ExpandingPolytope polytope_;                 // ... around the origin, if that is in the simplex
+  std::vector<char> knows_;       // per kept pair
+  std::vector<Memory> memories_;  // per kept pair
+  std::vector<int> remembered_;   // those that are not empty
+  Simplex simplex_;               // in the frame of geom 1
+  ExpandingPolytope polytope_;    // ... around the origin, if that is in the simplex
 };
 
 }  // namespace mjcf_pdg

@@ -366,6 +366,7 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
   if (!HasFree()) {
     if (problem_.Uses(kTranslation)) TryTranslations(overlaps);
     if (!HasFree() && problem_.Uses(kAnywhereStart)) TryAnywhere(plan);
+    first_query_ = problem_.finder.queries();  // the search for a nearer one begins here
     if (HasFree()) TryVaried(plan);
   }
   searched_.reset();
