@@ -100,25 +100,27 @@ double PairProblem::LeverS(double floor) const {
   return g > 0.0 ? std::max(floor, needed * needed / g) : floor;
 }
 
-double PairProblem::RootAt(const Vector3d& a, const Vector3d& b, const Vector3d& n,
-                           double eps) const {
+double PairProblem::RootAt(const Vector3d& a, const Vector3d& b, const Vector3d& n, double eps,
+                           double floor) const {
   const Vector3d v = a - b;
   const double along = n.dot(v), across = (v - along * n).norm();
   const double t = required + std::min(along, along * std::cos(eps)) - across * std::sin(eps);
-  if (!(t > 0.0)) return 0.0;
+  if (!(t > 0.0)) return floor;
   Matrix3d G = Matrix3d::Zero();
   for (const Mover& mover : chain[0]) G += mover.T + TurnCompliance(mover, a);
   for (const Mover& mover : chain[1]) G += mover.T + TurnCompliance(mover, b);
   double gamma = std::sqrt(std::max(0.0, n.dot(G * n)));
   if (eps > 0.0) gamma += std::sin(eps) * std::sqrt(LambdaMax(G));
+  if (t <= floor * gamma) return floor;
   const double kappa = std::max(Kappa(chain[0], a, -n, eps), Kappa(chain[1], b, n, eps));
   const double divisor = gamma + std::sqrt(gamma * gamma + 4.0 * kappa * t);
-  return divisor > 0.0 ? 2.0 * t / divisor : kInfinity;  // nothing moves it that way
+  if (!(divisor > 0.0)) return kInfinity;  // nothing moves it that way
+  return std::max(floor, 2.0 * t / divisor);
 }
 
 // For a cap, points whose overlap holds all over it are sought by a few Frank-Wolfe steps from the
 // farthest ones along n.
-double PairProblem::RootFor(const Vector3d& n, double eps) const {
+double PairProblem::RootFor(const Vector3d& n, double eps, double floor) const {
   Vector3d a = geom[0].Support(n), b = geom[1].Support(-n);
   auto held = [&](const Vector3d& v) {
     const double along = n.dot(v);
@@ -141,18 +143,19 @@ double PairProblem::RootFor(const Vector3d& n, double eps) const {
     a += share * (a2 - a);
     b += share * (b2 - b);
   }
-  return RootAt(a, b, n, eps);
+  return RootAt(a, b, n, eps, floor);
 }
 
 double PairProblem::RootForPlane() const {
   const Vector3d n = geom[0].R.col(2);
-  auto root = [&](const Vector3d& b) {
-    const double at = RootAt(b + n.dot(geom[0].center - b) * n, b, n, 0.0);
-    return std::isfinite(at) ? at : 0.0;  // there is no way out: no number is a bound
+  double best = 0.0;
+  auto look_at = [&](const Vector3d& b) {
+    const double at = RootAt(b + n.dot(geom[0].center - b) * n, b, n, 0.0, best);
+    if (std::isfinite(at)) best = at;  // else there is no way out: no number is a bound
   };
-  double best = root(geom[1].Support(-n));
+  look_at(geom[1].Support(-n));
   if (geom[1].round) return best;
-  for (const Vector3d& p : geom[1].points) best = std::max(best, root(p - geom[1].radius * n));
+  for (const Vector3d& p : geom[1].points) look_at(p - geom[1].radius * n);
   return best;
 }
 
@@ -161,8 +164,8 @@ double SearchDirections(const PairProblem& pair, double floor, int& cells_left) 
   double reachable = pair.hope;  // nothing above this will be proven
   auto push = [&](Cell cell) {
     const Vector3d n = cell.Direction(0, 0);
-    cell.root = std::max(cell.root, pair.RootFor(n, cell.Radius(n)));
-    reachable = std::min(reachable, pair.RootFor(n, 0.0));
+    cell.root = pair.RootFor(n, cell.Radius(n), cell.root);
+    reachable = std::min(reachable, pair.RootFor(n, 0.0, 0.0));
     heap.push(cell);
     --cells_left;
   };

@@ -23,14 +23,16 @@ struct PairProblem {
 
   // By levers, S; `floor` if that is more.
   double LeverS(double floor) const;
-  // √S for all unit vectors within eps of n: the best of the points tried.
-  double RootFor(const Vector3d& n, double eps) const;
+  // √S for all unit vectors within eps of n: the best of the points tried, or `floor` if that is
+  // more.
+  double RootFor(const Vector3d& n, double eps, double floor) const;
   // √S if geom 1 is a plane: a half-space is left along its normal only.
   double RootForPlane() const;
 
  private:
   // √S by (2) for the points a and b and all unit vectors within eps of n.
-  double RootAt(const Vector3d& a, const Vector3d& b, const Vector3d& n, double eps) const;
+  double RootAt(const Vector3d& a, const Vector3d& b, const Vector3d& n, double eps,
+                double floor) const;
 };
 
 // √S for all directions, by branch and bound. Gives up once the pair cannot beat `floor` (√S) or no
