@@ -10,9 +10,10 @@ namespace mjcf_pdg {
 struct Search::Plan {
   // The search ends when `agree` independent starts have ended at the best answer: between these
   // bounds, 1 + StartsForManyBodies + agree_per_depth · RelativeDepth; `spared` fewer, but no fewer
-  // than the least, where a third of all starts do and the best is not far from what is proven.
+  // than the least, where a third of all starts do and the best is not far from what is proven;
+  // `agree_proven` are enough of one that is near it.
   double agree_per_depth = 1.0;
-  int agree_least = 3, agree_most = 6, spared = 2;
+  int agree_least = 3, agree_most = 6, spared = 2, agree_proven = 2;
   int agree = agree_most;      // until Run knows better
   int queries = 600;           // collision queries after which no further start is made
   double box_tests = 9e3;      // ... and per dof, of triangle meshes, unless the answer is very far
@@ -30,12 +31,13 @@ constexpr char kTranslation[] = "constrained_translation", kAnywhereStart[] = "a
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kAgreement = 1.01;    // σ over the best: the same answer
 constexpr int kStartsPerAgreeing = 3;  // no more: there are few other answers
-constexpr double kNearProven = 4.0;    // σ over its lower bound: contacts hardly interact
-constexpr double kGiveUp = 1.15;       // a start whose prediction is worse than this is dropped
-constexpr double kWorthARun = 5.0;     // σ over the best, where a varied start comes free
-constexpr double kDragged = 2.0;       // √σ over its least possible, up to which frames follow
-constexpr int kFramesFollowed = 5;     // ... and so many in a row
-constexpr double kFarthest = 4.0;      // times the distance of a start: where its ray ends
+// σ over its lower bound: near it, and where contacts hardly interact.
+constexpr double kNearProven = 2.0, kNotFarFromProven = 4.0;
+constexpr double kGiveUp = 1.15;    // a start whose prediction is worse than this is dropped
+constexpr double kWorthARun = 5.0;  // σ over the best, where a varied start comes free
+constexpr double kDragged = 2.0;    // √σ over its least possible, up to which frames follow
+constexpr int kFramesFollowed = 5;  // ... and so many in a row
+constexpr double kFarthest = 4.0;   // times the distance of a start: where its ray ends
 // Answers so many times as far as meshes are deep in each other: there may well be a nearer one.
 constexpr double kFar = 2.5, kVeryFar = 10.0;
 // Patient tries to come out of overlapping meshes the short way, at such noise [depth].
@@ -46,7 +48,7 @@ constexpr int kHintChances = 2, kPolishChances = 3;
 // Spreads of the noisy starts, in turn: how far the nearest answer's basin reaches is not known.
 constexpr double kNoise[] = {5.0, 2.0, 3.0, 8.0};
 // Time of a query and of a pair distance [evaluations], the latter over those at q_in but no fewer
-// than kFewDistances: fits what bench/ measures within about a third.
+// than kFewDistances: what bench/ measures is 0.6 to 1.2 of it, on arms with few pairs near 2 to 3.
 constexpr double kPerQuery = 0.3, kPerDistance = 0.8;
 constexpr int kFewDistances = 4;
 constexpr double kFewBodies = 8.0, kLargestCrowd = 2.0;  // of those that overlap
@@ -94,6 +96,7 @@ Search::Plan Search::PlanFor(Effort effort) {
               .agree_least = 8,
               .agree_most = 12,
               .spared = 0,
+              .agree_proven = 12,
               .queries = 3000,
               .box_tests = kInfinity,
               .evaluations = kInfinity,
@@ -107,9 +110,13 @@ double Search::BestSigma() const { return HasFree() ? outcome_.free.front().sigm
 
 bool Search::Done(const Plan& plan) const {
   if (!HasFree()) return false;
+  if (BestSigma() <= kAgreement * problem_.sigma_lower_bound) return true;  // the nearest: proven
   const bool few_answers = outcome_.starts <= kStartsPerAgreeing * agreeing_ &&
-                           BestSigma() <= kNearProven * problem_.sigma_lower_bound;
-  const int enough = std::max(plan.agree - (few_answers ? plan.spared : 0), plan.agree_least);
+                           BestSigma() <= kNotFarFromProven * problem_.sigma_lower_bound;
+  int enough = std::max(plan.agree - (few_answers ? plan.spared : 0), plan.agree_least);
+  if (BestSigma() <= kNearProven * problem_.sigma_lower_bound) {
+    enough = std::min(enough, plan.agree_proven);
+  }
   if (agreeing_ >= enough || Evaluations() >= plan.evaluations) return true;
   const std::int64_t queries = problem_.finder.queries() - first_query_;
   if (!exact_) return queries >= plan.queries;
