@@ -9,11 +9,10 @@ namespace mjcf_pdg {
 // How far to go, by effort. Measured in bench/: success first, then σ, then time.
 struct Search::Plan {
   // The search ends when `agree` independent starts have ended at the best answer: between these
-  // bounds, 1 + StartsForManyBodies + agree_per_depth · RelativeDepth; `spared` fewer, but no fewer
-  // than the least, where a third of all starts do and the best is not far from what is proven;
-  // `agree_proven` are enough of one that is near it.
+  // bounds, 1 + StartsForManyBodies + agree_per_depth · RelativeDepth; the least where the best is
+  // not far from what is proven.
   double agree_per_depth = 1.0;
-  int agree_least = 3, agree_most = 6, spared = 2, agree_proven = 2;
+  int agree_least = 3, agree_most = 6;
   int agree = agree_most;      // until Run knows better
   int queries = 600;           // collision queries after which no further start is made
   double box_tests = 9e3;      // ... and per dof, of triangle meshes, unless the answer is very far
@@ -29,15 +28,13 @@ constexpr char kDirect[] = "direct", kMirror[] = "mirror", kNoiseStart[] = "nois
 constexpr char kPairByPair[] = "pair_by_pair";
 constexpr char kTranslation[] = "constrained_translation", kAnywhereStart[] = "anywhere";
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kAgreement = 1.01;    // σ over the best: the same answer
-constexpr int kStartsPerAgreeing = 3;  // no more: there are few other answers
-// σ over its lower bound: near it, and where contacts hardly interact.
-constexpr double kNearProven = 2.0, kNotFarFromProven = 4.0;
-constexpr double kGiveUp = 1.15;    // a start whose prediction is worse than this is dropped
-constexpr double kWorthARun = 5.0;  // σ over the best, where a varied start comes free
-constexpr double kDragged = 2.0;    // √σ over its least possible, up to which frames follow
-constexpr int kFramesFollowed = 5;  // ... and so many in a row
-constexpr double kFarthest = 4.0;   // times the distance of a start: where its ray ends
+constexpr double kAgreement = 1.01;  // σ over the best: the same answer
+constexpr double kNearProven = 4.0;  // σ over its lower bound: contacts hardly interact
+constexpr double kGiveUp = 1.15;     // a start whose prediction is worse than this is dropped
+constexpr double kWorthARun = 5.0;   // σ over the best, where a varied start comes free
+constexpr double kDragged = 2.0;     // √σ over its least possible, up to which frames follow
+constexpr int kFramesFollowed = 5;   // ... and so many in a row
+constexpr double kFarthest = 4.0;    // times the distance of a start: where its ray ends
 // Answers so many times as far as meshes are deep in each other: there may well be a nearer one.
 constexpr double kFar = 2.5, kVeryFar = 10.0;
 // Patient tries to come out of overlapping meshes the short way, at such noise [depth].
@@ -95,8 +92,6 @@ Search::Plan Search::PlanFor(Effort effort) {
       return {.agree_per_depth = 4.0,
               .agree_least = 8,
               .agree_most = 12,
-              .spared = 0,
-              .agree_proven = 12,
               .queries = 3000,
               .box_tests = kInfinity,
               .evaluations = kInfinity,
@@ -111,12 +106,8 @@ double Search::BestSigma() const { return HasFree() ? outcome_.free.front().sigm
 bool Search::Done(const Plan& plan) const {
   if (!HasFree()) return false;
   if (BestSigma() <= kAgreement * problem_.sigma_lower_bound) return true;  // the nearest: proven
-  const bool few_answers = outcome_.starts <= kStartsPerAgreeing * agreeing_ &&
-                           BestSigma() <= kNotFarFromProven * problem_.sigma_lower_bound;
-  int enough = std::max(plan.agree - (few_answers ? plan.spared : 0), plan.agree_least);
-  if (BestSigma() <= kNearProven * problem_.sigma_lower_bound) {
-    enough = std::min(enough, plan.agree_proven);
-  }
+  const bool near_proven = BestSigma() <= kNearProven * problem_.sigma_lower_bound;
+  const int enough = near_proven ? plan.agree_least : plan.agree;
   if (agreeing_ >= enough || Evaluations() >= plan.evaluations) return true;
   const std::int64_t queries = problem_.finder.queries() - first_query_;
   if (!exact_) return queries >= plan.queries;
