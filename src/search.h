@@ -4,8 +4,8 @@
 // side of an obstacle, or which order of contacts, a start falls on, so varied starts follow:
 // mirrored, normal noise in object-norm units, and hops that decide one contact of the best answer
 // anew. No start is trusted; the best free answer wins. Agreement of several starts that know
-// nothing of each other ends the search early, a budget of collision queries and of estimated time
-// ends it late.
+// nothing of each other ends the search early, of fewer where the lower bound is not far; a budget
+// of collision queries and of estimated time ends it late.
 #ifndef MJCF_PDG_SRC_SEARCH_H_
 #define MJCF_PDG_SRC_SEARCH_H_
 
