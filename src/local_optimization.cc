@@ -196,7 +196,6 @@ void LocalOptimization::Keep(const Iterate& it, LocalResult& result) const {
   if (Free(it) && (!result.free || it.sigma < result.sigma)) {
     result.free = true;
     result.sigma = it.sigma;
-    result.violation = it.violation;
     result.q = it.q;
   }
 }

@@ -44,7 +44,8 @@ struct LocalResult {
   bool reached_known = false;                              // ended close to LocalOptions::known
   bool hopeless = false;                                   // ended by LocalOptions::give_up_sigma
   bool free = false;                                       // by the solver's own distances
-  double violation = 0;  // Σ over pairs of the overlap beyond what is accepted [m]
+  double violation =
+      0.0;  // 0 if free, else Σ over pairs of the overlap beyond what is aimed at [m]
   int iterations = 0;
 };
 
