@@ -74,7 +74,7 @@ std::optional<PairProblem> MakePair(const LowerBoundInput& in, const Chains& cha
   pair.movers.insert(pair.movers.end(), path2.begin(), path2.end());
   pair.geom[0] = ConvexGeomOf(in.posed, *in.tables.support, kept.geom1);
   pair.geom[1] = ConvexGeomOf(in.posed, *in.tables.support, kept.geom2);
-  pair.hope = pair.plane ? pair.RootForPlane() : pair.RootFor(near.n_W, 0.0, 0.0);
+  pair.hope = pair.plane ? pair.RootForPlane() : pair.RootFor(near.n_W, 0.0);
   return pair;
 }
 

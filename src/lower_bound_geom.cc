@@ -1,30 +1,10 @@
 #include "lower_bound_geom.h"
 
 #include <cmath>
-#include <optional>
 
-#include "mesh_hull.h"
 #include "motion_bound.h"
 
 namespace mjcf_pdg {
-namespace {
-
-void AddMeshPoints(const mjModel& m, int geom, ConvexGeom& shape) {
-  const int mesh = m.geom_dataid[geom];
-  const float* vert = m.mesh_vert + 3 * static_cast<std::ptrdiff_t>(m.mesh_vertadr[mesh]);
-  auto add = [&](int vertex) {
-    const float* v = vert + 3 * static_cast<std::ptrdiff_t>(vertex);
-    shape.points.push_back(shape.center + shape.R * Vector3d(v[0], v[1], v[2]));
-  };
-  if (const std::optional<MeshHull> hull = HullOf(m, mesh)) {
-    for (const int vertex : hull->vertices) add(vertex);
-  } else {
-    for (int vertex = 0; vertex < m.mesh_vertnum[mesh]; ++vertex) add(vertex);
-  }
-}
-
-}  // namespace
-
 Vector3d ConvexGeom::Support(const Vector3d& n) const {
   const Vector3d p = center + R * support->Farthest(geom, R.transpose() * n);
   return core_radius > 0.0 ? p + core_radius * n.normalized() : p;
@@ -46,7 +26,7 @@ ConvexGeom ConvexGeomOf(const PosedModel& posed, const SupportPoints& support, i
   };
   const Vector3d size = AsVector(m.geom_size + 3 * geom);
   if (type == mjGEOM_MESH) {
-    AddMeshPoints(m, geom, shape);
+    for (const Eigen::Vector3f& p : support.HullPoints(geom)) add(p.x(), p.y(), p.z());
   } else if (type == mjGEOM_BOX) {
     for (int i = 0; i < 8; ++i) {
       add(i & 1 ? size[0] : -size[0], i & 2 ? size[1] : -size[1], i & 4 ? size[2] : -size[2]);

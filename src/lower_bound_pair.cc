@@ -165,7 +165,7 @@ double SearchDirections(const PairProblem& pair, double floor, int& cells_left) 
   auto push = [&](Cell cell) {
     const Vector3d n = cell.Direction(0, 0);
     cell.root = pair.RootFor(n, cell.Radius(n), cell.root);
-    reachable = std::min(reachable, pair.RootFor(n, 0.0, 0.0));
+    reachable = std::min(reachable, pair.RootFor(n, 0.0));
     heap.push(cell);
     --cells_left;
   };

@@ -25,7 +25,7 @@ struct PairProblem {
   double LeverS(double floor) const;
   // √S for all unit vectors within eps of n: the best of the points tried, or `floor` if that is
   // more.
-  double RootFor(const Vector3d& n, double eps, double floor) const;
+  double RootFor(const Vector3d& n, double eps, double floor = 0.0) const;
   // √S if geom 1 is a plane: a half-space is left along its normal only.
   double RootForPlane() const;
 

@@ -129,6 +129,11 @@ int SupportPoints::LookAtAll(const Hull& hull, const Vector3d& direction) const 
   return vertex;
 }
 
+std::span<const Eigen::Vector3f> SupportPoints::HullPoints(int geom) const {
+  const Hull& hull = hulls_[model_.geom_dataid[geom]];
+  return {vertices_.begin() + hull.begin, vertices_.begin() + hull.end};
+}
+
 Vector3d SupportPoints::Farthest(int geom, const Vector3d& direction_G) const {
   const double* size = model_.geom_size + 3 * geom;
   auto signed_by = [](double length, double direction) {

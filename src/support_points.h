@@ -5,6 +5,7 @@
 #include <mujoco/mujoco.h>
 
 #include <Eigen/Dense>
+#include <span>
 #include <vector>
 
 #include "scene_tables.h"
@@ -24,6 +25,8 @@ class SupportPoints {
   // A point of the core that is farthest along `direction_G`, both in the frame of the geom, which
   // is one that Knows knows and in one of the pairs [m].
   Eigen::Vector3d Farthest(int geom, const Eigen::Vector3d& direction_G) const;
+  // Of a mesh geom of the pairs: points whose hull it is, in its frame [m].
+  std::span<const Eigen::Vector3f> HullPoints(int geom) const;
 
  private:
   struct Hull {
