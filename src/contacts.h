@@ -3,10 +3,11 @@
 // Candidates come from bounding volumes over *all* kept pairs, not from MuJoCo's contacts: with a
 // positive margin MuJoCo 4.0 drops or misplaces box-box contacts, and it misses capsules that
 // pierce boxes. Distances, depths and normals are signed pair distances: our own of convex geoms
-// (convex_distance.h) and of capsules and boxes, mj_geomDistance where that has no answer; triangles
-// for exact meshes (exact_contacts.h). An exact pair that overlaps is told as the penetration depth of its
-// convex hulls where that is at most twice what its triangles say: a move by it is certain to part
-// them. SDF and height field pairs have contacts only; those come from mj_collision.
+// (convex_distance.h) and of capsules and boxes, mj_geomDistance where there is no answer,
+// triangles for exact meshes (exact_contacts.h). An exact pair that overlaps is told as the
+// penetration depth of its convex hulls where that is at most twice what its triangles say: a move
+// by it is certain to part them. SDF and height field pairs have contacts only; those come from
+// mj_collision.
 #ifndef MJCF_PDG_SRC_CONTACTS_H_
 #define MJCF_PDG_SRC_CONTACTS_H_
 

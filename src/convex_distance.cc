@@ -125,8 +125,7 @@ ConvexDistance::Answer ConvexDistance::Ask(const PosedModel& posed, int pair, do
     const bool meet = between - at_least <= kMeet + kMeetShare * std::abs(between - radii);
     if (!beyond && !meet) continue;
     simplex_.DropLast();
-    const bool as_remembered = step == 0 && simplex_.size() == memories_[pair].size;
-    if (!as_remembered) RememberSimplex(pose, pair);
+    RememberSimplex(pose, pair);
     return beyond ? Answer::kBeyond : answer(nearest, -nearest.x / between, between);
   }
   return Answer::kUnknown;
