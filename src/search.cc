@@ -2,18 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 namespace mjcf_pdg {
 
 // How far to go, by effort. Measured in bench/: success first, then σ, then time.
 struct Search::Plan {
-  // The search ends when `agree` independent starts have ended at the best answer: between these
-  // bounds, 1 + StartsForManyBodies + agree_per_depth · RelativeDepth; the least where the best is
-  // not far from what is proven.
-  double agree_per_depth = 1.0;
-  int agree_least = 3, agree_most = 6;
-  int agree = agree_most;      // until Run knows better
+  // The search ends when so many independent starts have ended at the best answer: fewer where that
+  // is near what is proven.
+  int agree_near_proven = 3, agree = 6;
   int queries = 600;           // collision queries after which no further start is made
   double box_tests = 9e3;      // ... and per dof, of triangle meshes, unless the answer is very far
   double evaluations = 700.0;  // ... and estimated time since something was free [evaluations]
@@ -29,7 +25,7 @@ constexpr char kPairByPair[] = "pair_by_pair";
 constexpr char kTranslation[] = "constrained_translation", kAnywhereStart[] = "anywhere";
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kAgreement = 1.01;  // σ over the best: the same answer
-constexpr double kNearProven = 4.0;  // σ over its lower bound: contacts hardly interact
+constexpr double kNearProven = 5.0;  // σ over its lower bound: contacts hardly interact
 constexpr double kGiveUp = 1.15;     // a start whose prediction is worse than this is dropped
 constexpr double kWorthARun = 5.0;   // σ over the best, where a varied start comes free
 constexpr double kDragged = 2.0;     // √σ over its least possible, up to which frames follow
@@ -48,7 +44,6 @@ constexpr double kNoise[] = {5.0, 2.0, 3.0, 8.0};
 // than kFewDistances: what bench/ measures is 0.6 to 1.2 of it, on arms with few pairs near 2 to 3.
 constexpr double kPerQuery = 0.3, kPerDistance = 0.8;
 constexpr int kFewDistances = 4;
-constexpr double kFewBodies = 8.0, kLargestCrowd = 2.0;  // of those that overlap
 constexpr Hop kHops[] = {Hop::kFromBest, Hop::kFromInput, Hop::kMirrored};
 
 LocalOptions Coarse() {
@@ -56,13 +51,6 @@ LocalOptions Coarse() {
   options.max_iterations = 40;
   options.convergence = 1e-3;
   return options;
-}
-
-double HalfThickness(const mjModel& m, int geom) {
-  if (m.geom_type[geom] == mjGEOM_PLANE || m.geom_type[geom] == mjGEOM_HFIELD) {
-    return kInfinity;
-  }
-  return AsVector(m.geom_aabb + 6 * geom + 3).minCoeff();
 }
 
 bool MovedByFreeJointsOnly(const SceneTables& tables, int pair) {
@@ -85,13 +73,12 @@ Search::Search(Problem& problem)
 Search::Plan Search::PlanFor(Effort effort) {
   switch (effort) {
     case Effort::kFast:
-      return {.agree_least = 1, .agree_most = 1, .queries = 0, .evaluations = kInfinity};
+      return {.agree_near_proven = 1, .agree = 1, .queries = 0, .evaluations = kInfinity};
     case Effort::kDefault:
       return {};
     case Effort::kMax:
-      return {.agree_per_depth = 4.0,
-              .agree_least = 8,
-              .agree_most = 12,
+      return {.agree_near_proven = 8,
+              .agree = 12,
               .queries = 3000,
               .box_tests = kInfinity,
               .evaluations = kInfinity,
@@ -107,7 +94,7 @@ bool Search::Done(const Plan& plan) const {
   if (!HasFree()) return false;
   if (BestSigma() <= kAgreement * problem_.sigma_lower_bound) return true;  // the nearest: proven
   const bool near_proven = BestSigma() <= kNearProven * problem_.sigma_lower_bound;
-  const int enough = near_proven ? plan.agree_least : plan.agree;
+  const int enough = near_proven ? plan.agree_near_proven : plan.agree;
   if (agreeing_ >= enough || Evaluations() >= plan.evaluations) return true;
   const std::int64_t queries = problem_.finder.queries() - first_query_;
   if (!exact_) return queries >= plan.queries;
@@ -122,32 +109,6 @@ double Search::Evaluations() const {
   const auto distances = static_cast<double>(problem_.finder.distances() - free_distance_);
   return kPerQuery * queries +
          kPerDistance * distances / std::max(kFewDistances, problem_.input_distances);
-}
-
-double Search::RelativeDepth(const std::vector<NearPair>& overlaps) const {
-  double deepest = 0.0;
-  for (const NearPair& near : overlaps) {
-    const KeptPair& pair = problem_.tables.pairs[near.pair];
-    if (pair.exact) return kInfinity;  // however thin its walls are
-    const double half = std::min(HalfThickness(*problem_.tables.model, pair.geom1),
-                                 HalfThickness(*problem_.tables.model, pair.geom2));
-    deepest = std::max(deepest, -near.distance / std::max(half, 1e-9));
-  }
-  return deepest;
-}
-
-// Each body that must move may do so in several ways: many of them have many minima.
-double Search::StartsForManyBodies(const std::vector<NearPair>& overlaps) const {
-  const mjModel& m = *problem_.tables.model;
-  std::set<int> bodies;
-  for (const NearPair& near : overlaps) {
-    const KeptPair& pair = problem_.tables.pairs[near.pair];
-    bodies.insert(m.body_weldid[m.geom_bodyid[pair.geom1]]);
-    bodies.insert(m.body_weldid[m.geom_bodyid[pair.geom2]]);
-  }
-  bodies.erase(0);
-  const double beyond = static_cast<double>(bodies.size()) - kFewBodies;
-  return std::clamp(beyond / kFewBodies, 0.0, kLargestCrowd);
 }
 
 bool Search::Try(const VectorXd& q, const std::string& start, const LocalOptions& options) {
@@ -353,10 +314,6 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
     if (problem_.Uses(kDirect)) Try(center_, kDirect, LocalOptions{});
     if (hint) Try(hint->q, hint->start, LocalOptions{});
   }
-  const double agree =
-      1.0 + StartsForManyBodies(overlaps) + plan.agree_per_depth * RelativeDepth(overlaps);
-  plan.agree =
-      static_cast<int>(std::lround(std::clamp<double>(agree, plan.agree_least, plan.agree_most)));
   if (HasFree() && !Done(plan) && problem_.Uses(kMirror)) {
     TryOnRay(MirroredStart(problem_, outcome_.free.front().q), kMirror);
   }

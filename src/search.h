@@ -79,10 +79,6 @@ class Search {
   bool Done(const Plan& plan) const;
   // The best answer is farther than so many times depth_, or none is free.
   bool Exceeds(double depths) const { return BestSigma() > depths * depths * depth_ * depth_; }
-  // By how many starts more than one those should agree that part so many bodies.
-  double StartsForManyBodies(const std::vector<NearPair>& overlaps) const;
-  // Deepest overlap in units of the thinner geom's half-thickness.
-  double RelativeDepth(const std::vector<NearPair>& overlaps) const;
 
   Problem& problem_;
   LocalOptimization local_;
