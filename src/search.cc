@@ -10,7 +10,7 @@ struct Search::Plan {
   // The search ends when so many independent starts have ended at the best answer: fewer where that
   // is near what is proven.
   int agree_near_proven = 3, agree = 6;
-  int queries = 600;           // collision queries after which no further start is made
+  int queries = 800;           // collision queries after which no further start is made
   double box_tests = 9e3;      // ... and per dof, of triangle meshes, unless the answer is very far
   double evaluations = 700.0;  // ... and estimated time since something was free [evaluations]
   bool follows = true;         // exact meshes: a frame may trust the last one's answer
@@ -79,7 +79,7 @@ Search::Plan Search::PlanFor(Effort effort) {
     case Effort::kMax:
       return {.agree_near_proven = 8,
               .agree = 12,
-              .queries = 3000,
+              .queries = 4000,
               .box_tests = kInfinity,
               .evaluations = kInfinity,
               .follows = false,
@@ -99,9 +99,9 @@ bool Search::Done(const Plan& plan) const {
   const std::int64_t queries = problem_.finder.queries() - first_query_;
   if (!exact_) return queries >= plan.queries;
   // More queries: most of them only ask whether a configuration is free.
-  if (Exceeds(kVeryFar)) return queries >= 4 * plan.queries;
+  if (Exceeds(kVeryFar)) return queries >= 3 * plan.queries;
   const auto box_tests = static_cast<double>(problem_.finder.box_tests() - first_box_test_);
-  return queries >= 2 * plan.queries || box_tests >= plan.box_tests * problem_.tables.n;
+  return 2 * queries >= 3 * plan.queries || box_tests >= plan.box_tests * problem_.tables.n;
 }
 
 double Search::Evaluations() const {
