@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "inseparable.h"
 #include "lower_bound.h"
 #include "mjcf_pdg/pdg.h"
 #include "options.h"
@@ -239,7 +240,7 @@ void Solver::Impl::FillUnsolved(const SearchOutcome& outcome, const std::vector<
   result.certified = verdict.certified;
   result.reason = problem.Expired() ? "time limit reached; " : "";
   result.reason += "no free configuration found from " + std::to_string(outcome.starts) +
-                   " starts: " + verdict.reason;
+                   " starts: " + verdict.reason + DescribeInseparable(problem, q);
 }
 
 // q_in penetrates: bound, search, verify.

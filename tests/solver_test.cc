@@ -16,7 +16,9 @@ namespace mjcf_pdg::test {
 namespace {
 
 using ::testing::AnyOf;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class SolverTest : public MujocoTest {};
 
@@ -209,6 +211,22 @@ TEST_F(SolverTest, WhatCannotBeFreedIsUnsolvedLeastPenetratingAndSaysWhy) {
   EXPECT_LE(std::abs(result.q[0]), 0.011);  // between the two contacts: 2 cm in all
   EXPECT_NEAR(result.min_distance, Witness(scene).Least(result.q), 1e-6);
   EXPECT_FALSE(result.contacts.empty());
+  EXPECT_THAT(result.reason, Not(HasSubstr("exclude"))) << "each wall alone could be left";
+}
+
+// An arm that grows out of a static base, which MuJoCo's parent filter does not excuse, in a post
+// that it can be turned out of.
+TEST_F(SolverTest, LinksThatOverlapEverywhereAreNamedWithTheExcludeThatHelps) {
+  const std::string arm = R"(<geom type="capsule" size=".05" fromto=".3 0 -.2 .3 0 .2"/>
+      <body name="base"><geom type="box" size=".1 .1 .1"/><body name="arm"><joint axis="0 0 1"/>
+      <geom type="capsule" size=".02" fromto="0 0 0 .4 0 0"/></body></body>)";
+  const std::string exclude = "<exclude body1='arm' body2='base'/>";
+  const Result result = Solver(Scene::FromString(World(arm))).Solve({0.05});
+  EXPECT_EQ(result.status, Status::kUnsolved);
+  EXPECT_THAT(result.reason, EndsWith("in each of 100 random configurations, too: " + exclude));
+  const std::string helped = "<mujoco><worldbody>" + arm + "</worldbody><contact>" + exclude +
+                             "</contact></mujoco>";
+  EXPECT_EQ(Solver(Scene::FromString(helped)).Solve({0.05}).status, Status::kSolved);
 }
 
 TEST_F(SolverTest, OverlapsThatNoJointCanSeparateAreNamed) {
