@@ -25,7 +25,11 @@ void AskSolids(const SolidPair& pair, double margin, ExactQuery query, bool roug
       rough && !nearest_alone ? pair.RoughlyNearest(cutoff, &warm) : pair.Nearest(cutoff, &warm);
   if (near.a >= 0) warm = near;
   const bool crossing = near.a >= 0 && near.distance < SolidPair::kTouching;
-  if (crossing || Contained(pair)) {
+  const std::optional<SignedGap> graze = crossing ? Graze(pair, near) : std::nullopt;
+  if (graze) {
+    out.push_back(*graze);
+    if (nearest_alone) return;
+  } else if (crossing || Contained(pair)) {
     if (query == ExactQuery::kUnmeasuredFeatures) {
       return out.push_back(Unmeasured(crossing ? TriangleGap(pair, near) : SignedGap()));
     }

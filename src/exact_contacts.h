@@ -44,7 +44,8 @@ class ExactContacts {
   // two triangle meshes that are much farther than the nearest are left out (solid_pair.h). An
   // overlap comes as its deepest places, followed by the features that are apart; with skipped
   // depths, as one entry of distance -infinity with points and normal of some crossing triangles;
-  // both points the same where none cross, one being inside the other.
+  // both points the same where none cross, one being inside the other. One by hardly more than
+  // rounding is measured always (Graze).
   void Features(const PosedModel& posed, int pair, double margin, Depths depths,
                 std::vector<SignedGap>& out);
 

@@ -14,12 +14,13 @@ namespace {
 constexpr int kTried = 100;        // configurations
 constexpr std::size_t kNamed = 8;  // <exclude> lines
 
-// Pairs that overlap at q, ascending. One query.
+// Pairs that overlap at q, ascending. Exact ones that cross may do no more than touch. One query.
 std::vector<int> OverlappingPairs(Problem& problem, const VectorXd& q) {
   std::vector<int> pairs;
   problem.finder.Pose(q);
   for (const NearPair& near : problem.finder.Find(problem.options.clearance, Depths::kSkipped)) {
-    if (problem.Overlaps(near, problem.tolerances.user)) pairs.push_back(near.pair);
+    const bool exact = problem.tables.pairs[near.pair].exact;
+    if (!exact && problem.Overlaps(near, problem.tolerances.user)) pairs.push_back(near.pair);
   }
   std::sort(pairs.begin(), pairs.end());
   return pairs;
@@ -38,6 +39,14 @@ std::vector<int> InseparablePairs(Problem& problem, const VectorXd& q) {
   return pairs;
 }
 
+// Only bodies with names can be excluded.
+std::string ExcludeLine(const mjModel& m, int body1, int body2) {
+  const std::string name1 = QuotedNameOrId(m, mjOBJ_BODY, body1);
+  const std::string name2 = QuotedNameOrId(m, mjOBJ_BODY, body2);
+  if (name1[0] == '#' || name2[0] == '#') return "bodies " + name1 + " and " + name2;
+  return "<exclude body1=" + name1 + " body2=" + name2 + "/>";
+}
+
 }  // namespace
 
 std::string DescribeInseparable(Problem& problem, const VectorXd& q) {
@@ -52,8 +61,7 @@ std::string DescribeInseparable(Problem& problem, const VectorXd& q) {
   std::string text =
       "; overlaps in each of " + std::to_string(kTried) + " random configurations, too:";
   for (std::size_t k = 0; k < std::min(kNamed, bodies.size()); ++k) {
-    text += " <exclude body1=" + QuotedNameOrId(m, mjOBJ_BODY, bodies[k][0]) +
-            " body2=" + QuotedNameOrId(m, mjOBJ_BODY, bodies[k][1]) + "/>";
+    text += (k == 0 ? " " : ", ") + ExcludeLine(m, bodies[k][0], bodies[k][1]);
   }
   if (bodies.size() > kNamed) text += " and " + std::to_string(bodies.size() - kNamed) + " more";
   return text;

@@ -13,6 +13,7 @@ constexpr double kDeepEnough = 1.1;  // stop when nothing is deeper than this fa
 constexpr double kWorthARow = 0.3;   // of the deepest found so far
 constexpr double kShallow = 1e-3;    // of the smaller mesh's radius
 constexpr int kMaxWays = 8;          // rows of one overlap
+constexpr double kGrazing = 8e-8 * kTreeUnits;
 constexpr double kSameDirection = 0.9;
 
 // Points of each mesh inside the other, by branch and bound on their depth.
@@ -240,6 +241,20 @@ void AppendOverlaps(const SolidPair& pair, int most_parts, std::vector<SignedGap
     return;
   }
   AppendDeepest(ways, 0.25 * size, out);
+}
+
+std::optional<SignedGap> Graze(const SolidPair& pair, const NearestTriangles& crossing) {
+  const SignedGap of_triangles = TriangleGap(pair, crossing);
+  if (-of_triangles.distance > kGrazing) return std::nullopt;
+  const Vector3d ways[] = {of_triangles.n, pair.a().Normal(crossing.a),
+                           -(pair.pose().R * pair.b().Normal(crossing.b))};
+  for (const Vector3d& n : ways) {
+    const Vector3d move = kGrazing * n;
+    const SolidPair moved(pair.a(), pair.b(), {pair.pose().R, pair.pose().t + move});
+    if (moved.Nearest(SolidPair::kTouching, &crossing).a >= 0 || Contained(moved)) continue;
+    return SignedGap{-kGrazing, of_triangles.p1, of_triangles.p1 - move, n};
+  }
+  return std::nullopt;
 }
 
 SignedGap TriangleGap(const SolidPair& pair, const NearestTriangles& crossing) {

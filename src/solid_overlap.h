@@ -18,6 +18,7 @@
 #ifndef MJCF_PDG_SRC_SOLID_OVERLAP_H_
 #define MJCF_PDG_SRC_SOLID_OVERLAP_H_
 
+#include <optional>
 #include <vector>
 
 #include "solid_pair.h"
@@ -45,6 +46,11 @@ void AppendOverlaps(const SolidPair& pair, int most_parts, std::vector<SignedGap
 
 // The deepest first; those of the same place and direction left out, then those beyond the most.
 void AppendDeepest(std::vector<WayOut>& ways, double patch, std::vector<SignedGap>& out);
+
+// The overlap of two meshes of which some triangles intersect, as of faces that rest on each other
+// and cross by rounding: if a move of 8e-8 m along the normal of one of `crossing` parts the
+// meshes, that. None if not.
+std::optional<SignedGap> Graze(const SolidPair& pair, const NearestTriangles& crossing);
 
 // What two crossing triangles tell by themselves: the least move that parts them.
 SignedGap TriangleGap(const SolidPair& pair, const NearestTriangles& crossing);

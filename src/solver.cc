@@ -81,6 +81,8 @@ struct Solver::Impl {
   bool SomeMove(const std::vector<NearPair>& overlaps) const;
   bool Accept(const Candidate& candidate, const std::vector<double>& q_in, Result& result);
   bool AcceptBest(SearchOutcome& outcome, const std::vector<double>& q_in, Result& result);
+  bool AcceptLeastOverlap(const SearchOutcome& outcome, const std::vector<double>& q_in,
+                          Result& result);
   void FillUnsolved(const SearchOutcome& outcome, const std::vector<double>& q_in, Result& result);
   void Repair(const std::vector<double>& q_in, std::optional<VectorXd> hint, Result& result);
   double NearestExact(double least);
@@ -209,6 +211,13 @@ bool Solver::Impl::AcceptBest(SearchOutcome& outcome, const std::vector<double>&
   return false;
 }
 
+// Exact meshes that cross may do no more than touch: the verifier knows.
+bool Solver::Impl::AcceptLeastOverlap(const SearchOutcome& outcome, const std::vector<double>& q_in,
+                                      Result& result) {
+  const VectorXd& q = outcome.least_overlap.q;
+  return q.size() > 0 && Accept({q, 0.0, outcome.least_overlap_start}, q_in, result);
+}
+
 // The least overlap that the search saw, or q_in inside its limits if the verifier finds more
 // there.
 void Solver::Impl::FillUnsolved(const SearchOutcome& outcome, const std::vector<double>& q_in,
@@ -252,7 +261,8 @@ void Solver::Impl::Repair(const std::vector<double>& q_in, std::optional<VectorX
   result.sigma_lower_bound = problem.sigma_lower_bound;
   SearchOutcome outcome;
   if (SomeMove(overlaps)) outcome = Run(overlaps, std::move(hint));
-  const bool solved = !FrozenOverlap(overlaps) && AcceptBest(outcome, q_in, result);
+  const bool solved = !FrozenOverlap(overlaps) && (AcceptBest(outcome, q_in, result) ||
+                                                   AcceptLeastOverlap(outcome, q_in, result));
   if (!solved) FillUnsolved(outcome, q_in, result);
   result.stats.iterations = outcome.iterations;
   result.stats.starts = outcome.starts;

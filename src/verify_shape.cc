@@ -66,8 +66,10 @@ void VerifierShape::CastOn(int triangle, const Vector3d& p, const Vector3d& dire
   const double size = std::abs(det), sign = det < 0.0 ? -1.0 : 1.0, edge = kEdge * size;
   const double least = std::min({sign * u, sign * v, size - sign * (u + v)});
   if (least < -edge || sign * t < -edge) return;
-  if (!(size > 1e-12 * e1.norm() * e2.norm()) || least < edge || sign * t < edge) {
+  const bool edge_on = !(size > 1e-12 * e1.norm() * e2.norm());
+  if (edge_on || least < edge || sign * t < edge) {
     hits.clean = false;
+    hits.from_surface |= !edge_on && sign * t < edge;
     return;
   }
   ++hits.count;
@@ -114,6 +116,7 @@ double VerifierShape::DepthOf(const Vector3d& p, Vector3d& out) const {
   static const std::vector<Vector3d> directions = RayDirections();
   for (const Vector3d& direction : directions) {
     const RayHits hits = Cast(p, direction);
+    if (hits.from_surface) return 0.0;
     if (!hits.clean) continue;
     if (hits.count == 0) return 0.0;  // nothing that way: outside, whatever follows
     votes += hits.winding != 0;

@@ -30,7 +30,7 @@ struct VerifierShape {
   bool closed = false;  // else nothing is inside
   Bvh tree;
 
-  // How deep p is inside, and the way out; 0 outside. Geom frame.
+  // How deep p is inside, and the way out; 0 outside and on the surface. Geom frame.
   double DepthOf(const Vector3d& p, Vector3d& out) const;
 
  private:
@@ -39,6 +39,7 @@ struct VerifierShape {
     double first = std::numeric_limits<double>::infinity();  // [m]
     int count = 0, winding = 0;
     bool clean = true;
+    bool from_surface = false;  // it begins on a triangle
   };
   RayHits Cast(const Vector3d& p, const Vector3d& direction) const;
   void CastBelow(int node, const Vector3d& p, const Vector3d& direction, RayHits& hits) const;

@@ -153,6 +153,43 @@ TEST_F(ExactMeshSolveTest, ABallInsideASolidComesOutAndOneInACupStays) {
   EXPECT_NEAR(result.q[2], 0.05, 1e-5);
 }
 
+// A disc on a turntable, resting on it at z = 0.1, with an arm that meets a post.
+Scene Turntable(const std::string& euler, const std::string& z) {
+  const auto ring = [](double inner, double outer) {
+    return test::Revolution({{inner, -0.05}, {outer, -0.05}, {outer, 0.05}, {inner, 0.05}}, 6);
+  };
+  return Scene::FromString(
+      "<mujoco><asset>" + test::MeshXml("table", ring(0.05, 0.2)) +
+          test::MeshXml("disc", ring(0.06, 0.18)) + "</asset><worldbody><body euler='" + euler +
+          "'><geom type='mesh' mesh='table'/><geom size='.05' pos='.3 .05 .14'/><body pos='0 0 " +
+          z + R"('><joint axis='0 0 1' range='-150 150'/>
+          <geom type='mesh' mesh='disc'/><geom type='capsule' size='.03' fromto='.2 0 .05 .4 0 .05'/>
+          </body></body></worldbody></mujoco>)",
+      Exact());
+}
+
+// Triangles of faces that rest on each other cross or not, by rounding.
+TEST_F(ExactMeshSolveTest, FacesThatRestOnEachOtherAreFreeToTurn) {
+  for (const char* euler : {"0 0 0", "10 0 0", "30 20 10", "5 77 31"}) {
+    const Scene scene = Turntable(euler, "0.1");
+    EXPECT_EQ(Solver(scene).Solve({1.0}).status, Status::kAlreadyFree) << euler;
+    const Result result = Solver(scene).Solve({0.05});
+    const Result lifted = Solver(Turntable(euler, "0.101")).Solve({0.05});
+    ASSERT_EQ(result.status, Status::kSolved) << euler << ": " << result.reason;
+    ASSERT_EQ(lifted.status, Status::kSolved) << euler << ": " << lifted.reason;
+    EXPECT_NEAR(result.q[0], lifted.q[0], 1e-3) << euler;
+    EXPECT_TRUE(test::FreeByBoth(scene, result.q)) << euler;
+  }
+}
+
+// Deeper than what the search takes for rest, but by no more than the verifier permits.
+TEST_F(ExactMeshSolveTest, WhatTheVerifierCallsFreeIsSolved) {
+  const Scene scene = Turntable("30 20 10", "0.0999995");
+  const Result result = Solver(scene).Solve({0.05});
+  EXPECT_EQ(result.status, Status::kSolved) << result.reason;
+  EXPECT_TRUE(test::FreeByBoth(scene, result.q));
+}
+
 // A box in a cup that leaves it little more.
 TEST_F(ExactMeshSolveTest, ClearancesAreKeptExactly) {
   Random rng(83);

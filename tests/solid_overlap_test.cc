@@ -86,6 +86,41 @@ TEST(SolidOverlapTest, ContainedIsWhatTheSolidAngleSays) {
   EXPECT_GT(outside, 100);
 }
 
+// ---- Faces that rest on each other ----
+
+// By definition: a move that parts the two.
+TEST(SolidOverlapTest, GrazingMeshesPartByTheMove) {
+  Random rng(73);
+  const Solid cup = MakeSolid(Cup(0.2, 0.3, 0.08, 12)), box = MakeSolid(BoxMesh({0.1, 0.1, 0.1}));
+  int grazing = 0;
+  for (int i = 0; i < 200; ++i) {
+    const double depth = i % 2 == 0 ? rng.Uniform(0.0, 6e-8) : rng.Uniform(1e-7, 1e-4);
+    const Vector3d t(rng.Uniform(-0.2, 0.2), rng.Uniform(-0.2, 0.2), -0.1 + depth);
+    const Eigen::AngleAxisd turn(rng.Uniform(-3.0, 3.0), Vector3d::UnitZ());
+    const SolidPair pair(cup, box, {turn.matrix(), kTreeUnits * t});
+    const NearestTriangles crossing = pair.Nearest(SolidPair::kTouching);
+    if (crossing.a < 0) continue;
+    const std::optional<SignedGap> graze = Graze(pair, crossing);
+    ASSERT_EQ(graze.has_value(), i % 2 == 0) << depth;
+    if (!graze) continue;
+    ++grazing;
+    EXPECT_LT(graze->distance, -kTreeUnits * depth);
+    EXPECT_NEAR(graze->n.dot(graze->p2 - graze->p1), graze->distance, 1e-9);
+    const Vector3d moved = kTreeUnits * t - graze->distance * graze->n;
+    EXPECT_FALSE(Intersects(SolidPair(cup, box, {turn.matrix(), moved})));
+  }
+  EXPECT_GT(grazing, 80);
+}
+
+// Their triangles cross little, and they are inside each other.
+TEST(SolidOverlapTest, MeshesThatCoincideDoNotGraze) {
+  const Solid cup = MakeSolid(Cup(0.2, 0.3, 0.08, 12));
+  const SolidPair pair(cup, cup, {Matrix3d::Identity(), Vector3d::Constant(1e-9 * kTreeUnits)});
+  const NearestTriangles crossing = pair.Nearest(SolidPair::kTouching);
+  ASSERT_GE(crossing.a, 0);
+  EXPECT_FALSE(Graze(pair, crossing).has_value());
+}
+
 // ---- Depths ----
 
 // The deepest vertex of `from` inside `in` [m].

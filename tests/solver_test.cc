@@ -227,6 +227,11 @@ TEST_F(SolverTest, LinksThatOverlapEverywhereAreNamedWithTheExcludeThatHelps) {
   const std::string helped = "<mujoco><worldbody>" + arm + "</worldbody><contact>" + exclude +
                              "</contact></mujoco>";
   EXPECT_EQ(Solver(Scene::FromString(helped)).Solve({0.05}).status, Status::kSolved);
+
+  std::string unnamed = arm;
+  unnamed.erase(unnamed.find(" name=\"arm\""), 11);
+  EXPECT_THAT(Solver(Scene::FromString(World(unnamed))).Solve({0.05}).reason,
+              EndsWith("too: bodies #2 and 'base'"));
 }
 
 TEST_F(SolverTest, OverlapsThatNoJointCanSeparateAreNamed) {

@@ -292,6 +292,24 @@ TEST_F(VerifyExactMeshTest, CoplanarAndCrossedTouchesAreFree) {
   EXPECT_TRUE(Verify(plug, FreePose({0, 0, 0.175})).free);
 }
 
+// Crossing by no more than rounding, corners just below the other's face.
+TEST_F(VerifyExactMeshTest, FacesThatRestOnEachOtherAreFree) {
+  Random rng(37);
+  static constexpr double h = 0.0625;  // no rounding
+  const auto ring = [](double inner, double outer) {
+    return test::Revolution({{inner, -h}, {outer, -h}, {outer, h}, {inner, h}}, 8);
+  };
+  const Scene scene = MeshScene(ring(0.05, 0.2), "type='mesh' mesh='moving'", ring(0.06, 0.18));
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Quaterniond turn(
+        Eigen::AngleAxisd(rng.Uniform(-3.0, 3.0), Eigen::Vector3d::UnitZ()));
+    const auto at = [&](double depth) { return FreePose({0, 0, 2 * h - depth}, turn); };
+    const Verdict resting = Verify(scene, at(rng.Uniform(0.0, 2e-9)));
+    EXPECT_TRUE(resting.free) << i << ": " << resting.reason;
+    EXPECT_FALSE(Verify(scene, at(1.2e-6)).free) << i;
+  }
+}
+
 // The solver's word that a mesh is open, were it wrong, would hide what is wholly inside from both.
 TEST_F(VerifyExactMeshTest, WhetherAMeshIsClosedItFindsItself) {
   MeshShape open = test::BoxMesh({0.4, 0.4, 0.4});
