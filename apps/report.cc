@@ -88,6 +88,12 @@ std::string Millimetres(double metres) {
 
 std::string Depth(double signed_distance) { return Millimetres(std::max(0.0, -signed_distance)); }
 
+// Where nothing overlapped, joints were outside their limits.
+std::string DepthIn(const Result& result) {
+  const bool limits = result.status != Status::kAlreadyFree && result.contacts_in.empty();
+  return limits ? "limits" : Depth(result.depth_in);
+}
+
 std::string ReasonLine(std::size_t index, const Configuration& row, const std::string& reason) {
   return "row " + std::to_string(index) + " (" + OneLine(row.label) + "): " + OneLine(reason) +
          "\n";
@@ -122,7 +128,7 @@ std::string SolveTable(const Scene& scene, const std::vector<Configuration>& row
     const Result& result = results[i];
     ++count[static_cast<int>(result.status)];
     table.AddRow({std::to_string(i), rows[i].label, StatusName(result.status),
-                  Depth(result.depth_in), Millimetres(std::sqrt(result.sigma)), Short(result.sigma),
+                  DepthIn(result), Millimetres(std::sqrt(result.sigma)), Short(result.sigma),
                   Millimetres(result.min_distance), result.start,
                   Thousandths(result.stats.seconds)});
     if (result.status != Status::kUnsolved) continue;
