@@ -127,8 +127,8 @@ std::string SolveTable(const Scene& scene, const std::vector<Configuration>& row
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Result& result = results[i];
     ++count[static_cast<int>(result.status)];
-    table.AddRow({std::to_string(i), rows[i].label, StatusName(result.status),
-                  DepthIn(result), Millimetres(std::sqrt(result.sigma)), Short(result.sigma),
+    table.AddRow({std::to_string(i), rows[i].label, StatusName(result.status), DepthIn(result),
+                  Millimetres(std::sqrt(result.sigma)), Short(result.sigma),
                   Millimetres(result.min_distance), result.start,
                   Thousandths(result.stats.seconds)});
     if (result.status != Status::kUnsolved) continue;
