@@ -10,11 +10,11 @@ struct Search::Plan {
   // The search ends when so many independent starts have ended at the best answer: fewer where that
   // is near what is proven.
   int agree_near_proven = 3, agree = 6;
-  int queries = 800;           // collision queries after which no further start is made
-  double box_tests = 9e3;      // ... and per dof, of triangle meshes, unless the answer is very far
-  double evaluations = 700.0;  // ... and estimated time since something was free [evaluations]
-  bool follows = true;         // exact meshes: a frame may trust the last one's answer
-  int blind = 20;              // noisy starts while nothing is free, then as many anywhere
+  int queries = 800;       // collision queries after which no further start is made
+  double box_tests = 9e3;  // ... and per dof, of triangle meshes, unless the answer is very far
+  double evaluations = 1000.0;  // ... and estimated time since something was free [evaluations]
+  bool follows = true;          // exact meshes: a frame may trust the last one's answer
+  int blind = 20;               // noisy starts while nothing is free, then as many anywhere
 };
 
 namespace {
@@ -40,9 +40,9 @@ constexpr double kNudge = 0.2;
 constexpr int kHintChances = 2, kPolishChances = 3;
 // Spreads of the noisy starts, in turn: how far the nearest answer's basin reaches is not known.
 constexpr double kNoise[] = {5.0, 2.0, 3.0, 8.0};
-// Time of a query and of a pair distance [evaluations], the latter over those at q_in but no fewer
-// than kFewDistances: what bench/ measures is 0.6 to 1.2 of it, on arms with few pairs near 2 to 3.
-constexpr double kPerQuery = 0.3, kPerDistance = 0.8;
+// Time of a query, of a pair distance and of an LCP's step per dof [evaluations], the latter two
+// over the distances at q_in but no fewer than kFewDistances.
+constexpr double kPerQuery = 0.3, kPerDistance = 0.8, kPerStepAndDof = 0.03;
 constexpr int kFewDistances = 4;
 constexpr Hop kHops[] = {Hop::kFromBest, Hop::kFromInput, Hop::kMirrored};
 
@@ -107,8 +107,9 @@ bool Search::Done(const Plan& plan) const {
 double Search::Evaluations() const {
   const auto queries = static_cast<double>(problem_.finder.queries() - free_query_);
   const auto distances = static_cast<double>(problem_.finder.distances() - free_distance_);
-  return kPerQuery * queries +
-         kPerDistance * distances / std::max(kFewDistances, problem_.input_distances);
+  const auto steps = static_cast<double>(local_.lcp_steps() - free_lcp_step_);
+  const double in_distances = kPerDistance * distances + kPerStepAndDof * problem_.tables.n * steps;
+  return kPerQuery * queries + in_distances / std::max(kFewDistances, problem_.input_distances);
 }
 
 bool Search::Try(const VectorXd& q, const std::string& start, const LocalOptions& options) {
@@ -127,6 +128,7 @@ bool Search::Try(const VectorXd& q, const std::string& start, const LocalOptions
   if (result.free && !HasFree()) {
     free_query_ = problem_.finder.queries();
     free_distance_ = problem_.finder.distances();
+    free_lcp_step_ = local_.lcp_steps();
   }
   if (result.free) {
     Candidate candidate{std::move(result.q), result.sigma, start};
