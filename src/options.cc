@@ -46,9 +46,20 @@ std::vector<std::string> Components(Method method) {
     names.insert(names.end(), {"corrections", "reverse_projection"});
     return names;
   }
-  return {"direct",         "mirror",           "noise",     "hop",    "constrained_translation",
-          "pair_by_pair",   "anywhere",         "user_pose", "polish", "early_exit",
-          "witness_memory", "motion_coherence", "damping"};
+  return {"direct",
+          "mirror",
+          "noise",
+          "hop",
+          "constrained_translation",
+          "hulls",
+          "pair_by_pair",
+          "anywhere",
+          "user_pose",
+          "polish",
+          "early_exit",
+          "witness_memory",
+          "motion_coherence",
+          "damping"};
 }
 
 void CheckOptions(const Options& options, const mjModel& m) {

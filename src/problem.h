@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
+#include <vector>
 
 #include "contacts.h"
 #include "mjcf_pdg/types.h"
@@ -51,6 +53,20 @@ struct Problem {
     return std::none_of(near.begin(), near.end(),
                         [this](const NearPair& n) { return Overlaps(n, tolerances.accept); });
   }
+  // Pairs nearer than required at q_in. One query.
+  std::vector<NearPair> OverlapsAtInput() {
+    std::vector<NearPair> overlaps;
+    const std::int64_t before = finder.distances();
+    finder.Pose(q_in);
+    for (const NearPair& near : finder.Find(options.clearance + options.tolerance)) {
+      // What cannot be mended counts only if it cannot be accepted either.
+      const double accepted = tables.pairs[near.pair].moves ? 0.0 : options.tolerance;
+      if (near.distance < required[near.pair] - accepted) overlaps.push_back(near);
+    }
+    input_distances = static_cast<int>(finder.distances() - before);
+    return overlaps;
+  }
+
   // The pair can move and is nearer than required by more than `accepted` [m].
   bool Overlaps(const NearPair& near, double accepted) const {
     return tables.pairs[near.pair].moves && near.distance < required[near.pair] - accepted;

@@ -21,7 +21,7 @@ namespace {
 
 // Names of starts, of Components (pdg.h).
 constexpr char kDirect[] = "direct", kMirror[] = "mirror", kNoiseStart[] = "noise", kHop[] = "hop";
-constexpr char kPairByPair[] = "pair_by_pair";
+constexpr char kHulls[] = "hulls", kPairByPair[] = "pair_by_pair";
 constexpr char kTranslation[] = "constrained_translation", kAnywhereStart[] = "anywhere";
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kAgreement = 1.01;  // σ over the best: the same answer
@@ -68,7 +68,12 @@ bool MovedByFreeJointsOnly(const SceneTables& tables, int pair) {
 }  // namespace
 
 Search::Search(Problem& problem)
-    : problem_(problem), local_(problem), iteration_(problem), parting_(problem), random_(0) {}
+    : problem_(problem),
+      local_(problem),
+      iteration_(problem),
+      hulls_(problem),
+      parting_(problem),
+      random_(0) {}
 
 Search::Plan Search::PlanFor(Effort effort) {
   switch (effort) {
@@ -260,6 +265,9 @@ void Search::TryExact(const Plan& plan, const std::vector<NearPair>& overlaps) {
   const bool rigid = std::all_of(overlaps.begin(), overlaps.end(), [this](const NearPair& near) {
     return MovedByFreeJointsOnly(problem_.tables, near.pair);
   });
+  if (!rigid && problem_.Uses(kHulls)) {
+    if (const std::optional<VectorXd> q = hulls_.Start()) Try(*q, kHulls, Coarse());
+  }
   if (!rigid && problem_.Uses(kPairByPair)) {
     if (const std::optional<VectorXd> q = parting_.Start(center_)) Try(*q, kPairByPair, Coarse());
   }

@@ -17,6 +17,7 @@
 
 #include "contact_space_iteration.h"
 #include "free_configuration.h"
+#include "hull_start.h"
 #include "local_optimization.h"
 #include "pair_by_pair.h"
 #include "problem.h"
@@ -53,6 +54,8 @@ class Search {
   LocalResult Polish(const VectorXd& q);
 
   std::int64_t lcp_steps() const { return local_.lcp_steps(); }
+  // Besides those of the problem's finder.
+  std::int64_t hull_queries() const { return hulls_.queries(); }
 
  private:
   struct Plan;
@@ -83,6 +86,7 @@ class Search {
   Problem& problem_;
   LocalOptimization local_;
   ContactSpaceIteration iteration_;
+  HullStart hulls_;
   PairByPair parting_;
   Random random_;
   SearchOutcome outcome_;

@@ -75,7 +75,6 @@ struct Solver::Impl {
 
   void SetMocap(MocapPoses poses);
   void SetUp(const std::vector<double>& q_in);
-  std::vector<NearPair> Overlaps();
   SearchOutcome Run(const std::vector<NearPair>& overlaps, std::optional<VectorXd> hint);
   bool FrozenOverlap(const std::vector<NearPair>& overlaps) const;
   bool SomeMove(const std::vector<NearPair>& overlaps) const;
@@ -86,6 +85,9 @@ struct Solver::Impl {
   void FillUnsolved(const SearchOutcome& outcome, const std::vector<double>& q_in, Result& result);
   void Repair(const std::vector<double>& q_in, std::optional<VectorXd> hint, Result& result);
   double NearestExact(double least);
+  std::int64_t Queries() const {
+    return problem.finder.queries() + search.hull_queries() + verifier.queries();
+  }
   void FillContacts(Result& result);
   void Remember(const Result& result);
   void DeepenContactsIn(const std::vector<NearPair>& overlaps, Result& result) const;
@@ -120,19 +122,6 @@ void Solver::Impl::SetUp(const std::vector<double>& q_in) {
     if (at_rest < 0.0) required = std::min(required, at_rest);
     problem.required[static_cast<Eigen::Index>(k)] = required;
   }
-}
-
-std::vector<NearPair> Solver::Impl::Overlaps() {
-  std::vector<NearPair> overlaps;
-  const std::int64_t before = problem.finder.distances();
-  problem.finder.Pose(problem.q_in);
-  for (const NearPair& near : problem.finder.Find(options.clearance + options.tolerance)) {
-    // What cannot be mended counts only if it cannot be accepted either.
-    const double accepted = scene.tables().pairs[near.pair].moves ? 0.0 : options.tolerance;
-    if (near.distance < problem.required[near.pair] - accepted) overlaps.push_back(near);
-  }
-  problem.input_distances = static_cast<int>(problem.finder.distances() - before);
-  return overlaps;
 }
 
 bool Solver::Impl::FrozenOverlap(const std::vector<NearPair>& overlaps) const {
@@ -255,7 +244,7 @@ void Solver::Impl::FillUnsolved(const SearchOutcome& outcome, const std::vector<
 // q_in penetrates: bound, search, verify.
 void Solver::Impl::Repair(const std::vector<double>& q_in, std::optional<VectorXd> hint,
                           Result& result) {
-  const std::vector<NearPair> overlaps = Overlaps();
+  const std::vector<NearPair> overlaps = problem.OverlapsAtInput();
   DeepenContactsIn(overlaps, result);
   problem.sigma_lower_bound = SigmaLowerBound(problem, overlaps);
   result.sigma_lower_bound = problem.sigma_lower_bound;
@@ -356,7 +345,7 @@ Result Solver::Solve(const std::vector<double>& q_in,
     const auto limit = std::chrono::duration<double>(impl_->options.time_limit);
     problem.deadline = begin + std::chrono::duration_cast<Clock::duration>(limit);
   }
-  const std::int64_t queries_before = problem.finder.queries() + impl_->verifier.queries();
+  const std::int64_t queries_before = impl_->Queries();
   const std::int64_t lcp_before = impl_->search.lcp_steps() + impl_->paper.sweeps();
 
   Result result;
@@ -379,8 +368,7 @@ Result Solver::Solve(const std::vector<double>& q_in,
   impl_->FillContacts(result);
   if (result.status == Status::kAlreadyFree) result.depth_in = result.min_distance;
   if (impl_->options.trajectory) impl_->Remember(result);
-  result.stats.collision_queries =
-      static_cast<int>(problem.finder.queries() + impl_->verifier.queries() - queries_before);
+  result.stats.collision_queries = static_cast<int>(impl_->Queries() - queries_before);
   result.stats.lcp_sweeps =
       static_cast<int>(impl_->search.lcp_steps() + impl_->paper.sweeps() - lcp_before);
   result.stats.seconds = std::chrono::duration<double>(Clock::now() - begin).count();

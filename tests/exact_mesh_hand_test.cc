@@ -130,5 +130,24 @@ TEST_F(ExactMeshHandTest, TheWallIsBetweenTwoFingers) {
   ExpectFingersOnTheirSides({kOutside, kInside});
 }
 
+// What parts the hulls parts the triangles.
+TEST_F(ExactMeshHandTest, AnswersAreNoFartherThanThoseOfTheHulls) {
+  const char* const file = MJCF_PDG_MODEL_DIR "/hand/hand_bottle.xml";
+  const Scene hulls = Scene::FromFile(file), exact = Scene::FromFile(file, Exact());
+  Options without_hulls;
+  without_hulls.without = {"hulls"};
+  int farther_without = 0;
+  for (std::size_t k = 0; k < exact.KeyNames().size(); ++k) {
+    SCOPED_TRACE(exact.KeyNames()[k]);
+    const std::vector<double> q_in = exact.KeyQpos(static_cast<int>(k));
+    const Result of_hulls = Solver(hulls).Solve(q_in), result = Solver(exact).Solve(q_in);
+    ASSERT_NE(result.status, Status::kUnsolved) << result.reason;
+    EXPECT_TRUE(FreeByBoth(exact, result.q));
+    EXPECT_LE(result.sigma, 1.02 * of_hulls.sigma);
+    farther_without += Solver(exact, without_hulls).Solve(q_in).sigma > 1.02 * of_hulls.sigma;
+  }
+  EXPECT_GE(farther_without, 2);
+}
+
 }  // namespace
 }  // namespace mjcf_pdg::test
