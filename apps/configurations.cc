@@ -98,9 +98,10 @@ std::vector<Configuration> FromFlags(const Scene& scene, const std::vector<std::
 }  // namespace
 
 void AddWhich(CLI::App& command, WhichArguments& arguments) {
-  CLI::Option* key =
-      command.add_option("--key", arguments.keys, "a keyframe; may be repeated (default: all)")
-          ->type_name("NAME|INDEX");
+  CLI::Option* key = command
+                         .add_option("--key", arguments.keys,
+                                     "a keyframe; may be repeated (default: all, or qpos0)")
+                         ->type_name("NAME|INDEX");
   CLI::Option* qpos =
       command.add_option("--qpos", arguments.qpos, "nq numbers in quotes; may be repeated")
           ->type_name("\"V V ...\"");

@@ -88,10 +88,9 @@ std::string Millimetres(double metres) {
 
 std::string Depth(double signed_distance) { return Millimetres(std::max(0.0, -signed_distance)); }
 
-// Where nothing overlapped, joints were outside their limits.
 std::string DepthIn(const Result& result) {
-  const bool limits = result.status != Status::kAlreadyFree && result.contacts_in.empty();
-  return limits ? "limits" : Depth(result.depth_in);
+  const bool limits = result.status != Status::kAlreadyFree && result.limit_excess_in > 1e-6;
+  return Depth(result.depth_in) + (limits ? " limits" : "");
 }
 
 std::string ReasonLine(std::size_t index, const Configuration& row, const std::string& reason) {

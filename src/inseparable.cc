@@ -50,6 +50,8 @@ std::string ExcludeLine(const mjModel& m, int body1, int body2) {
 }  // namespace
 
 std::string DescribeInseparable(Problem& problem, const VectorXd& q) {
+  const std::vector<int>& columns = problem.tables.column_of_dof;
+  if (std::find(columns.begin(), columns.end(), -1) != columns.end()) return "";
   const mjModel& m = *problem.tables.model;
   std::vector<std::array<int, 2>> bodies;
   for (const int index : InseparablePairs(problem, q)) {

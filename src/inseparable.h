@@ -13,7 +13,7 @@
 namespace mjcf_pdg {
 
 // The <exclude> lines of the bodies whose pairs overlap at q and in each of 100 configurations
-// anywhere (UniformStart), in words that end a sentence; empty if there are none. No proof. Stops
+// anywhere (UniformStart), in words that end a sentence; empty if there are none, or some joint is frozen. No proof. Stops
 // at Problem::deadline. As many queries as it takes to find each pair parted, at most 101.
 std::string DescribeInseparable(Problem& problem, const VectorXd& q);
 

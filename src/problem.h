@@ -41,7 +41,7 @@ struct Problem {
   MocapPoses mocap;
   VectorXd q_in;                   // normalized
   VectorXd required;               // per kept pair: smallest distance that counts as free [m]
-  double size = 1.0;               // a typical geom radius [m]
+  double size = 1.0;               // a typical geom radius: the scene's size [m]
   int input_distances = 0;         // pair distances that a query without margin takes at q_in
   double sigma_lower_bound = 0.0;  // of every free configuration, see lower_bound.h [m²]
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();

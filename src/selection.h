@@ -45,7 +45,7 @@ std::vector<FreeOnRay> FirstFree(Problem& problem, const VectorXd& center,
 VectorXd Beyond(const Problem& problem, const VectorXd& center, const VectorXd& q, double times);
 
 // Every joint anywhere: uniform within limits, hinges without limits and rotations all around,
-// slides and free bodies within a few sizes of the scene about `center`.
+// slides and free bodies within ten Problem::size about `center`.
 VectorXd UniformStart(const Problem& problem, const VectorXd& center, Random& random);
 
 // Eq. 20: the tree that overlaps most is carried off along its base's free directions, away from

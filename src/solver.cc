@@ -211,7 +211,9 @@ bool Solver::Impl::AcceptLeastOverlap(const SearchOutcome& outcome, const std::v
 // there.
 void Solver::Impl::FillUnsolved(const SearchOutcome& outcome, const std::vector<double>& q_in,
                                 Result& result) {
-  VectorXd q = problem.q_in;
+  VectorXd inside = problem.q_in;
+  TurnInsideLimits(scene.tables(), inside);
+  VectorXd q = inside;
   result.start = "none";
   if (!outcome.free.empty()) {  // but for the verifier, or pairs that nothing moves
     q = outcome.free.front().q;
@@ -222,8 +224,6 @@ void Solver::Impl::FillUnsolved(const SearchOutcome& outcome, const std::vector<
   }
   Verdict verdict = verifier.Check(ToStd(q), &q_in);
   if (verdict.min_distance < result.depth_in) {
-    VectorXd inside = problem.q_in;
-    TurnInsideLimits(scene.tables(), inside);
     const Verdict& at_start = verifier.Check(ToStd(inside), &q_in);
     if (at_start.min_distance > verdict.min_distance) {
       verdict = at_start;
@@ -321,7 +321,8 @@ Solver::Solver(const Scene& scene, const Options& options) {
   CheckOptions(options, *scene.model());
   const std::vector<std::string> equalities = scene.ActiveEqualities();
   if (!equalities.empty()) {
-    throw Error("active equality constraint " + equalities.front() + " is not supported yet");
+    throw Error("active equality constraint " + equalities.front() +
+                " is not supported yet; active=\"false\" solves without it");
   }
   impl_ = std::make_unique<Impl>(scene, options);
 }
@@ -352,6 +353,7 @@ Result Solver::Solve(const std::vector<double>& q_in,
   const Verdict& at_start = impl_->verifier.Check(q_in, &q_in, Depths::kSkipped);
   result.depth_in = at_start.min_distance;
   result.contacts_in = at_start.contacts;
+  result.limit_excess_in = at_start.limit_excess;
   if (at_start.free) {
     result.status = Status::kAlreadyFree;
     result.q = q_in;

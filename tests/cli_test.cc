@@ -201,7 +201,7 @@ TEST_F(CliTest, CheckTellsPairsDepthsAndLimits) {
   EXPECT_EQ(Run({"check", "scene.xml", "--key", "deep", "--tolerance", ".06"}).exit_code, 0);
 }
 
-TEST_F(CliTest, SolveTellsWhatWasOutsideItsLimitsAlone) {
+TEST_F(CliTest, SolveTellsWhatWasOutsideItsLimits) {
   Write("arm.xml", R"(<mujoco><worldbody><geom type="plane" size="1 1 .1"/><body pos="0 0 .2">
       <joint axis="0 1 0" range="-30 80"/><geom type="capsule" size=".05" fromto="0 0 0 .3 0 0"/>
       </body></worldbody></mujoco>)");
@@ -212,7 +212,8 @@ TEST_F(CliTest, SolveTellsWhatWasOutsideItsLimitsAlone) {
   EXPECT_TRUE(says_limits("-.7", "0"));
   EXPECT_FALSE(says_limits("0", "0"));
   EXPECT_FALSE(says_limits("0", ".17")) << "too near";
-  EXPECT_FALSE(says_limits("1.5", "0")) << "in the floor as well";
+  EXPECT_FALSE(says_limits(".7", "0")) << "in the floor";
+  EXPECT_TRUE(says_limits("1.5", "0")) << "in the floor as well";
 }
 
 TEST_F(CliTest, NormPartsAddUp) {

@@ -243,7 +243,7 @@ TEST_F(SolverTest, OverlapsThatNoJointCanSeparateAreNamed) {
   only_arm.movable = {"arm"};
   const Scene frozen = Scene::FromString(World(R"(<geom name="floor" type="plane" size="0 0 1"/>
       <body name="post" pos="0 0 -.05"><joint axis="1 0 0"/><geom name="post" size=".1"/></body>
-      <body name="arm" pos="1 0 .2"><joint axis="0 1 0"/>
+      <body name="arm" pos="1 0 .2"><joint axis="0 1 0" range="-90 115"/>
       <geom type="capsule" size=".02" fromto="0 0 0 .3 0 0"/></body>)"),
                                          only_arm);
   const Result result = Solver(frozen).Solve({0.2, 0.0});
@@ -253,6 +253,8 @@ TEST_F(SolverTest, OverlapsThatNoJointCanSeparateAreNamed) {
   EXPECT_EQ(result.q, (Q{0.2, 0.0}));
   EXPECT_EQ(result.stats.starts, 0) << "nothing to search for";
   EXPECT_EQ(result.start, "none");
+  EXPECT_THAT(result.reason, Not(HasSubstr("exclude"))) << "the post's joint was not tried";
+  EXPECT_NEAR(Solver(frozen).Solve({0.2, -2.0}).q[1], -M_PI_2, 1e-12) << "limits hold anyway";
   const Result dipped = Solver(frozen).Solve({0.2, 1.8});  // the arm hangs in the floor, too
   EXPECT_EQ(dipped.status, Status::kUnsolved);
   EXPECT_EQ(dipped.q[0], 0.2);

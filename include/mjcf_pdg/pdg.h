@@ -52,7 +52,7 @@ struct Verdict {
   bool certified = false;         // every kept pair has a signed distance (no SDF, no height field)
   double min_distance = 0.0;      // as in Result [m]
   double limit_excess = 0.0;      // largest violation of a joint limit [rad or m]
-  std::vector<Contact> contacts;  // pairs nearer than `tolerance`, deepest first
+  std::vector<Contact> contacts;  // pairs nearer than `tolerance` or than required, deepest first
   std::string reason;             // what is not free, in words; empty when free
 };
 

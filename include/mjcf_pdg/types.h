@@ -95,11 +95,13 @@ struct Result {
   // touch.
   double depth_in = 0.0;
   double min_distance = 0.0;
+  double limit_excess_in = 0.0;  // largest violation of a joint limit by q_in [rad or m]
   bool certified = false;  // freeness rests on signed distances alone (no SDF, no height field)
   std::string start;       // name of the selection that won
   std::string reason;      // why not solved, in words; empty otherwise
-  std::vector<Contact> contacts_in;  // touching or overlapping pairs at q_in, deepest first
-  std::vector<Contact> contacts;     // the same at q
+  // Deepest first: at q_in the Verdict's, at q pairs nearer than required, or than ten tolerances
+  // more.
+  std::vector<Contact> contacts_in, contacts;
   Stats stats;
 };
 
