@@ -12,9 +12,11 @@ namespace {
 
 // A scene that cannot be loaded or solved gives one workload with the reason.
 template <typename Sets>
-void Append(const std::string& path, Sets sets, std::vector<Workload>& workloads) {
+void Append(const std::string& path, bool exact_mesh, Sets sets, std::vector<Workload>& workloads) {
   try {
-    const Scene scene = Scene::FromFile(path);
+    SceneOptions options;
+    options.exact_mesh = exact_mesh;
+    const Scene scene = Scene::FromFile(path, options);
     const Solver accepts(scene);  // or says why not
     for (ProblemSet& set : sets(scene)) workloads.push_back({scene, std::move(set), {}});
   } catch (const std::exception& error) {
@@ -34,6 +36,7 @@ void AddSetArguments(CLI::App& app, SetArguments& arguments) {
       ->check(CLI::Range(0, 1000000));
   app.add_option("--seed", arguments.seed, "seed of the random configurations");
   app.add_option("--tolerance", arguments.tolerance, "overlap that counts as free [m]");
+  app.add_flag("--exact-mesh", arguments.exact_mesh, "meshes collide as their triangles");
 }
 
 std::vector<Workload> LoadWorkloads(const SetArguments& arguments) {
@@ -41,14 +44,15 @@ std::vector<Workload> LoadWorkloads(const SetArguments& arguments) {
   for (const std::string& file : arguments.problems) {
     for (const ProblemSet& set : ReadProblems(file, arguments.root)) {
       Append(
-          set.model_path, [&](const Scene&) { return std::vector<ProblemSet>{set}; }, workloads);
+          set.model_path, arguments.exact_mesh,
+          [&](const Scene&) { return std::vector<ProblemSet>{set}; }, workloads);
     }
   }
   std::vector<std::string> models = arguments.models;
   if (models.empty() && arguments.problems.empty()) models = OwnModels();
   for (const std::string& path : models) {
     Append(
-        path,
+        path, arguments.exact_mesh,
         [&](const Scene& scene) {
           return std::vector<ProblemSet>{
               Keyframes(scene, path), RandomProblems(scene, path, arguments.count, arguments.seed)};

@@ -20,6 +20,7 @@ struct SetArguments {
   std::uint64_t seed = 1;   // of the random configurations
   int count = 40;           // of random configurations per model
   double tolerance = 1e-6;  // overlap that counts as free [m]
+  bool exact_mesh = false;  // as in SceneOptions
 };
 
 // The defaults of `arguments` are those of the program.
