@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "apps/text.h"
-#include "mesh_import.h"
+#include "import/mesh_import.h"
 #include "mjcf_pdg/types.h"
 
 namespace mjcf_pdg::app {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "mesh_components.h"
-#include "mesh_repair.h"
-#include "triangle_mesh.h"
+#include "import/mesh_repair.h"
+#include "mesh/mesh_components.h"
+#include "mesh/triangle_mesh.h"
 
 namespace mjcf_pdg::app {
 

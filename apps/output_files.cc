@@ -145,7 +145,7 @@ std::string OutputFiles::StagedName(const std::string& path) {
 void OutputFiles::Commit() {
   for (Output& output : outputs_) {
     if (output.staged.empty()) continue;
-    struct stat old {};
+    struct stat old{};
     if (::stat(output.target.c_str(), &old) == 0)
       ::chmod(output.staged.c_str(), old.st_mode & 07777);
   }

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <optional>
 
-#include "ccdg.h"
-#include "free_configuration.h"
+#include "base/random.h"
+#include "ccd/ccdg.h"
 #include "measure.h"
-#include "random.h"
+#include "paper/free_configuration.h"
 
 namespace mjcf_pdg::bench {
 namespace {

@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "problem.h"
+#include "problem/problem.h"
 
 namespace mjcf_pdg::bench {
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "mesh_oracle.h"
 #include "mjcf_pdg/pdg.h"
+#include "tests/support/mesh_oracle.h"
 
 namespace mjcf_pdg::bench {
 

@@ -14,7 +14,7 @@
 
 #include "measure.h"
 #include "mjcf_pdg/pdg.h"
-#include "paper_support.h"
+#include "tests/support/paper_support.h"
 #include "trajectories.h"
 
 namespace mjcf_pdg::bench {

@@ -9,7 +9,7 @@
 #ifndef MJCF_PDG_BENCH_PLANAR_OPTIMUM_H_
 #define MJCF_PDG_BENCH_PLANAR_OPTIMUM_H_
 
-#include "problem.h"
+#include "problem/problem.h"
 
 namespace mjcf_pdg::bench {
 

@@ -9,7 +9,7 @@
 
 #include "measure.h"
 #include "mjcf_pdg/pdg.h"
-#include "paper_method.h"
+#include "paper/paper_method.h"
 #include "workloads.h"
 
 namespace mjcf_pdg::bench {

@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "contacts.h"
+#include "base/random.h"
+#include "collide/contacts.h"
 #include "measure.h"
-#include "mesh_shapes.h"
 #include "mjcf_pdg/pdg.h"
 #include "oracle_tally.h"
-#include "random.h"
+#include "tests/support/mesh_shapes.h"
 
 namespace mjcf_pdg::bench {
 namespace {

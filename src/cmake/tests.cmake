@@ -1,10 +1,9 @@
 # Tests: every GoogleTest case, each public header alone, and a project that uses the installed package. Benchmarks.
 
-file(GLOB test_sources CONFIGURE_DEPENDS tests/*_test.cc)
-file(GLOB support_sources CONFIGURE_DEPENDS tests/*.cc)
-set(mesh_sources tests/mesh_shapes.cc tests/mesh_oracle.cc)
+file(GLOB_RECURSE test_sources CONFIGURE_DEPENDS tests/*_test.cc)
+file(GLOB support_sources CONFIGURE_DEPENDS tests/support/*.cc)
+set(mesh_sources tests/support/mesh_shapes.cc tests/support/mesh_oracle.cc)
 list(TRANSFORM mesh_sources PREPEND "${PROJECT_SOURCE_DIR}/")
-list(FILTER support_sources EXCLUDE REGEX "_test\\.cc$")
 list(REMOVE_ITEM support_sources ${mesh_sources})
 file(GLOB bench_sources CONFIGURE_DEPENDS bench/*.cc)
 
@@ -15,14 +14,14 @@ if(NOT CGAL_FOUND)
           "or set MJCF_PDG_BUILD_TESTS=OFF and MJCF_PDG_BUILD_BENCH=OFF")
 endif()
 add_library(mjcf_pdg_mesh_support STATIC EXCLUDE_FROM_ALL ${mesh_sources})
-target_include_directories(mjcf_pdg_mesh_support PUBLIC tests src)
+target_include_directories(mjcf_pdg_mesh_support PUBLIC . src)
 target_link_libraries(mjcf_pdg_mesh_support PUBLIC mjcf_pdg mjcf_pdg_flags Eigen3::Eigen PRIVATE CGAL::CGAL)
 set_target_properties(mjcf_pdg_mesh_support PROPERTIES CXX_EXTENSIONS OFF)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")  # GCC 12 guesses it inside CGAL
-  set_source_files_properties(tests/mesh_oracle.cc PROPERTIES COMPILE_OPTIONS -Wno-use-after-free)
+  set_source_files_properties(tests/support/mesh_oracle.cc PROPERTIES COMPILE_OPTIONS -Wno-use-after-free)
 endif()
 
-# What tests share: the scenes and the slow oracle (tests/*.cc that are no test), internal headers.
+# What tests share: the scenes and the slow oracle (tests/support), internal headers.
 if(support_sources)
   add_library(mjcf_pdg_test_support STATIC EXCLUDE_FROM_ALL ${support_sources})
   set(scope PUBLIC)
@@ -30,9 +29,10 @@ else()
   add_library(mjcf_pdg_test_support INTERFACE)
   set(scope INTERFACE)
 endif()
-target_include_directories(mjcf_pdg_test_support ${scope} . tests src)
+target_include_directories(mjcf_pdg_test_support ${scope} . src)
 target_link_libraries(mjcf_pdg_test_support ${scope} mjcf_pdg_mesh_support mjcf_pdg mjcf_pdg_flags Eigen3::Eigen)
-target_compile_definitions(mjcf_pdg_test_support ${scope} MJCF_PDG_MODEL_DIR="${PROJECT_SOURCE_DIR}/models")
+target_compile_definitions(mjcf_pdg_test_support ${scope} MJCF_PDG_MODEL_DIR="${PROJECT_SOURCE_DIR}/models"
+                           MJCF_PDG_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 
 # Models too big to keep: made by their generator.
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
@@ -95,7 +95,7 @@ if(MJCF_PDG_BUILD_BENCH AND bench_programs)
   find_package(CLI11 REQUIRED)
   find_package(nlohmann_json 3.9 REQUIRED)
   add_library(mjcf_pdg_bench_support STATIC ${bench_sources})
-  target_include_directories(mjcf_pdg_bench_support PUBLIC bench src tests)
+  target_include_directories(mjcf_pdg_bench_support PUBLIC . bench src)
   target_link_libraries(mjcf_pdg_bench_support PUBLIC mjcf_pdg mjcf_pdg_mesh_support mjcf_pdg_flags Eigen3::Eigen CLI11::CLI11
                         nlohmann_json::nlohmann_json)
   target_compile_definitions(mjcf_pdg_bench_support PUBLIC MJCF_PDG_MODEL_DIR="${PROJECT_SOURCE_DIR}/models")

@@ -1,0 +1,81 @@
+// Cholesky factor of a block-diagonal matrix: the object norm's H is one, joint by joint.
+#ifndef MJCF_PDG_SRC_BASE_BLOCK_CHOLESKY_H_
+#define MJCF_PDG_SRC_BASE_BLOCK_CHOLESKY_H_
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <vector>
+
+namespace mjcf_pdg {
+
+struct ColumnRange {
+  int begin = 0, size = 0;
+};
+
+// H = L Lᵀ; only the blocks of H on the diagonal are read.
+class BlockCholesky {
+ public:
+  void Factor(const Eigen::MatrixXd& H, const std::vector<ColumnRange>& blocks) {
+    blocks_ = &blocks;
+    L_ = H;
+    for (const ColumnRange& b : blocks) {
+      if (b.size == 1) {
+        L_(b.begin, b.begin) = std::sqrt(L_(b.begin, b.begin));
+      } else {
+        Eigen::Ref<Eigen::MatrixXd> block = L_.block(b.begin, b.begin, b.size, b.size);
+        Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> in_place(block);
+      }
+    }
+    inverse_ = L_.diagonal().cwiseInverse();
+  }
+
+  // B = L⁻¹ B; B has as many rows as H.
+  template <typename Derived>
+  void SolveLower(Eigen::MatrixBase<Derived>& B) const {
+    if (B.cols() == 0) return;
+    for (const ColumnRange& b : *blocks_) {
+      auto rows = B.middleRows(b.begin, b.size);
+      if (b.size > kSmall) Block(b).template triangularView<Eigen::Lower>().solveInPlace(rows);
+    }
+    for (Eigen::Index j = 0; j < B.cols(); ++j) {
+      for (const ColumnRange& b : *blocks_) {
+        if (b.size <= kSmall) SolveSmall(b, &B.coeffRef(b.begin, j));
+      }
+    }
+  }
+
+  // B = L⁻ᵀ B.
+  template <typename Derived>
+  void SolveUpper(Eigen::MatrixBase<Derived>& B) const {
+    for (const ColumnRange& b : *blocks_) {
+      auto rows = B.middleRows(b.begin, b.size);
+      if (b.size == 1) {
+        rows /= L_(b.begin, b.begin);
+      } else {
+        Block(b).transpose().template triangularView<Eigen::Upper>().solveInPlace(rows);
+      }
+    }
+  }
+
+ private:
+  static constexpr int kSmall = 6;  // for these, Eigen takes longer to begin than to solve
+
+  void SolveSmall(const ColumnRange& b, double* x) const {
+    for (int i = 0; i < b.size; ++i) {
+      for (int k = 0; k < i; ++k) x[i] -= L_(b.begin + i, b.begin + k) * x[k];
+      x[i] *= inverse_[b.begin + i];
+    }
+  }
+
+  Eigen::Block<const Eigen::MatrixXd> Block(const ColumnRange& b) const {
+    return L_.block(b.begin, b.begin, b.size, b.size);
+  }
+
+  const std::vector<ColumnRange>* blocks_ = nullptr;
+  Eigen::MatrixXd L_;
+  Eigen::VectorXd inverse_;  // of its diagonal
+};
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_BASE_BLOCK_CHOLESKY_H_

@@ -1,0 +1,190 @@
+#include "bound/lower_bound_pair.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <queue>
+
+namespace mjcf_pdg {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kGoodEnough = 0.97;  // stop when within this factor of what can be proven
+
+// At least the largest eigenvalue of a symmetric 3 × 3 matrix: mean + √2 standard deviation.
+double LambdaMax(const Matrix3d& A) {
+  const double mean = A.trace() / 3.0;
+  return mean + std::sqrt(2.0 / 3.0 * (A - mean * Matrix3d::Identity()).squaredNorm());
+}
+
+// g²: the maximum over the geom of Σ_j ρ_j², or some value beyond `enough`.
+double LeverSquared(const Chain& chain, const ConvexGeom& geom, double enough) {
+  double most = 0.0;
+  if (chain.empty()) return most;
+  for (const Vector3d& p : geom.points) {
+    double sum = 0.0;
+    for (const Mover& mover : chain) sum += ReachSquared(mover, p, geom.radius);
+    most = std::max(most, sum);
+    if (most > enough) break;
+  }
+  return most;
+}
+
+// At least the largest eigenvalue of the quadratic form that holds what (2) leaves out, for point x
+// and the unit vectors within eps of n; n points the way in which x is to move.
+double Kappa(const Chain& chain, const Vector3d& x, const Vector3d& n, double eps) {
+  const int k = static_cast<int>(chain.size());
+  if (k == 0) return 0.0;
+  constexpr int kStack = 64;
+  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kStack, kStack>;
+  using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kStack, 1>;
+  if (k > kStack) return std::numeric_limits<double>::infinity();
+  Square K = Square::Zero(k, k);
+  double turns_before = 0.0;
+  for (int j = 0; j < k; ++j) {
+    const Mover& mover = chain[j];
+    const Vector3d r = x - mover.anchor;
+    if (mover.hinge) {
+      const Vector3d across = r - mover.axis.dot(r) * mover.axis;
+      K(j, j) = 0.5 * std::max(0.0, eps * across.norm() - n.dot(across));
+    } else {
+      K(j, j) = 0.25 * (r.norm() - n.dot(r) + eps * r.norm());
+    }
+    K(j, j) *= mover.turn * mover.turn;
+    const double reach = turns_before > 0.0 ? std::sqrt(ReachSquared(mover, x, 0.0)) : 0.0;
+    for (int i = 0; i < j; ++i) K(i, j) = K(j, i) = 0.5 * chain[i].turn * reach;
+    turns_before += mover.turn;
+  }
+  Column y = Column::Ones(k);
+  double best = std::numeric_limits<double>::infinity();
+  for (int iteration = 0; iteration < 6; ++iteration) {
+    const Column Ky = K.lazyProduct(y);
+    const double bound = (Ky.array() / y.array()).maxCoeff();
+    best = std::min(best, bound);
+    if (bound <= 0.0) break;
+    y = (Ky / bound + 0.2 * y).cwiseMax(1e-6);
+  }
+  return best;
+}
+
+// A piece of a cube's face seen from its centre, as a part of the sphere of directions.
+struct Cell {
+  double root = 0.0;  // √S proven for all directions in it
+  int face = 0;
+  double u = 0.0, v = 0.0, half = 1.0;
+
+  Vector3d Direction(double du, double dv) const {
+    Vector3d n;
+    n[face % 3] = face < 3 ? 1.0 : -1.0;
+    n[(face + 1) % 3] = u + du * half;
+    n[(face + 2) % 3] = v + dv * half;
+    return n.normalized();
+  }
+  double Radius(const Vector3d& n) const {
+    double least = 1.0;
+    for (const double du : {-1.0, 1.0}) {
+      for (const double dv : {-1.0, 1.0}) least = std::min(least, n.dot(Direction(du, dv)));
+    }
+    return std::acos(least) + 1e-12;
+  }
+  bool operator<(const Cell& other) const { return root > other.root; }  // least on top of a heap
+};
+
+}  // namespace
+
+double PairProblem::LeverS(double floor) const {
+  if (!(needed > 0.0)) return floor;
+  const double enough = floor > 0.0 ? needed * needed / floor : kInfinity;
+  double g = LeverSquared(chain[0], geom[0], enough);
+  g += LeverSquared(chain[1], geom[1], enough - g);
+  return g > 0.0 ? std::max(floor, needed * needed / g) : floor;
+}
+
+double PairProblem::RootAt(const Vector3d& a, const Vector3d& b, const Vector3d& n, double eps,
+                           double floor) const {
+  const Vector3d v = a - b;
+  const double along = n.dot(v), across = (v - along * n).norm();
+  const double t = required + std::min(along, along * std::cos(eps)) - across * std::sin(eps);
+  if (!(t > 0.0)) return floor;
+  Matrix3d G = Matrix3d::Zero();
+  for (const Mover& mover : chain[0]) G += mover.T + TurnCompliance(mover, a);
+  for (const Mover& mover : chain[1]) G += mover.T + TurnCompliance(mover, b);
+  double gamma = std::sqrt(std::max(0.0, n.dot(G * n)));
+  if (eps > 0.0) gamma += std::sin(eps) * std::sqrt(LambdaMax(G));
+  if (t <= floor * gamma) return floor;
+  const double kappa = std::max(Kappa(chain[0], a, -n, eps), Kappa(chain[1], b, n, eps));
+  const double divisor = gamma + std::sqrt(gamma * gamma + 4.0 * kappa * t);
+  if (!(divisor > 0.0)) return kInfinity;  // nothing moves it that way
+  return std::max(floor, 2.0 * t / divisor);
+}
+
+// For a cap, points whose overlap holds all over it are sought by a few Frank-Wolfe steps from the
+// farthest ones along n.
+double PairProblem::RootFor(const Vector3d& n, double eps, double floor) const {
+  Vector3d a = geom[0].Support(n), b = geom[1].Support(-n);
+  auto held = [&](const Vector3d& v) {
+    const double along = n.dot(v);
+    return std::cos(eps) * along - std::sin(eps) * (v - along * n).norm();
+  };
+  for (int step = 0; eps > 0.0 && step < 3; ++step) {
+    const Vector3d v = a - b, across = v - n.dot(v) * n;
+    if (across.norm() < 1e-9) break;
+    const Vector3d gradient = std::cos(eps) * n - std::sin(eps) * across.normalized();
+    const Vector3d a2 = geom[0].Support(gradient), b2 = geom[1].Support(-gradient);
+    double best = held(v), share = 0.0;
+    for (const double s : {0.15, 0.3, 0.5, 0.7, 0.85, 1.0}) {
+      const double value = held(v + s * ((a2 - b2) - v));
+      if (value > best) {
+        best = value;
+        share = s;
+      }
+    }
+    if (share == 0.0) break;
+    a += share * (a2 - a);
+    b += share * (b2 - b);
+  }
+  return RootAt(a, b, n, eps, floor);
+}
+
+double PairProblem::RootForPlane() const {
+  const Vector3d n = geom[0].R.col(2);
+  double best = 0.0;
+  auto look_at = [&](const Vector3d& b) {
+    const double at = RootAt(b + n.dot(geom[0].center - b) * n, b, n, 0.0, best);
+    if (std::isfinite(at)) best = at;  // else there is no way out: no number is a bound
+  };
+  look_at(geom[1].Support(-n));
+  if (geom[1].round) return best;
+  for (const Vector3d& p : geom[1].points) look_at(p - geom[1].radius * n);
+  return best;
+}
+
+double SearchDirections(const PairProblem& pair, double floor, int& cells_left) {
+  std::priority_queue<Cell> heap;
+  double reachable = pair.hope;  // nothing above this will be proven
+  auto push = [&](Cell cell) {
+    const Vector3d n = cell.Direction(0, 0);
+    cell.root = pair.RootFor(n, cell.Radius(n), cell.root);
+    reachable = std::min(reachable, pair.RootFor(n, 0.0));
+    heap.push(cell);
+    --cells_left;
+  };
+  for (int face = 0; face < 6; ++face) {
+    for (const int u : {-1, 0, 1}) {
+      for (const int v : {-1, 0, 1}) push({0.0, face, u * 2.0 / 3.0, v * 2.0 / 3.0, 1.0 / 3.0});
+    }
+  }
+  while (cells_left > 0 && reachable > floor && heap.top().root < kGoodEnough * reachable) {
+    const Cell cell = heap.top();
+    heap.pop();
+    for (const double du : {-0.5, 0.5}) {
+      for (const double dv : {-0.5, 0.5}) {
+        push({cell.root, cell.face, cell.u + du * cell.half, cell.v + dv * cell.half,
+              0.5 * cell.half});
+      }
+    }
+  }
+  return heap.top().root;
+}
+
+}  // namespace mjcf_pdg

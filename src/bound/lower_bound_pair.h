@@ -1,0 +1,44 @@
+// What parting one overlapping pair costs at least: by levers, and over all directions.
+//
+// Part of lower_bound.h; symbols are those of the derivation at the head of lower_bound.cc.
+#ifndef MJCF_PDG_SRC_BOUND_LOWER_BOUND_PAIR_H_
+#define MJCF_PDG_SRC_BOUND_LOWER_BOUND_PAIR_H_
+
+#include <array>
+#include <vector>
+
+#include "bound/lower_bound_chain.h"
+#include "bound/lower_bound_geom.h"
+
+namespace mjcf_pdg {
+
+struct PairProblem {
+  std::array<Chain, 2> chain;  // what carries geom 1 and geom 2 relative to each other; all finite
+  std::array<ConvexGeom, 2> geom;
+  double required = 0.0;    // ρ [m]
+  double needed = 0.0;      // ρ - d [m]
+  bool plane = false;       // geom 1 is a plane that does not move relative to geom 2's base
+  std::vector<int> movers;  // of both chains
+  double hope = 0.0;        // √S along one direction: more will not be proven, levers aside
+
+  // By levers, S; `floor` if that is more.
+  double LeverS(double floor) const;
+  // √S for all unit vectors within eps of n: the best of the points tried, or `floor` if that is
+  // more.
+  double RootFor(const Vector3d& n, double eps, double floor = 0.0) const;
+  // √S if geom 1 is a plane: a half-space is left along its normal only.
+  double RootForPlane() const;
+
+ private:
+  // √S by (2) for the points a and b and all unit vectors within eps of n.
+  double RootAt(const Vector3d& a, const Vector3d& b, const Vector3d& n, double eps,
+                double floor) const;
+};
+
+// √S for all directions, by branch and bound. Gives up once the pair cannot beat `floor` (√S) or no
+// cells are left.
+double SearchDirections(const PairProblem& pair, double floor, int& cells_left);
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_BOUND_LOWER_BOUND_PAIR_H_

@@ -1,0 +1,254 @@
+#include "ccd/motion_bound.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace mjcf_pdg {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// The part of v perpendicular to a unit vector.
+Vector3d Across(const Vector3d& v, const Vector3d& unit) { return v - unit.dot(v) * unit; }
+
+}  // namespace
+
+MotionBound::MotionBound(const SceneTables& tables) : tables_(tables) {
+  const mjModel& m = *tables.model;
+  motions_of_body_.resize(m.nbody);
+  for (int body = 0; body < m.nbody; ++body) {
+    motions_of_body_[body].begin = static_cast<int>(motions_.size());
+    for (int j = 0; j < static_cast<int>(tables.joints.size()); ++j) {
+      if (tables.joints[j].body != body) continue;
+      Motion motion;
+      motion.joint = j;
+      // A free joint first translates, then turns about the body's origin.
+      if (tables.joints[j].type == mjJNT_FREE) motions_.push_back(motion);
+      motion.rotates = tables.joints[j].type != mjJNT_SLIDE;
+      motions_.push_back(motion);
+    }
+    motions_of_body_[body].end = static_cast<int>(motions_.size());
+  }
+  for (const BodyPair& bodies : tables.body_pairs) {
+    Range range{static_cast<int>(chains_.size()), 0};
+    int up = bodies.body1, down = bodies.body2;
+    std::vector<int> descent;
+    while (up != down) {  // parents have smaller ids
+      if (up > down) {
+        AppendMotions(up, 1.0, true);
+        up = m.body_parentid[up];
+      } else {
+        descent.push_back(down);
+        down = m.body_parentid[down];
+      }
+    }
+    for (auto body = descent.rbegin(); body != descent.rend(); ++body) {
+      AppendMotions(*body, -1.0, false);
+    }
+    range.end = static_cast<int>(chains_.size());
+    chain_.push_back(range);
+  }
+  active_.resize(chain_.size());
+  std::size_t longest = 0;
+  for (const Range& range : chain_) {
+    longest = std::max(longest, static_cast<std::size_t>(range.end - range.begin));
+  }
+  active_chains_.reserve(chains_.size());
+  for (auto* scratch : {&levers1_, &levers2_, &travels1_, &travels2_}) scratch->resize(longest);
+}
+
+void MotionBound::AppendMotions(int body, double sign, bool upwards) {
+  const Range range = motions_of_body_[body];
+  for (int k = range.begin; k < range.end; ++k) {
+    chains_.push_back({upwards ? range.end - 1 - (k - range.begin) : k, sign});
+  }
+}
+
+void MotionBound::SetPath(const VectorXd& dq) {
+  for (Motion& motion : motions_) {
+    const JointEntry& joint = tables_.joints[motion.joint];
+    if (joint.ndof == 1) {
+      motion.speed = std::abs(dq[joint.col]);
+      motion.rate_W = Vector3d(dq[joint.col], 0.0, 0.0);
+    } else {
+      const int offset = joint.type == mjJNT_FREE && motion.rotates ? 3 : 0;
+      motion.rate_W = dq.segment<3>(joint.col + offset);
+      motion.speed = motion.rate_W.norm();
+    }
+  }
+  active_chains_.clear();
+  for (std::size_t p = 0; p < chain_.size(); ++p) {
+    active_[p].begin = static_cast<int>(active_chains_.size());
+    for (int k = chain_[p].begin; k < chain_[p].end; ++k) {
+      if (motions_[chains_[k].motion].speed > 0.0) active_chains_.push_back(chains_[k]);
+    }
+    active_[p].end = static_cast<int>(active_chains_.size());
+  }
+  path_ = dq;
+}
+
+void MotionBound::SetPose(const PosedModel& posed) {
+  const mjData& d = *posed.data();
+  for (Motion& motion : motions_) {
+    if (motion.speed <= 0.0) continue;
+    const JointEntry& joint = tables_.joints[motion.joint];
+    motion.anchor_W =
+        AsVector(joint.type == mjJNT_FREE ? d.xpos + 3 * joint.body : d.xanchor + 3 * joint.id);
+    if (joint.ndof == 1) {
+      motion.rate_W = path_[joint.col] * AsVector(d.xaxis + 3 * joint.id);
+    } else if (motion.rotates) {  // given in the body's frame; no rotation follows a ball
+      motion.rate_W = AsMatrix(d.xmat + 9 * joint.body) * path_.segment<3>(RotationColumn(joint));
+    }
+  }
+}
+
+double MotionBound::Extent::FarFrom(const Vector3d& p_W) const {
+  const double by_sphere = (center_W - p_W).norm() + radius;
+  if (!has_box) return by_sphere;
+  const Vector3d corner = (R.transpose() * (box_center_W - p_W)).cwiseAbs() + half;
+  return std::min(by_sphere, corner.norm());
+}
+
+double MotionBound::Extent::FarFromAxis(const Vector3d& p_W, const Vector3d& unit_W) const {
+  const double by_sphere = Across(center_W - p_W, unit_W).norm() + radius;
+  if (!has_box) return by_sphere;
+  double across = 0.0;
+  for (int i = 0; i < 3; ++i) across += half[i] * Across(R.col(i), unit_W).norm();
+  return std::min(by_sphere,
+                  Across(box_center_W - p_W, unit_W).norm() + std::min(across, half.norm()));
+}
+
+MotionBound::Extent MotionBound::BodyExtent(const SceneTables& tables, const PosedModel& posed,
+                                            int body) {
+  const mjData& d = *posed.data();
+  const BoundingSphere& sphere = tables.body_spheres[body];
+  Extent extent;
+  extent.center_W = AsVector(d.xpos + 3 * body) + AsMatrix(d.xmat + 9 * body) * sphere.center_B;
+  extent.radius = sphere.radius;
+  return extent;
+}
+
+MotionBound::Extent MotionBound::GeomExtent(const PosedModel& posed, int geom) {
+  const mjModel& m = *posed.model();
+  const mjData& d = *posed.data();
+  Extent extent;
+  extent.center_W = AsVector(d.geom_xpos + 3 * geom);
+  extent.radius = kInfinity;
+  if (m.geom_type[geom] == mjGEOM_PLANE) return extent;
+  const double core = CoreRadius(m, geom);
+  if (m.geom_rbound[geom] > 0.0) extent.radius = m.geom_rbound[geom] - core;
+  extent.half = AsVector(m.geom_aabb + 6 * geom + 3);
+  extent.has_box = extent.half.maxCoeff() > 0.0;
+  extent.half = (extent.half.array() - core).cwiseMax(0.0);
+  if (extent.has_box) {
+    extent.R = AsMatrix(d.geom_xmat + 9 * geom);
+    extent.box_center_W = extent.center_W + extent.R * AsVector(m.geom_aabb + 6 * geom);
+  }
+  return extent;
+}
+
+void MotionBound::FillLevers(Range range, bool from_first, const Extent& extent, double horizon,
+                             std::vector<double>& levers, std::vector<double>& travels) const {
+  const int count = range.end - range.begin;
+  double travel = 0.0;   // of the shape by the motions already walked past
+  double stretch = 0.0;  // of the chain since the last anchor, by slides
+  const Motion* previous = nullptr;
+  double previous_lever = 0.0;
+  for (int step = 0; step < count; ++step) {
+    const int k = from_first ? step : count - 1 - step;
+    const Motion& motion = motions_[active_chains_[range.begin + k].motion];
+    if (!motion.rotates) {
+      levers[k] = 1.0;
+      travels[k] = motion.speed;
+      stretch += motion.speed * horizon;
+    } else {
+      levers[k] = extent.FarFrom(motion.anchor_W) + horizon * travel;
+      if (previous) {
+        const double chain = (motion.anchor_W - previous->anchor_W).norm() + stretch;
+        levers[k] = std::min(levers[k], chain + previous_lever);
+      }
+      const double across =
+          extent.FarFromAxis(motion.anchor_W, motion.rate_W / motion.speed) + horizon * travel;
+      travels[k] = motion.speed * std::min(levers[k], across);
+      previous = &motion;
+      previous_lever = levers[k];
+      stretch = 0.0;
+    }
+    travel += travels[k];
+  }
+}
+
+double MotionBound::Closing(Range range) const {
+  double closing = 0.0;
+  for (int k = 0; k < range.end - range.begin; ++k) {
+    closing += std::min(travels1_[k], travels2_[k]);
+  }
+  return closing;
+}
+
+// With Ω the turning rate of the frame that carries motion k, as seen from the resting shape:
+// x'' = Σ_k (Ω×ω_k)×(x - o_k) + ω_k×(Ω×(x - o_k)) + (Ω + ω_k)×(what k and later motions add to x').
+double MotionBound::Acceleration(Range range, bool of_first, const std::vector<double>& levers,
+                                 const std::vector<double>& travels) const {
+  const int count = range.end - range.begin;
+  double turning = 0.0, acceleration = 0.0;
+  for (int step = 0; step < count; ++step) {
+    const int k = of_first ? count - 1 - step : step;
+    const Motion& motion = motions_[active_chains_[range.begin + k].motion];
+    if (std::isinf(travels[k])) return kInfinity;
+    if (motion.rotates) {
+      acceleration += 2.0 * turning * motion.speed * levers[k];
+      turning += motion.speed;
+      acceleration += turning * travels[k];
+    } else {
+      acceleration += 2.0 * turning * motion.speed;
+    }
+  }
+  return acceleration;
+}
+
+double MotionBound::BodiesClosing(const PosedModel& posed, int body_pair, double horizon,
+                                  double& distance) {
+  const BodyPair& bodies = tables_.body_pairs[body_pair];
+  const Range range = active_[body_pair];
+  const Extent first = BodyExtent(tables_, posed, bodies.body1);
+  const Extent second = BodyExtent(tables_, posed, bodies.body2);
+  distance = (first.center_W - second.center_W).norm() - first.radius - second.radius;
+  FillLevers(range, true, first, horizon, levers1_, travels1_);
+  FillLevers(range, false, second, horizon, levers2_, travels2_);
+  return Closing(range);
+}
+
+RelativeMotion MotionBound::Geoms(const PosedModel& posed, int body_pair, int pair,
+                                  double horizon) {
+  const Range range = active_[body_pair];
+  int geom1 = tables_.pairs[pair].geom1, geom2 = tables_.pairs[pair].geom2;
+  const bool swapped = posed.model()->geom_bodyid[geom1] != tables_.body_pairs[body_pair].body1;
+  const Extent first = GeomExtent(posed, swapped ? geom2 : geom1);
+  const Extent second = GeomExtent(posed, swapped ? geom1 : geom2);
+  FillLevers(range, true, first, horizon, levers1_, travels1_);
+  FillLevers(range, false, second, horizon, levers2_, travels2_);
+  RelativeMotion motion;
+  motion.closing = Closing(range);
+  motion.acceleration1 = Acceleration(range, true, levers1_, travels1_);
+  motion.acceleration2 = Acceleration(range, false, levers2_, travels2_);
+  for (int k = range.begin; k < range.end; ++k) {
+    const Motion& m = motions_[active_chains_[k].motion];
+    const double sign = active_chains_[k].sign;
+    if (m.rotates) {
+      motion.omega_W += sign * m.rate_W;
+      motion.v_W -= sign * m.rate_W.cross(m.anchor_W);
+    } else {
+      motion.v_W += sign * m.rate_W;
+    }
+  }
+  if (swapped) {
+    std::swap(motion.acceleration1, motion.acceleration2);
+    motion.omega_W = -motion.omega_W;
+    motion.v_W = -motion.v_W;
+  }
+  return motion;
+}
+
+}  // namespace mjcf_pdg

@@ -1,0 +1,104 @@
+// How fast two geoms can approach each other along a configuration line q(s) = q0 ⊕ s·dq.
+//
+// Hinges and slides change linearly in s, balls and free joints turn at a constant rate about a
+// fixed axis; only the joints between the two geoms count. With a signed distance d(s) and witness
+// points p1, p2 of normal n, d' = Σ_j ± n·(ω_j × (p - o_j)) over those joints. Since p2 - p1 = d n,
+// p may be taken on either geom, joint by joint: each lever is the shorter of the two.
+//
+// Spheres and capsules count as their cores, a point and a segment: the distance of the round
+// shapes is that of the cores less their radii, however they turn.
+//
+// Every lever holds on a whole interval [s, s + horizon] and starts from the pose at s: a point's
+// distance from a joint's axis grows at most by the travel that the joints in between give it, and
+// never beyond the stretched chain of anchors.
+// Units: s has none, lengths in m, angles in rad.
+#ifndef MJCF_PDG_SRC_CCD_MOTION_BOUND_H_
+#define MJCF_PDG_SRC_CCD_MOTION_BOUND_H_
+
+#include <vector>
+
+#include "collide/convex/support_points.h"
+#include "model/kinematics.h"
+
+namespace mjcf_pdg {
+
+// Geom 1 relative to geom 2, on [s, s + horizon].
+struct RelativeMotion {
+  double closing = 0.0;  // |d'| <= closing: the λ of conservative advancement [m]
+  // At s exactly: the point x_W fixed to geom 1 moves with v_W + omega_W × x_W, geom 2 at rest.
+  Vector3d omega_W = Vector3d::Zero();
+  Vector3d v_W = Vector3d::Zero();
+  // |x''| of any point of geom 1 (geom 2 at rest) and of geom 2 (geom 1 at rest) [m], of their
+  // cores if round; infinite for planes.
+  double acceleration1 = 0.0, acceleration2 = 0.0;
+};
+
+// One per thread.
+class MotionBound {
+ public:
+  explicit MotionBound(const SceneTables& tables);
+
+  // The line's tangent, n entries per unit of s.
+  void SetPath(const VectorXd& dq);
+  // Joint axes of the pose at s; call after each new pose.
+  void SetPose(const PosedModel& posed);
+
+  // Some joint between the two bodies of tables.body_pairs[k] moves along the line.
+  bool Moves(int body_pair) const { return active_[body_pair].begin < active_[body_pair].end; }
+
+  // An upper bound of λ for all geoms of the two bodies, from the bodies' spheres, and the distance
+  // of the spheres (-inf with a plane).
+  double BodiesClosing(const PosedModel& posed, int body_pair, double horizon, double& distance);
+  RelativeMotion Geoms(const PosedModel& posed, int body_pair, int pair, double horizon);
+
+ private:
+  // A hinge, slide or ball; the translation or the rotation of a free joint.
+  struct Motion {
+    int joint = 0;  // index into SceneTables::joints
+    bool rotates = false;
+    double speed = 0.0;         // rad or m per unit s
+    Vector3d anchor_W, rate_W;  // at the pose; rate_W of length `speed`
+  };
+  // A motion between two bodies; sign -1 when it carries body 2.
+  struct Link {
+    int motion = 0;
+    double sign = 1.0;
+  };
+  struct Range {
+    int begin = 0, end = 0;
+  };
+  // Where a shape can be, at the pose.
+  struct Extent {
+    Vector3d center_W;
+    double radius;
+    bool has_box = false;
+    Vector3d box_center_W, half;
+    Matrix3d R;
+
+    double FarFrom(const Vector3d& p_W) const;
+    double FarFromAxis(const Vector3d& p_W, const Vector3d& unit_W) const;
+  };
+
+  void AppendMotions(int body, double sign, bool upwards);
+  static Extent BodyExtent(const SceneTables& tables, const PosedModel& posed, int body);
+  static Extent GeomExtent(const PosedModel& posed, int geom);
+  // levers_ and travels of the links in `range`, walked away from the shape.
+  void FillLevers(Range range, bool from_first, const Extent& extent, double horizon,
+                  std::vector<double>& levers, std::vector<double>& travels) const;
+  double Closing(Range range) const;
+  double Acceleration(Range range, bool of_first, const std::vector<double>& levers,
+                      const std::vector<double>& travels) const;
+
+  const SceneTables& tables_;
+  VectorXd path_;  // n
+  std::vector<Motion> motions_;
+  std::vector<Range> motions_of_body_;        // nbody
+  std::vector<Link> chains_, active_chains_;  // body 1 up to the common ancestor, down to body 2
+  std::vector<Range> chain_, active_;         // per body pair, into the two above
+  std::vector<double> levers1_, levers2_;     // farthest point from the anchor [m], by link
+  std::vector<double> travels1_, travels2_;   // fastest point by this motion alone [m per unit s]
+};
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_CCD_MOTION_BOUND_H_

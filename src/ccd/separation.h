@@ -1,0 +1,42 @@
+// Two geoms kept apart by a moving plane: a proof of distance that needs no distance query.
+//
+// With n a unit normal from geom 1 to geom 2 and h the support function, -h_2(-n) - h_1(n) is a
+// lower bound of the signed distance of two convex geoms, whatever n; at the witness normal it is
+// the distance. Along a motion x(s) = x + s (v + ω×x) + (at most ½ a s²) the support function is
+// asked in the tilted direction n + s n×ω, so that the bound is exact to first order: geoms that
+// slide along each other, or part, are passed in few steps. An exact mesh counts as its convex
+// hull, which only lowers the bound.
+#ifndef MJCF_PDG_SRC_CCD_SEPARATION_H_
+#define MJCF_PDG_SRC_CCD_SEPARATION_H_
+
+#include "ccd/motion_bound.h"
+#include "collide/convex/support_points.h"
+
+namespace mjcf_pdg {
+
+// Immutable after construction.
+class Separation {
+ public:
+  explicit Separation(const SceneTables& tables) : support_(*tables.support) {}
+
+  // A lower bound of the pair's signed distance [m] by the plane of normal n_W; -inf where a geom
+  // is not convex (SDF, height field). A plane's own normal must be given for it.
+  double Distance(const PosedModel& posed, int geom1, int geom2, const Vector3d& n_W) const;
+
+  // The largest h <= horizon found so that the distance is proven to stay >= floor on [0, h] from
+  // the pose on; 0 when nothing is proven. `motion` must hold on the horizon.
+  double SafeStep(const PosedModel& posed, const KeptPair& pair, const Vector3d& n_W,
+                  const RelativeMotion& motion, double floor, double horizon) const;
+
+  // max of direction_W · x over the geom.
+  double Support(const PosedModel& posed, int geom, const Vector3d& direction_W) const;
+
+ private:
+  double CoreSupport(const PosedModel& posed, int geom, const Vector3d& direction_W) const;
+
+  const SupportPoints& support_;
+};
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_CCD_SEPARATION_H_

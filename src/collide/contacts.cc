@@ -1,0 +1,220 @@
+#include "collide/contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "collide/convex/capsule_box.h"
+
+namespace mjcf_pdg {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Below this, witness points are too close to give a normal, and we look from a little further.
+constexpr double kTouching = 1e-8;
+constexpr double kNudge = 1e-6, kDeep = 2e-6;
+
+SignedGap CapsuleBoxInWorld(const PosedModel& posed, int capsule, int box) {
+  const mjModel& m = *posed.model();
+  const mjData& d = *posed.data();
+  const Matrix3d R = AsMatrix(d.geom_xmat + 9 * box);
+  const Vector3d origin = AsVector(d.geom_xpos + 3 * box);
+  const Vector3d center = R.transpose() * (AsVector(d.geom_xpos + 3 * capsule) - origin);
+  const Vector3d axis =
+      R.transpose() * AsMatrix(d.geom_xmat + 9 * capsule).col(2) * m.geom_size[3 * capsule + 1];
+  SignedGap gap = CapsuleBoxGap(center - axis, center + axis, m.geom_size[3 * capsule],
+                                AsVector(m.geom_size + 3 * box));
+  gap.p1 = origin + R * gap.p1;
+  gap.p2 = origin + R * gap.p2;
+  gap.n = R * gap.n;
+  return gap;
+}
+
+// The signed height of geom's bounding sphere above a plane.
+double SphereAbovePlane(const mjModel& m, const mjData& d, int plane, int geom) {
+  const Vector3d normal = AsMatrix(d.geom_xmat + 9 * plane).col(2);
+  return normal.dot(AsVector(d.geom_xpos + 3 * geom) - AsVector(d.geom_xpos + 3 * plane)) -
+         m.geom_rbound[geom];
+}
+
+NearPair ToNearPair(int pair, const SignedGap& gap) {
+  return {pair, gap.distance, gap.p1, gap.p2, gap.n};
+}
+
+}  // namespace
+
+ContactFinder::ContactFinder(const SceneTables& tables, double clearance)
+    : tables_(tables),
+      model_(tables.query_model),
+      posed_(&model_),
+      exact_(tables, clearance),
+      convex_(tables),
+      centers_W_(tables.body_spheres.size()) {
+  near_.reserve(64);
+}
+
+const std::vector<NearPair>& ContactFinder::Find(double margin, Depths depths) {
+  ++queries_;
+  near_.clear();
+  const mjData& d = *posed_.data();
+  for (std::size_t b = 0; b < centers_W_.size(); ++b) {
+    centers_W_[b] =
+        AsVector(d.xpos + 3 * b) + AsMatrix(d.xmat + 9 * b) * tables_.body_spheres[b].center_B;
+  }
+  NearPair near;
+  for (const BodyPair& bodies : tables_.body_pairs) {
+    if (!BodiesNear(bodies, margin)) continue;
+    for (int pair = bodies.begin; pair < bodies.end; ++pair) {
+      if (DistanceBound(pair) > margin) continue;
+      const KeptPair& kept = tables_.pairs[pair];
+      if (!kept.exact) {
+        if (Distance(pair, margin, near)) near_.push_back(near);
+      } else if (BoundsNear(kept, margin)) {
+        AppendFeatures(pair, margin, depths, near_);
+      }
+    }
+  }
+  if (tables_.has_contact_only_pairs) FindContactOnly(margin);
+  return near_;
+}
+
+void ContactFinder::AppendFeatures(int pair, double margin, Depths depths,
+                                   std::vector<NearPair>& out) {
+  features_.clear();
+  exact_.Features(posed_, pair, margin, depths, features_);
+  SignedGap hull;
+  if (!features_.empty() && HullGap(pair, features_.front().distance, hull)) {
+    std::erase_if(features_, [](const SignedGap& gap) { return gap.distance < 0.0; });
+    features_.insert(features_.begin(), hull);
+  }
+  for (const SignedGap& gap : features_) out.push_back(ToNearPair(pair, gap));
+}
+
+bool ContactFinder::BodiesNear(const BodyPair& bodies, double margin) const {
+  const double reach = tables_.body_spheres[bodies.body1].radius +
+                       tables_.body_spheres[bodies.body2].radius + margin;
+  return (centers_W_[bodies.body1] - centers_W_[bodies.body2]).squaredNorm() <= reach * reach;
+}
+
+double ContactFinder::DistanceBound(int pair) const {
+  const mjModel& m = model_;
+  const mjData& d = *posed_.data();
+  const int g1 = tables_.pairs[pair].geom1, g2 = tables_.pairs[pair].geom2;
+  if (m.geom_type[g1] == mjGEOM_PLANE) return SphereAbovePlane(m, d, g1, g2);
+  if (m.geom_rbound[g1] <= 0.0 || m.geom_rbound[g2] <= 0.0) return -kInfinity;
+  return (AsVector(d.geom_xpos + 3 * g1) - AsVector(d.geom_xpos + 3 * g2)).norm() -
+         m.geom_rbound[g1] - m.geom_rbound[g2];
+}
+
+// Separating-axis test on the geoms' oriented boxes, face normals only.
+bool ContactFinder::BoxesNear(int geom1, int geom2, double margin) const {
+  const mjModel& m = model_;
+  const mjData& d = *posed_.data();
+  const Matrix3d R1 = AsMatrix(d.geom_xmat + 9 * geom1);
+  const Matrix3d R2 = AsMatrix(d.geom_xmat + 9 * geom2);
+  const Vector3d half1 = AsVector(m.geom_aabb + 6 * geom1 + 3);
+  const Vector3d half2 = AsVector(m.geom_aabb + 6 * geom2 + 3);
+  const Vector3d t = AsVector(d.geom_xpos + 3 * geom2) + R2 * AsVector(m.geom_aabb + 6 * geom2) -
+                     AsVector(d.geom_xpos + 3 * geom1) - R1 * AsVector(m.geom_aabb + 6 * geom1);
+  const Matrix3d overlap = (R1.transpose() * R2).cwiseAbs();
+  const Eigen::Array3d gap1 =
+      (R1.transpose() * t).cwiseAbs().array() - half1.array() - (overlap * half2).array();
+  if (gap1.maxCoeff() > margin) return false;
+  const Eigen::Array3d gap2 = (R2.transpose() * t).cwiseAbs().array() - half2.array() -
+                              (overlap.transpose() * half1).array();
+  return gap2.maxCoeff() <= margin;
+}
+
+bool ContactFinder::BoundsNear(const KeptPair& kept, double margin) const {
+  return model_.geom_type[kept.geom1] == mjGEOM_PLANE || BoxesNear(kept.geom1, kept.geom2, margin);
+}
+
+bool ContactFinder::Distance(int pair, double cutoff, NearPair& near) {
+  const KeptPair& kept = tables_.pairs[pair];
+  if (!kept.has_distance || !BoundsNear(kept, cutoff)) return false;
+  SignedGap gap, hull;
+  const bool found =
+      kept.exact ? exact_.Distance(posed_, pair, cutoff, gap) : GeomGap(pair, cutoff, gap);
+  if (found && kept.exact && HullGap(pair, gap.distance, hull)) gap = hull;
+  if (found) near = ToNearPair(pair, gap);
+  return found;
+}
+
+// A measured overlap of an exact pair knows depths of points; that of the hulls is a move that is
+// certain to part the meshes. Where it is hardly longer, as for convex meshes, it is the better
+// row.
+bool ContactFinder::HullGap(int pair, double overlap, SignedGap& gap) {
+  constexpr double kShorter = 0.9, kLonger = 2.0;  // ellipsoids' can be too shallow
+  if (!(overlap < 0.0) || std::isinf(overlap)) return false;
+  if (!GeomGap(pair, 0.0, gap)) return false;
+  return gap.distance <= kShorter * overlap && gap.distance >= kLonger * overlap;
+}
+
+bool ContactFinder::GeomGap(int pair, double cutoff, SignedGap& gap) {
+  ++distances_;
+  const int geom1 = tables_.pairs[pair].geom1, geom2 = tables_.pairs[pair].geom2;
+  const int type1 = model_.geom_type[geom1], type2 = model_.geom_type[geom2];
+  if (type1 == mjGEOM_CAPSULE && type2 == mjGEOM_BOX) {
+    gap = CapsuleBoxInWorld(posed_, geom1, geom2);
+    return gap.distance < cutoff;
+  }
+  const ConvexDistance::Answer answer = convex_.Ask(posed_, pair, cutoff, gap);
+  if (answer != ConvexDistance::Answer::kUnknown) return answer == ConvexDistance::Answer::kNear;
+  mjtNum fromto[6];
+  gap.distance = mj_geomDistance(&model_, posed_.data(), geom1, geom2, cutoff, fromto);
+  if (gap.distance >= cutoff) return false;
+  gap.p1 = AsVector(fromto);
+  gap.p2 = AsVector(fromto + 3);
+  const Vector3d between = gap.p2 - gap.p1;
+  if (std::abs(gap.distance) > kTouching && between.norm() > 0.5 * kTouching) {
+    gap.n = between.normalized() * (gap.distance > 0.0 ? 1.0 : -1.0);
+    return true;
+  }
+  // Touching: move geom 2 a little away from geom 1 and take the normal from there.
+  double* center2 = posed_.data()->geom_xpos + 3 * geom2;
+  Vector3d away = AsVector(center2) - AsVector(posed_.data()->geom_xpos + 3 * geom1);
+  if (type1 == mjGEOM_PLANE) away = AsMatrix(posed_.data()->geom_xmat + 9 * geom1).col(2);
+  if (away.norm() < 1e-12) away = Vector3d::UnitZ();
+  const Vector3d kept_center = AsVector(center2);
+  Eigen::Map<Vector3d>(center2, 3) += kNudge * away.normalized();
+  const double nudged = mj_geomDistance(&model_, posed_.data(), geom1, geom2, 1.0, fromto);
+  Eigen::Map<Vector3d>(center2, 3) = kept_center;
+  const Vector3d direction = AsVector(fromto + 3) - AsVector(fromto);
+  gap.n = direction.norm() > 1e-12 ? direction.normalized() * (nudged > 0.0 ? 1.0 : -1.0)
+                                   : away.normalized();
+  if (nudged > -kDeep) return true;
+  // MuJoCo calls it zero, too, where the middles of two solids coincide.
+  gap.distance = nudged;
+  gap.p1 = AsVector(fromto);
+  gap.p2 = AsVector(fromto + 3);
+  return true;
+}
+
+void ContactFinder::FindContactOnly(double margin) {
+  model_.opt.enableflags |= mjENBL_OVERRIDE;
+  model_.opt.o_margin = margin;
+  mj_collision(&model_, posed_.data());
+  model_.opt.enableflags &= ~mjENBL_OVERRIDE;
+  auto same = [](const KeptPair& p, const mjContact& c) {
+    return std::minmax(p.geom1, p.geom2) == std::minmax(c.geom[0], c.geom[1]);
+  };
+  const mjData& d = *posed_.data();
+  for (int pair = 0; pair < static_cast<int>(tables_.pairs.size()); ++pair) {
+    const KeptPair& kept = tables_.pairs[pair];
+    if (kept.has_distance) continue;
+    for (int c = 0; c < d.ncon; ++c) {
+      const mjContact& contact = d.contact[c];
+      if (!same(kept, contact) || contact.dist >= margin) continue;
+      NearPair near;
+      near.pair = pair;
+      near.distance = contact.dist;
+      near.n_W = AsVector(contact.frame) * (contact.geom[0] == kept.geom1 ? 1.0 : -1.0);
+      near.p1_W = AsVector(contact.pos) - 0.5 * contact.dist * near.n_W;
+      near.p2_W = AsVector(contact.pos) + 0.5 * contact.dist * near.n_W;
+      near_.push_back(near);
+    }
+  }
+}
+
+}  // namespace mjcf_pdg

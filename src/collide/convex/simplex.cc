@@ -1,0 +1,119 @@
+#include "collide/convex/simplex.h"
+
+#include <cmath>
+#include <limits>
+
+namespace mjcf_pdg {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kFlat = 1e-12;  // height of a tetrahedron over an edge: none
+
+// Some of the corners, and their weights in the mean that is nearest to the origin.
+struct Face {
+  int corners[4];
+  double weights[4];
+  int size = 0;
+  double squared = std::numeric_limits<double>::infinity();  // of that distance
+};
+
+Face VertexFace(int a, const Vector3d& x) { return {{a}, {1.0}, 1, x.squaredNorm()}; }
+
+// Between a and b, at `t` of the way.
+Face EdgeFace(int a, int b, const Vector3d& xa, const Vector3d& xb, double t) {
+  return {{a, b}, {1.0 - t, t}, 2, (xa + t * (xb - xa)).squaredNorm()};
+}
+
+Face NearestOfEdge(int a, int b, const Vector3d x[4]) {
+  const Vector3d along = x[b] - x[a];
+  const double at = -x[a].dot(along), length = along.squaredNorm();
+  if (!(at > 0.0)) return VertexFace(a, x[a]);
+  if (at >= length) return VertexFace(b, x[b]);
+  return EdgeFace(a, b, x[a], x[b], at / length);
+}
+
+// By the Voronoi regions of the triangle's corners, edges and middle.
+Face NearestOfTriangle(int a, int b, int c, const Vector3d x[4]) {
+  const Vector3d ab = x[b] - x[a], ac = x[c] - x[a];
+  const double ab_a = -ab.dot(x[a]), ac_a = -ac.dot(x[a]);
+  if (ab_a <= 0.0 && ac_a <= 0.0) return VertexFace(a, x[a]);
+  const double ab_b = -ab.dot(x[b]), ac_b = -ac.dot(x[b]);
+  if (ab_b >= 0.0 && ac_b <= ab_b) return VertexFace(b, x[b]);
+  const double ab_c = -ab.dot(x[c]), ac_c = -ac.dot(x[c]);
+  if (ac_c >= 0.0 && ab_c <= ac_c) return VertexFace(c, x[c]);
+  const double of_c = ab_a * ac_b - ab_b * ac_a;
+  if (of_c <= 0.0 && ab_a >= 0.0 && ab_b <= 0.0) {
+    return EdgeFace(a, b, x[a], x[b], ab_a / (ab_a - ab_b));
+  }
+  const double of_b = ab_c * ac_a - ab_a * ac_c;
+  if (of_b <= 0.0 && ac_a >= 0.0 && ac_c <= 0.0) {
+    return EdgeFace(a, c, x[a], x[c], ac_a / (ac_a - ac_c));
+  }
+  const double of_a = ab_b * ac_c - ab_c * ac_b, from_b = ac_b - ab_b, from_c = ab_c - ac_c;
+  if (of_a <= 0.0 && from_b >= 0.0 && from_c >= 0.0) {
+    return EdgeFace(b, c, x[b], x[c], from_b / (from_b + from_c));
+  }
+  const double sum = of_a + of_b + of_c;
+  Face face{{a, b, c}, {of_a / sum, of_b / sum, of_c / sum}, 3};
+  face.squared =
+      (face.weights[0] * x[a] + face.weights[1] * x[b] + face.weights[2] * x[c]).squaredNorm();
+  return face;
+}
+
+// The plane through a, b and c parts the origin from d, or the volume is too small to tell.
+bool Beyond(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& d) {
+  const Vector3d normal = (b - a).cross(c - a);
+  const double origin = -normal.dot(a), fourth = normal.dot(d - a);
+  return origin * fourth <= 0.0 || std::abs(fourth) < kFlat * normal.norm() * (d - a).norm();
+}
+
+Face NearestOfTetrahedron(const Vector3d x[4]) {
+  constexpr int kFaces[4][4] = {{0, 1, 2, 3}, {0, 1, 3, 2}, {0, 2, 3, 1}, {1, 2, 3, 0}};
+  Face best;
+  for (const auto& f : kFaces) {
+    if (!Beyond(x[f[0]], x[f[1]], x[f[2]], x[f[3]])) continue;
+    const Face face = NearestOfTriangle(f[0], f[1], f[2], x);
+    if (face.squared < best.squared) best = face;
+  }
+  return best;
+}
+
+}  // namespace
+
+Simplex::Corner Simplex::Nearest() const {
+  Corner mean{Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()};
+  for (int k = 0; k < size_; ++k) {
+    mean.x += corners_[k].weight * corners_[k].x;
+    mean.p1 += corners_[k].weight * corners_[k].p1;
+    mean.p2 += corners_[k].weight * corners_[k].p2;
+  }
+  return mean;
+}
+
+void Simplex::Reduce() {
+  Vector3d x[4];
+  for (int k = 0; k < size_; ++k) x[k] = corners_[k].x;
+  Face face;
+  switch (size_) {
+    case 1:
+      face = VertexFace(0, x[0]);
+      break;
+    case 2:
+      face = NearestOfEdge(0, 1, x);
+      break;
+    case 3:
+      face = NearestOfTriangle(0, 1, 2, x);
+      break;
+    default:
+      face = NearestOfTetrahedron(x);
+      if (face.size == 0) return;  // the origin is inside
+  }
+  for (int k = 0; k < face.size; ++k) {  // in their order: none is overwritten
+    corners_[k] = corners_[face.corners[k]];
+    corners_[k].weight = face.weights[k];
+  }
+  size_ = face.size;
+}
+
+}  // namespace mjcf_pdg

@@ -1,0 +1,112 @@
+#include "collide/exact/exact_contacts.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "collide/exact/field_mesh.h"
+#include "collide/exact/solid_overlap.h"
+
+namespace mjcf_pdg {
+namespace {
+
+constexpr double kBeside = 1e-2;  // of the smaller mesh
+
+SignedGap Unmeasured(SignedGap gap) {
+  gap.distance = -std::numeric_limits<double>::infinity();
+  return gap;
+}
+
+// Appends the overlaps and what is wanted of the features that are apart; warm is renewed.
+void AskSolids(const SolidPair& pair, double margin, ExactQuery query, bool rough,
+               NearestTriangles& warm, std::vector<SignedGap>& out) {
+  const bool nearest_alone = query == ExactQuery::kNearest;
+  const double cutoff = std::max(margin, SolidPair::kTouching);
+  const NearestTriangles near =
+      rough && !nearest_alone ? pair.RoughlyNearest(cutoff, &warm) : pair.Nearest(cutoff, &warm);
+  if (near.a >= 0) warm = near;
+  const bool crossing = near.a >= 0 && near.distance < SolidPair::kTouching;
+  const std::optional<SignedGap> graze = crossing ? Graze(pair, near) : std::nullopt;
+  if (graze) {
+    out.push_back(*graze);
+    if (nearest_alone) return;
+  } else if (crossing || Contained(pair)) {
+    if (query == ExactQuery::kUnmeasuredFeatures) {
+      return out.push_back(Unmeasured(crossing ? TriangleGap(pair, near) : SignedGap()));
+    }
+    AppendOverlaps(pair, query == ExactQuery::kSearchedFeatures ? kManyParts : kFewParts, out);
+    if (nearest_alone) return;
+  }
+  if (near.a < 0 || near.distance >= margin) return;
+  // Beside surfaces that cross, all are near.
+  if (crossing && margin < kBeside * std::min(pair.a().radius(), pair.b().radius())) return;
+  if (nearest_alone) return out.push_back({near.distance, near.pa, near.pb, pair.Normal(near)});
+  pair.Features(margin, near, out);
+}
+
+void AskField(const FieldMesh& pair, double margin, ExactQuery query, int& warm,
+              std::vector<SignedGap>& out) {
+  const bool nearest_alone = query == ExactQuery::kNearest;
+  const FieldNearest near = pair.Nearest(std::max(margin, 0.0), warm);
+  if (near.triangle >= 0) warm = near.triangle;
+  const bool crossing = near.triangle >= 0 && near.f < 0.0;
+  if (crossing || pair.Contained()) {
+    if (query == ExactQuery::kUnmeasuredFeatures) {
+      return out.push_back(Unmeasured(crossing ? pair.Gap(near) : SignedGap()));
+    }
+    pair.AppendOverlaps(out);
+    if (nearest_alone) return;
+  }
+  if (near.triangle < 0 || near.f >= margin) return;
+  if (nearest_alone) return out.push_back(pair.Gap(near));
+  pair.Features(margin, near, out);
+}
+
+}  // namespace
+
+void ExactContacts::Ask(const PosedModel& posed, int pair, double margin, ExactQuery query,
+                        std::vector<SignedGap>& out) {
+  const mjModel& m = *posed.model();
+  const mjData& d = *posed.data();
+  const int g1 = tables_.pairs[pair].geom1, g2 = tables_.pairs[pair].geom2;
+  const Matrix3d R1 = AsMatrix(d.geom_xmat + 9 * g1), R2 = AsMatrix(d.geom_xmat + 9 * g2);
+  const Vector3d p1 = AsVector(d.geom_xpos + 3 * g1), p2 = AsVector(d.geom_xpos + 3 * g2);
+  const RelativePose second_in_first{R1.transpose() * R2,
+                                     kTreeUnits * (R1.transpose() * (p2 - p1))};
+  const double reach = kTreeUnits * margin;
+  const std::size_t begin = out.size();
+  const bool both_solid = tables_.solids[g1] != nullptr;
+  if (both_solid) {
+    const SolidPair solids(*tables_.solids[g1], *tables_.solids[g2], second_in_first);
+    AskSolids(solids, reach, query, rough_, warm_[pair], out);
+    box_tests_ += solids.box_tests();
+  } else {  // MuJoCo's order: the mesh comes last
+    const ConvexField field{m.geom_type[g1], kTreeUnits * AsVector(m.geom_size + 3 * g1)};
+    AskField({field, *tables_.solids[g2], second_in_first}, reach, query, warm_[pair].b, out);
+  }
+  const Matrix3d& R = both_solid ? R1 : R2;
+  const Vector3d& origin = both_solid ? p1 : p2;
+  for (std::size_t k = begin; k < out.size(); ++k) {
+    out[k].distance /= kTreeUnits;
+    out[k].p1 = origin + R * out[k].p1 / kTreeUnits;
+    out[k].p2 = origin + R * out[k].p2 / kTreeUnits;
+    out[k].n = R * out[k].n;
+  }
+}
+
+bool ExactContacts::Distance(const PosedModel& posed, int pair, double cutoff, SignedGap& gap) {
+  scratch_.clear();
+  Ask(posed, pair, cutoff, ExactQuery::kNearest, scratch_);
+  if (scratch_.empty() || scratch_.front().distance >= cutoff) return false;
+  gap = scratch_.front();
+  return true;
+}
+
+void ExactContacts::Features(const PosedModel& posed, int pair, double margin, Depths depths,
+                             std::vector<SignedGap>& out) {
+  const ExactQuery query = depths == Depths::kMeasured   ? ExactQuery::kFeatures
+                           : depths == Depths::kSearched ? ExactQuery::kSearchedFeatures
+                                                         : ExactQuery::kUnmeasuredFeatures;
+  Ask(posed, pair, margin, query, out);
+}
+
+}  // namespace mjcf_pdg

@@ -1,0 +1,59 @@
+#include "mesh/convex_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "mesh/mesh_components.h"
+#include "mesh/solid.h"
+
+namespace mjcf_pdg {
+namespace {
+
+constexpr double kFloatRounding = 1.2e-7;  // relative; those of a mesh moved far off are coarser
+constexpr double kOnHull = 4.0;            // roundings between a vertex and a face it lies on
+constexpr double kMostWork = 2e7;  // faces asked; a mesh that needs more counts as not convex
+
+bool OnSurface(const Vector3d& x, const TriangleMesh& mesh, const Matrix3Xi& hull, double reach) {
+  return std::any_of(hull.colwise().begin(), hull.colwise().end(), [&](const auto& corners) {
+    const Vector3d p =
+        NearestOnTriangle(x, mesh.vertices.col(corners[0]), mesh.vertices.col(corners[1]),
+                          mesh.vertices.col(corners[2]));
+    return (p - x).norm() <= reach;
+  });
+}
+
+bool SameVolume(const TriangleMesh& mesh, const Matrix3Xi& hull, double rounding) {
+  const TriangleMesh enclosing{mesh.vertices, hull};
+  const double difference =
+      std::abs(FindSolidProperties(mesh).volume) - std::abs(FindSolidProperties(enclosing).volume);
+  return std::abs(difference) <= kOnHull * rounding * SurfaceArea(enclosing);
+}
+
+// Most vertices of a convex mesh are the hull's own; the others lie within its faces.
+bool AllVerticesOnHull(const TriangleMesh& mesh, const Matrix3Xi& hull, double rounding) {
+  std::vector<char> known(static_cast<std::size_t>(mesh.vertices.cols()), 0);
+  for (const int vertex : hull.reshaped()) known[vertex] = 1;
+  double work = 0.0;
+  for (const int vertex : mesh.triangles.reshaped()) {
+    if (known[vertex]) continue;
+    work += static_cast<double>(hull.cols());
+    if (work > kMostWork) return false;
+    if (!OnSurface(mesh.vertices.col(vertex), mesh, hull, kOnHull * rounding)) return false;
+    known[vertex] = 1;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool IsItsOwnHull(const TriangleMesh& mesh, const Matrix3Xi& hull) {
+  const double rounding = kFloatRounding * mesh.vertices.cwiseAbs().maxCoeff();
+  if (!AllVerticesOnHull(mesh, hull, rounding)) return false;
+  const TriangleMesh welded = WeldVertices(mesh);
+  const MeshTopology topology = FindTopology(welded);
+  return topology.components == 1 && topology.open_edges == 0 && topology.zero_area == 0 &&
+         LocallyConvex(welded, rounding) && SameVolume(mesh, hull, rounding);
+}
+
+}  // namespace mjcf_pdg

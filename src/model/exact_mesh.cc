@@ -1,0 +1,137 @@
+#include "model/exact_mesh.h"
+
+#include <iterator>
+#include <map>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "base/names.h"
+#include "mesh/convex_mesh.h"
+#include "mesh/mesh_hull.h"
+#include "mesh/solid.h"
+
+namespace mjcf_pdg {
+namespace {
+
+constexpr char kMark[] = "mjcf_pdg.exact_mesh";
+
+void MarkNamed(const std::string& names, SceneTables& tables) {
+  const mjModel& m = *tables.model;
+  std::istringstream words(names);
+  for (std::string name; words >> name;) {
+    const std::string where = std::string("text '") + kMark + "': ";
+    const int geom = mj_name2id(&m, mjOBJ_GEOM, name.c_str());
+    if (geom < 0) throw Error(where + "no geom named '" + name + "'");
+    if (m.geom_type[geom] != mjGEOM_MESH) throw Error(where + "geom '" + name + "' is not a mesh");
+    tables.exact[geom] = 1;
+  }
+}
+
+Matrix3Xd MeshVertices(const mjModel& m, int mesh) {
+  return Eigen::Map<const Eigen::Matrix3Xf>(m.mesh_vert + 3 * m.mesh_vertadr[mesh], 3,
+                                            m.mesh_vertnum[mesh])
+      .cast<double>();
+}
+
+Matrix3Xi MeshFaces(const mjModel& m, int mesh) {
+  return Eigen::Map<const Matrix3Xi>(m.mesh_face + 3 * m.mesh_faceadr[mesh], 3,
+                                     m.mesh_facenum[mesh]);
+}
+
+Matrix3Xi FacesOf(const MeshHull& hull) {
+  return Eigen::Map<const Matrix3Xi>(hull.faces.data(), 3, std::ssize(hull.faces) / 3);
+}
+
+Matrix3Xi HullFaces(const mjModel& m, int mesh) {
+  const std::optional<MeshHull> hull = HullOf(m, mesh);
+  if (!hull) throw Error("the mesh has no convex hull");
+  return FacesOf(*hull);
+}
+
+bool IsConvex(const mjModel& m, int mesh) {
+  const std::optional<MeshHull> hull = HullOf(m, mesh);
+  return hull && IsItsOwnHull({MeshVertices(m, mesh), MeshFaces(m, mesh)}, FacesOf(*hull));
+}
+
+Solid BoxOf(const Vector3d& half) {
+  Matrix3Xd corners(3, 8);
+  for (int k = 0; k < 8; ++k) {
+    const Vector3d signs(k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0);
+    corners.col(k) = signs.cwiseProduct(half);
+  }
+  Matrix3Xi faces(3, 12);
+  faces << 0, 2, 4, 5, 0, 1, 2, 3, 0, 4, 1, 3,  //
+      2, 3, 5, 7, 1, 5, 6, 6, 4, 6, 3, 7,       //
+      1, 1, 6, 6, 4, 4, 3, 7, 2, 2, 5, 5;
+  return Solid(corners, faces);
+}
+
+void MarkConvex(SceneTables& tables) {
+  const mjModel& m = *tables.model;
+  std::map<int, bool> known;  // by asset
+  for (int g = 0; g < m.ngeom; ++g) {
+    if (!tables.exact[g]) continue;
+    const auto [entry, is_new] = known.try_emplace(m.geom_dataid[g], false);
+    if (is_new) entry->second = IsConvex(m, entry->first);
+    tables.convex[g] = entry->second;
+  }
+}
+
+}  // namespace
+
+void MarkExactGeoms(const SceneOptions& options, SceneTables& tables) {
+  const mjModel& m = *tables.model;
+  tables.exact.assign(m.ngeom, 0);
+  tables.convex.assign(m.ngeom, 0);
+  const int text = mj_name2id(&m, mjOBJ_TEXT, kMark);
+  if (!options.exact_mesh) {
+    if (text < 0) return;
+    tables.warnings.push_back(std::string("text '") + kMark +
+                              "' marks meshes that collide as their convex hulls here: exact "
+                              "meshes (--exact-mesh) were not asked for");
+    return;
+  }
+  if (text >= 0) {
+    MarkNamed(m.text_data + m.text_adr[text], tables);
+  } else {
+    for (int g = 0; g < m.ngeom; ++g) tables.exact[g] = m.geom_type[g] == mjGEOM_MESH;
+  }
+  MarkConvex(tables);
+}
+
+void BuildSolids(SceneTables& tables) {
+  const mjModel& m = *tables.model;
+  tables.solids.assign(m.ngeom, nullptr);
+  std::map<std::pair<int, bool>, std::shared_ptr<const Solid>> built;  // by asset, exact or hull
+  for (const KeptPair& pair : tables.pairs) {
+    if (!pair.exact) continue;
+    for (const int g : {pair.geom1, pair.geom2}) {
+      if (tables.solids[g]) continue;
+      if (m.geom_type[g] == mjGEOM_BOX) {
+        tables.solids[g] =
+            std::make_shared<const Solid>(BoxOf(Eigen::Map<const Vector3d>(m.geom_size + 3 * g)));
+      }
+      if (m.geom_type[g] != mjGEOM_MESH) continue;
+      const int mesh = m.geom_dataid[g];
+      const bool exact = tables.exact[g];
+      std::shared_ptr<const Solid>& solid = built[{mesh, exact}];
+      try {
+        if (!solid) {
+          solid = std::make_shared<const Solid>(MeshVertices(m, mesh),
+                                                exact ? MeshFaces(m, mesh) : HullFaces(m, mesh));
+        }
+      } catch (const Error& e) {
+        throw Error("geom " + QuotedNameOrId(m, mjOBJ_GEOM, g) + ": " + e.what());
+      }
+      tables.solids[g] = solid;
+      if (solid->closed()) continue;
+      tables.warnings.push_back("mesh geom " + QuotedNameOrId(m, mjOBJ_GEOM, g) +
+                                " is not closed (" + std::to_string(solid->open_edges()) +
+                                " open edges): a surface without inside");
+    }
+  }
+}
+
+}  // namespace mjcf_pdg

@@ -1,0 +1,157 @@
+#include "model/kinematics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mjcf_pdg/types.h"
+
+namespace mjcf_pdg {
+namespace {
+
+bool Rotates3d(const JointEntry& joint) {
+  return joint.type == mjJNT_FREE || joint.type == mjJNT_BALL;
+}
+
+}  // namespace
+
+void Integrate(const SceneTables& tables, const VectorXd& q, const VectorXd& dq, VectorXd& out) {
+  if (&out != &q) out = q;
+  for (const JointEntry& joint : tables.joints) {
+    if (!Rotates3d(joint)) {
+      out[joint.qadr] += dq[joint.col];
+      continue;
+    }
+    if (joint.type == mjJNT_FREE) out.segment<3>(joint.qadr) += dq.segment<3>(joint.col);
+    double* quat = out.data() + QuatAddress(joint);
+    mju_normalize4(quat);
+    mju_quatIntegrate(quat, dq.data() + RotationColumn(joint), 1.0);
+    mju_normalize4(quat);
+  }
+}
+
+void Difference(const SceneTables& tables, const VectorXd& from, const VectorXd& to, VectorXd& dq) {
+  dq.resize(tables.n);
+  for (const JointEntry& joint : tables.joints) {
+    if (!Rotates3d(joint)) {
+      dq[joint.col] = to[joint.qadr] - from[joint.qadr];
+      continue;
+    }
+    if (joint.type == mjJNT_FREE) {
+      dq.segment<3>(joint.col) = to.segment<3>(joint.qadr) - from.segment<3>(joint.qadr);
+    }
+    double unit_to[4], unit_from[4];
+    mju_copy4(unit_to, to.data() + QuatAddress(joint));
+    mju_copy4(unit_from, from.data() + QuatAddress(joint));
+    mju_normalize4(unit_to);
+    mju_normalize4(unit_from);
+    mju_subQuat(dq.data() + RotationColumn(joint), unit_to, unit_from);
+  }
+}
+
+VectorXd WithMovable(const SceneTables& tables, const VectorXd& base, const VectorXd& pose) {
+  VectorXd q = base;
+  for (const JointEntry& joint : tables.joints) {
+    q.segment(joint.qadr, QposEntries(joint)) = pose.segment(joint.qadr, QposEntries(joint));
+    if (Rotates3d(joint)) mju_normalize4(q.data() + QuatAddress(joint));
+  }
+  return q;
+}
+
+double BallAngle(const double* quat) {
+  const double vector = std::sqrt(quat[1] * quat[1] + quat[2] * quat[2] + quat[3] * quat[3]);
+  return 2.0 * std::atan2(vector, std::abs(quat[0]));
+}
+
+double LimitExcess(const SceneTables& tables, const VectorXd& q) {
+  double excess = 0.0;
+  for (const JointEntry& joint : tables.joints) {
+    if (!joint.limited) continue;
+    if (joint.type == mjJNT_BALL) {
+      excess = std::max(excess, BallAngle(q.data() + joint.qadr) - joint.hi);
+    } else {
+      excess = std::max({excess, joint.lo - q[joint.qadr], q[joint.qadr] - joint.hi});
+    }
+  }
+  return excess;
+}
+
+void ClampToLimits(const SceneTables& tables, VectorXd& q) {
+  for (const JointEntry& joint : tables.joints) {
+    if (!joint.limited) continue;
+    if (joint.type != mjJNT_BALL) {
+      q[joint.qadr] = std::clamp(q[joint.qadr], joint.lo, joint.hi);
+      continue;
+    }
+    double* quat = q.data() + joint.qadr;
+    const double angle = BallAngle(quat);
+    if (angle <= joint.hi) continue;
+    const double sign = quat[0] < 0.0 ? -1.0 : 1.0;
+    Vector3d axis(quat[1], quat[2], quat[3]);
+    axis.normalize();
+    quat[0] = sign * std::cos(joint.hi / 2);
+    Eigen::Map<Vector3d>(quat + 1) = axis * std::sin(joint.hi / 2);
+  }
+}
+
+void TurnInsideLimits(const SceneTables& tables, VectorXd& q) {
+  constexpr double kTurn = 2.0 * mjPI;
+  for (const JointEntry& joint : tables.joints) {
+    if (!joint.limited || joint.type != mjJNT_HINGE) continue;
+    double& angle = q[joint.qadr];
+    if (angle >= joint.lo && angle <= joint.hi) continue;
+    // The first angles at or above the range's lower end, and below it.
+    const double above = angle + kTurn * std::ceil((joint.lo - angle) / kTurn);
+    const double below = above - kTurn;
+    angle = above - joint.hi <= joint.lo - below ? above : below;
+  }
+  ClampToLimits(tables, q);
+}
+
+void Unwind(const SceneTables& tables, const VectorXd& q_in, VectorXd& q) {
+  for (const JointEntry& joint : tables.joints) {
+    if (joint.type != mjJNT_HINGE) continue;
+    const double turns = std::round((q[joint.qadr] - q_in[joint.qadr]) / (2.0 * mjPI));
+    if (turns == 0.0) continue;
+    const double angle = q[joint.qadr] - turns * 2.0 * mjPI;
+    if (!joint.limited || (angle >= joint.lo && angle <= joint.hi)) q[joint.qadr] = angle;
+  }
+}
+
+PosedModel::PosedModel(const mjModel* model) : model_(model), data_(mj_makeData(model)) {
+  if (!data_) throw Error("MuJoCo could not allocate its data for this model");
+}
+
+void PosedModel::SetMocap(const MocapPoses& poses) {
+  for (int b = 1; b < model_->nbody; ++b) {
+    const int mocap = model_->body_mocapid[b];
+    if (mocap < 0) continue;
+    mju_copy3(data_->mocap_pos + 3 * mocap, model_->body_pos + 3 * b);
+    mju_copy4(data_->mocap_quat + 4 * mocap, model_->body_quat + 4 * b);
+  }
+  if (!poses.pos.empty()) mju_copy(data_->mocap_pos, poses.pos.data(), 3 * model_->nmocap);
+  if (!poses.quat.empty()) mju_copy(data_->mocap_quat, poses.quat.data(), 4 * model_->nmocap);
+}
+
+void PosedModel::Pose(const VectorXd& q) {
+  mju_copy(data_->qpos, q.data(), static_cast<int>(q.size()));
+  mj_kinematics(model_, data_.get());
+  mj_comPos(model_, data_.get());
+}
+
+void BodyJacobians(const SceneTables& tables, const PosedModel& posed, int body,
+                   const Vector3d& p_W, MatrixXd& jac_p, MatrixXd& jac_r) {
+  using RowMajor = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
+  const int nv = static_cast<int>(posed.model()->nv);
+  RowMajor full_p(3, nv), full_r(3, nv);
+  mj_jac(posed.model(), posed.data(), full_p.data(), full_r.data(), p_W.data(), body);
+  jac_p.resize(3, tables.n);
+  jac_r.resize(3, tables.n);
+  for (int dof = 0; dof < nv; ++dof) {
+    const int col = tables.column_of_dof[dof];
+    if (col < 0) continue;
+    jac_p.col(col) = full_p.col(dof);
+    jac_r.col(col) = full_r.col(dof);
+  }
+}
+
+}  // namespace mjcf_pdg

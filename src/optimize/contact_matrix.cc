@@ -1,0 +1,89 @@
+#include "optimize/contact_matrix.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mjcf_pdg {
+namespace {
+
+// The last dof that moves `body`, -1 if none.
+int LastDof(const mjModel& m, int body) {
+  while (body > 0 && m.body_dofnum[body] == 0) body = m.body_parentid[body];
+  return body > 0 ? m.body_dofadr[body] + m.body_dofnum[body] - 1 : -1;
+}
+
+// A unit force along n_W at a point p_W of a body, as motion axes see it: about the centre of mass
+// of the body's tree.
+struct Wrench {
+  Wrench(const PosedModel& posed, int body, const Vector3d& p_W, const Vector3d& n_W)
+      : torque((p_W - AsVector(posed.data()->subtree_com + 3 * posed.model()->body_rootid[body]))
+                   .cross(n_W)),
+        force(n_W) {}
+
+  // n · velocity of the point under unit speed of `dof`.
+  double Rate(const mjData& d, int dof) const {
+    const double* cdof = d.cdof + 6 * dof;
+    return torque.dot(AsVector(cdof)) + force.dot(AsVector(cdof + 3));
+  }
+
+  Vector3d torque, force;
+};
+
+}  // namespace
+
+void ContactRows::Clear(int n) {
+  if (C.cols() != n) C.resize(0, n);
+  m = 0;
+}
+
+int ContactRows::Append(double gap_value) {
+  if (m == C.rows()) {
+    const Eigen::Index capacity = std::max<Eigen::Index>(32, 2 * C.rows());
+    C.conservativeResize(capacity, C.cols());
+    gap.conservativeResize(capacity);
+  }
+  C.row(m).setZero();
+  gap[m] = gap_value;
+  return m++;
+}
+
+void ContactRow(const SceneTables& tables, const PosedModel& posed, int pair, const Vector3d& p1_W,
+                const Vector3d& p2_W, const Vector3d& n_W, Eigen::Ref<Eigen::RowVectorXd> out) {
+  const mjModel& m = *posed.model();
+  const mjData& d = *posed.data();
+  const int body1 = m.geom_bodyid[tables.pairs[pair].geom1];
+  const int body2 = m.geom_bodyid[tables.pairs[pair].geom2];
+  const Wrench on1(posed, body1, p1_W, n_W), on2(posed, body2, p2_W, n_W);
+  out.setZero();
+  int dof1 = LastDof(m, body1), dof2 = LastDof(m, body2);
+  while (dof1 != dof2) {
+    const bool second = dof2 > dof1;
+    int& dof = second ? dof2 : dof1;
+    const int col = tables.column_of_dof[dof];
+    if (col >= 0) out[col] = second ? on2.Rate(d, dof) : -on1.Rate(d, dof);
+    dof = m.dof_parentid[dof];
+  }
+}
+
+void AppendLimitRows(const SceneTables& tables, const VectorXd& q, double reach,
+                     ContactRows& rows) {
+  for (const JointEntry& joint : tables.joints) {
+    if (!joint.limited) continue;
+    if (joint.type != mjJNT_BALL) {
+      const double below = q[joint.qadr] - joint.lo, above = joint.hi - q[joint.qadr];
+      if (below < reach) rows.C(rows.Append(below), joint.col) = 1.0;
+      if (above < reach) rows.C(rows.Append(above), joint.col) = -1.0;
+      continue;
+    }
+    const double* quat = q.data() + joint.qadr;
+    const double angle = BallAngle(quat);
+    if (joint.hi - angle >= reach) continue;
+    // The angle grows by axis · w, w the body-frame rotation.
+    Vector3d axis = Vector3d(quat[1], quat[2], quat[3]) * (quat[0] < 0.0 ? -1.0 : 1.0);
+    if (axis.norm() < 1e-9) continue;
+    const int row = rows.Append(joint.hi - angle);
+    rows.C.row(row).segment<3>(joint.col) = -axis.normalized().transpose();
+  }
+}
+
+}  // namespace mjcf_pdg

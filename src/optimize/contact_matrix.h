@@ -1,0 +1,35 @@
+// The contact matrix C and its right-hand side: rows C dq + gap >= 0.
+//
+// Source: Tang & Kim, Eq. 22-23: row i is n_iᵀ (J_2 - J_1), from MuJoCo's motion axes.
+// Differs from it:
+//   1. Rows are kept for every pair within a margin, not only touching ones; `gap` is what is left.
+//   2. Joint limits are rows, not truncated afterwards.
+#ifndef MJCF_PDG_SRC_OPTIMIZE_CONTACT_MATRIX_H_
+#define MJCF_PDG_SRC_OPTIMIZE_CONTACT_MATRIX_H_
+
+#include "collide/contacts.h"
+
+namespace mjcf_pdg {
+
+// m rows over n movable degrees of freedom. Grows only.
+struct ContactRows {
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> C;  // capacity × n
+  VectorXd gap;  // capacity; signed slack of each row [m or rad]
+  int m = 0;
+
+  void Clear(int n);
+  // Appends a zero row and returns its index.
+  int Append(double gap_value);
+};
+
+// out(j) = nᵀ (J_2 - J_1)_j, the rate of n · (p2 - p1) per unit of dq_j; joints above both bodies
+// give exact zeros. `out` has n entries.
+void ContactRow(const SceneTables& tables, const PosedModel& posed, int pair, const Vector3d& p1_W,
+                const Vector3d& p2_W, const Vector3d& n_W, Eigen::Ref<Eigen::RowVectorXd> out);
+
+// Rows for joint limits closer than `reach` [rad or m] at q.
+void AppendLimitRows(const SceneTables& tables, const VectorXd& q, double reach, ContactRows& rows);
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_OPTIMIZE_CONTACT_MATRIX_H_

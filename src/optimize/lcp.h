@@ -1,0 +1,76 @@
+// The linear complementarity problem of the constrained optimization, plain matrices only.
+//
+//   min ½‖y + z‖² + Σ μ_i s_i   subject to   Gᵀz + s >= -gap,  s >= 0
+//
+// in whitened coordinates (z = H^½ dX, y = H^½ X_c, G = H^-½ C'ᵀ). Its solution is z = G λ - y with
+//
+//   0 <= λ <= μ,  w = Gᵀ G λ - b,  b = Gᵀ y - gap, and entry by entry
+//   w >= 0 where λ = 0,   w = 0 between,   w <= 0 where λ = μ
+//
+// GᵀG is the paper's C' H⁻¹ C'ᵀ, Gᵀy its C' X_c (Eq. 12, 30).
+// Source: Tang & Kim, Sec. 3.2 and 5.3 (projected Gauss-Seidel).
+// Differs from it:
+//   1. An upper bound μ (elastic rows): conflicting contacts have an answer too. The paper's is
+//      μ = ∞.
+//   2. Beside Gauss-Seidel, an active-set method (Goldfarb & Idnani's dual steps, with bounds) that
+//      ends in finitely many steps and copes with dependent rows.
+#ifndef MJCF_PDG_SRC_OPTIMIZE_LCP_H_
+#define MJCF_PDG_SRC_OPTIMIZE_LCP_H_
+
+#include <Eigen/Dense>
+#include <vector>
+
+namespace mjcf_pdg {
+
+struct LcpOptions {
+  int max_steps = 1000;      // sweeps (Gauss-Seidel) or changes of the active set
+  double tolerance = 1e-10;  // largest residual that counts as zero, in units of b
+};
+
+struct LcpOutcome {
+  bool converged = false;
+  int steps = 0;
+};
+
+// Projected Gauss-Seidel from the given λ (m, warm start). G (n × m), one column per row of C;
+// zero columns keep λ = 0.
+LcpOutcome SolveProjectedGaussSeidel(const Eigen::Ref<const Eigen::MatrixXd>& G,
+                                     const Eigen::VectorXd& b, const Eigen::VectorXd& mu,
+                                     const LcpOptions& options, Eigen::VectorXd& lambda);
+
+// Active-set method. Keeps scratch between calls. μ must be finite.
+class ActiveSetLcp {
+ public:
+  LcpOutcome Solve(const Eigen::Ref<const Eigen::MatrixXd>& G, const Eigen::VectorXd& b,
+                   const Eigen::VectorXd& mu, const LcpOptions& options, Eigen::VectorXd& lambda);
+
+ private:
+  // Where a multiplier is: which sign its row's slack must not have.
+  static constexpr double kLow = 1.0, kFree = 0.0, kHigh = -1.0;
+  using ConstMatrix = Eigen::Ref<const Eigen::MatrixXd>;
+
+  void UpdateSlack(const ConstMatrix& G, const Eigen::VectorXd& b, const Eigen::VectorXd& lambda);
+  int MostViolated(double tolerance) const;
+  void Enter(const ConstMatrix& G, const Eigen::VectorXd& mu, int row, Eigen::VectorXd& lambda);
+  void AddFree(int row);
+  void RemoveFree(int k);
+  void SolveForward(Eigen::VectorXd& x) const;
+  void SolveBackward(Eigen::VectorXd& x) const;
+  void SolveFree(const ConstMatrix& G, int row);
+
+  Eigen::ArrayXd side_;    // kLow, kFree or kHigh of each row
+  std::vector<int> free_;  // rows strictly between their bounds
+  Eigen::ArrayXd norms_;   // of G's columns
+  Eigen::ArrayXd inverse_norms_;
+  Eigen::VectorXd slack_;  // b - GᵀG λ: positive where a constraint is violated
+  Eigen::VectorXd x_;      // G λ
+  // L with L Lᵀ = G_FᵀG_F of the free rows F, row by row.
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> factor_;
+  Eigen::VectorXd forward_;    // L⁻¹ G_Fᵀ g for the entering row g
+  double schur_ = 0.0;         // ‖g‖² - ‖L⁻¹ G_Fᵀ g‖²
+  Eigen::VectorXd direction_;  // how the free multipliers answer to the entering one
+};
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_OPTIMIZE_LCP_H_

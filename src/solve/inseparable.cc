@@ -1,0 +1,72 @@
+#include "solve/inseparable.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "base/names.h"
+#include "base/random.h"
+#include "start/selection.h"
+
+namespace mjcf_pdg {
+namespace {
+
+constexpr int kTried = 100;        // configurations
+constexpr std::size_t kNamed = 8;  // <exclude> lines
+
+// Pairs that overlap at q, ascending. Exact ones that cross may do no more than touch. One query.
+std::vector<int> OverlappingPairs(Problem& problem, const VectorXd& q) {
+  std::vector<int> pairs;
+  problem.finder.Pose(q);
+  for (const NearPair& near : problem.finder.Find(problem.options.clearance, Depths::kSkipped)) {
+    const bool exact = problem.tables.pairs[near.pair].exact;
+    if (!exact && problem.Overlaps(near, problem.tolerances.user)) pairs.push_back(near.pair);
+  }
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+std::vector<int> InseparablePairs(Problem& problem, const VectorXd& q) {
+  Random random(problem.options.seed);
+  std::vector<int> pairs = OverlappingPairs(problem, q);
+  for (int k = 0; k < kTried && !pairs.empty(); ++k) {
+    if (problem.Expired()) return {};
+    const std::vector<int> here =
+        OverlappingPairs(problem, UniformStart(problem, problem.q_in, random));
+    std::erase_if(
+        pairs, [&here](int pair) { return !std::binary_search(here.begin(), here.end(), pair); });
+  }
+  return pairs;
+}
+
+// Only bodies with names can be excluded.
+std::string ExcludeLine(const mjModel& m, int body1, int body2) {
+  const std::string name1 = QuotedNameOrId(m, mjOBJ_BODY, body1);
+  const std::string name2 = QuotedNameOrId(m, mjOBJ_BODY, body2);
+  if (name1[0] == '#' || name2[0] == '#') return "bodies " + name1 + " and " + name2;
+  return "<exclude body1=" + name1 + " body2=" + name2 + "/>";
+}
+
+}  // namespace
+
+std::string DescribeInseparable(Problem& problem, const VectorXd& q) {
+  const std::vector<int>& columns = problem.tables.column_of_dof;
+  if (std::find(columns.begin(), columns.end(), -1) != columns.end()) return "";
+  const mjModel& m = *problem.tables.model;
+  std::vector<std::array<int, 2>> bodies;
+  for (const int index : InseparablePairs(problem, q)) {
+    const KeptPair& pair = problem.tables.pairs[index];
+    const std::array<int, 2> two = {m.geom_bodyid[pair.geom1], m.geom_bodyid[pair.geom2]};
+    if (std::find(bodies.begin(), bodies.end(), two) == bodies.end()) bodies.push_back(two);
+  }
+  if (bodies.empty()) return "";
+  std::string text =
+      "; overlaps in each of " + std::to_string(kTried) + " random configurations, too:";
+  for (std::size_t k = 0; k < std::min(kNamed, bodies.size()); ++k) {
+    text += (k == 0 ? " " : ", ") + ExcludeLine(m, bodies[k][0], bodies[k][1]);
+  }
+  if (bodies.size() > kNamed) text += " and " + std::to_string(bodies.size() - kNamed) + " more";
+  return text;
+}
+
+}  // namespace mjcf_pdg

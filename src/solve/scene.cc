@@ -1,0 +1,261 @@
+#include "mjcf_pdg/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "base/names.h"
+#include "collide/convex/support_points.h"
+#include "model/exact_mesh.h"
+#include "model/kept_pairs.h"
+#include "model/scene_tables.h"
+#include "solve/options.h"
+#include "verify/verify_exact_mesh.h"
+
+namespace mjcf_pdg {
+namespace {
+
+struct ModelDeleter {
+  void operator()(mjModel* m) const { mj_deleteModel(m); }
+};
+
+std::string OneLine(std::string text) {
+  for (char& c : text) {
+    if (c == '\n' || c == '\r') c = ' ';
+  }
+  while (!text.empty() && text.back() == ' ') text.pop_back();
+  return text;
+}
+
+void RefuseUnsupported(const mjModel& m) {
+  if (m.nflex > 0) {
+    throw Error("flex " + QuotedNameOrId(m, mjOBJ_FLEX, 0) + " is not supported");
+  }
+  if (m.njnt == 0) throw Error("the model has no joints: nothing can move");
+}
+
+// MuJoCo only warns that it cannot collide these: an overlap would never be seen.
+void RefuseUnseenPairs(const SceneTables& tables) {
+  const mjModel& m = *tables.model;
+  for (const KeptPair& pair : tables.pairs) {
+    if (m.geom_type[pair.geom1] == mjGEOM_HFIELD && m.geom_type[pair.geom2] == mjGEOM_SDF) {
+      throw Error("height field " + QuotedNameOrId(m, mjOBJ_GEOM, pair.geom1) + " against SDF " +
+                  QuotedNameOrId(m, mjOBJ_GEOM, pair.geom2) +
+                  " is not supported: exclude the pair");
+    }
+  }
+}
+
+int BodyByName(const mjModel* m, const std::string& name) {
+  const int body = mj_name2id(m, mjOBJ_BODY, name.c_str());
+  if (body >= 0) return body;
+  std::string known;
+  for (int b = 1; b < m->nbody && known.size() < 200; ++b) {
+    known += (known.empty() ? "" : ", ") + NameOrId(*m, mjOBJ_BODY, b);
+  }
+  throw Error("no body named '" + name + "' (bodies: " + known + ")");
+}
+
+// Per body: it or an ancestor is named in options.movable (all when none is named).
+std::vector<char> SelectedBodies(const mjModel* m, const std::vector<std::string>& names) {
+  std::vector<char> selected(m->nbody, names.empty());
+  for (const std::string& name : names) selected[BodyByName(m, name)] = 1;
+  for (int b = 1; b < m->nbody; ++b) {
+    if (selected[m->body_parentid[b]]) selected[b] = 1;
+  }
+  return selected;
+}
+
+void FillJoints(SceneTables& tables, const SceneOptions& options) {
+  const mjModel* m = tables.model;
+  const std::vector<char> selected = SelectedBodies(m, options.movable);
+  tables.column_of_dof.assign(m->nv, -1);
+  tables.body_moves.assign(m->nbody, 0);
+  for (int j = 0; j < m->njnt; ++j) {
+    const int body = m->jnt_bodyid[j];
+    if (!selected[body]) continue;
+    JointEntry joint;
+    joint.id = j;
+    joint.type = m->jnt_type[j];
+    joint.body = body;
+    joint.qadr = m->jnt_qposadr[j];
+    joint.vadr = m->jnt_dofadr[j];
+    joint.col = tables.n;
+    joint.ndof = joint.type == mjJNT_FREE ? 6 : joint.type == mjJNT_BALL ? 3 : 1;
+    joint.limited = m->jnt_limited[j] && joint.type != mjJNT_FREE;
+    joint.lo = m->jnt_range[2 * j];
+    joint.hi = m->jnt_range[2 * j + 1];
+    for (int k = 0; k < joint.ndof; ++k) tables.column_of_dof[joint.vadr + k] = tables.n++;
+    tables.joints.push_back(joint);
+    tables.body_moves[body] = 1;
+  }
+  for (int b = 1; b < m->nbody; ++b) {
+    if (tables.body_moves[m->body_parentid[b]]) tables.body_moves[b] = 1;
+  }
+  if (tables.joints.empty()) throw Error("no joint may move: the movable bodies have no joints");
+}
+
+void FillRoot(SceneTables& tables, const std::string& name) {
+  if (name.empty()) return;
+  tables.root_body = BodyByName(tables.model, name);
+  if (tables.model->body_treeid[tables.root_body] < 0) {
+    throw Error("root '" + name + "' cannot move: it belongs to no kinematic tree");
+  }
+}
+
+// Settings that blind MuJoCo's collision detection are undone on a private struct.
+mjModel UnblindedCopy(const SceneTables& tables) {
+  mjModel copy = *tables.model;
+  copy.opt.disableflags &= ~(mjDSBL_CONTACT | mjDSBL_CONSTRAINT | mjDSBL_NATIVECCD);
+  copy.opt.enableflags &= ~(mjENBL_OVERRIDE | mjENBL_SLEEP | mjENBL_SPECULATIVE | mjENBL_IPC);
+  copy.opt.ccd_iterations = std::max(copy.opt.ccd_iterations, 50);
+  copy.opt.ccd_tolerance = std::min(copy.opt.ccd_tolerance, 1e-6);
+  std::size_t contacts = 0;
+  for (const KeptPair& pair : tables.pairs) {
+    contacts += mj_maxContact(tables.model, pair.geom1, pair.geom2, 1);
+  }
+  const std::size_t bodies = tables.model->nbody;
+  const std::size_t need = (std::size_t{16} << 20) + contacts * sizeof(mjContact) +
+                           tables.pairs.size() * 64 + bodies * bodies * 16;
+  copy.narena = std::max<mjtSize>(copy.narena, static_cast<mjtSize>(need));
+  return copy;
+}
+
+std::shared_ptr<const SceneTables> MakeTables(std::shared_ptr<const mjModel> owner,
+                                              const mjModel* model, const SceneOptions& options) {
+  RefuseUnsupported(*model);
+  auto tables = std::make_shared<SceneTables>();
+  tables->owner = std::move(owner);
+  tables->model = model;
+  FillJoints(*tables, options);
+  FillRoot(*tables, options.root);
+  MarkExactGeoms(options, *tables);
+  FillKeptPairs(*tables);
+  RefuseUnseenPairs(*tables);
+  BuildSolids(*tables);
+  tables->support = std::make_shared<const SupportPoints>(*model, tables->pairs);
+  tables->verifier_shapes = MakeVerifierShapes(*tables);
+  tables->verify_model = UnblindedCopy(*tables);
+  tables->query_model = tables->verify_model;
+  tables->query_model.opt.disableflags |= mjDSBL_MULTICCD;
+  // Distances to cylinders jitter by 5e-7 m at MuJoCo's default of 1e-6.
+  tables->query_model.opt.ccd_tolerance = 1e-9;
+  return tables;
+}
+
+std::shared_ptr<const mjModel> Compile(mjSpec* spec, const std::string& parse_error) {
+  if (!spec) throw Error(OneLine(parse_error));
+  std::unique_ptr<mjSpec, void (*)(mjSpec*)> guard(spec, mj_deleteSpec);
+  mjModel* model = mj_compile(spec, nullptr);
+  if (!model) throw Error(OneLine(mjs_getError(spec)));
+  return {model, ModelDeleter{}};
+}
+
+constexpr int kErrorSize = 2000;
+
+}  // namespace
+
+Scene Scene::FromFile(const std::string& path, const SceneOptions& options) {
+  std::error_code ec;
+  if (!std::filesystem::exists(path, ec)) throw Error(path + ": no such file");
+  if (std::filesystem::is_directory(path, ec)) throw Error(path + ": is a directory");
+  std::string error(kErrorSize, '\0');
+  std::shared_ptr<const mjModel> model;
+  try {
+    if (std::filesystem::path(path).extension() == ".mjb") {
+      mjModel* loaded = mj_loadModel(path.c_str(), nullptr);
+      if (!loaded) throw Error(std::string("not a binary model of MuJoCo ") + mj_versionString());
+      model = {loaded, ModelDeleter{}};
+    } else {
+      mjSpec* spec = mj_parse(path.c_str(), nullptr, nullptr, error.data(), kErrorSize);
+      model = Compile(spec, error.c_str());
+    }
+    const mjModel* raw = model.get();
+    return Scene(MakeTables(std::move(model), raw, options));
+  } catch (const Error& e) {
+    throw Error(path + ": " + e.what());
+  }
+}
+
+Scene Scene::FromString(const std::string& xml, const SceneOptions& options) {
+  std::string error(kErrorSize, '\0');
+  mjSpec* spec = mj_parseXMLString(xml.c_str(), nullptr, error.data(), kErrorSize);
+  std::shared_ptr<const mjModel> model = Compile(spec, error.c_str());
+  const mjModel* raw = model.get();
+  return Scene(MakeTables(std::move(model), raw, options));
+}
+
+Scene Scene::FromModel(const mjModel* model, const SceneOptions& options) {
+  if (!model) throw Error("the model is null");
+  return Scene(MakeTables(nullptr, model, options));
+}
+
+const mjModel* Scene::model() const { return tables_->model; }
+const std::vector<std::string>& Scene::Warnings() const { return tables_->warnings; }
+int Scene::nq() const { return static_cast<int>(tables_->model->nq); }
+int Scene::dof() const { return tables_->n; }
+int Scene::num_kept_pairs() const { return static_cast<int>(tables_->pairs.size()); }
+
+bool Scene::HasExactMeshes() const {
+  auto exact = [this](const KeptPair& pair) {
+    return pair.has_distance && (tables_->exact[pair.geom1] || tables_->exact[pair.geom2]);
+  };
+  return std::any_of(tables_->pairs.begin(), tables_->pairs.end(), exact);
+}
+
+std::string Scene::GeomName(int geom) const { return NameOrId(*model(), mjOBJ_GEOM, geom); }
+std::string Scene::JointName(int joint) const { return NameOrId(*model(), mjOBJ_JOINT, joint); }
+
+std::vector<std::string> Scene::KeyNames() const {
+  std::vector<std::string> names;
+  for (int k = 0; k < model()->nkey; ++k) {
+    const char* name = mj_id2name(model(), mjOBJ_KEY, k);
+    names.emplace_back(name ? name : "");
+  }
+  return names;
+}
+
+std::vector<double> Scene::KeyQpos(int key) const {
+  if (key < 0 || key >= model()->nkey) throw Error("no keyframe " + std::to_string(key));
+  const double* q = model()->key_qpos + static_cast<std::ptrdiff_t>(key) * nq();
+  return {q, q + nq()};
+}
+
+std::vector<double> Scene::DefaultQpos() const { return {model()->qpos0, model()->qpos0 + nq()}; }
+
+void Scene::CheckConfiguration(const std::vector<double>& q) const {
+  const mjModel* m = model();
+  if (static_cast<int>(q.size()) != nq()) {
+    throw Error("qpos has " + std::to_string(q.size()) + " values, the model needs " +
+                std::to_string(nq()));
+  }
+  for (int i = 0; i < nq(); ++i) {
+    if (!std::isfinite(q[i]) || std::abs(q[i]) > mjMAXVAL) {
+      throw Error("qpos[" + std::to_string(i) + "] is not a usable number");
+    }
+  }
+  for (int j = 0; j < m->njnt; ++j) {
+    if (m->jnt_type[j] != mjJNT_FREE && m->jnt_type[j] != mjJNT_BALL) continue;
+    const int adr = m->jnt_qposadr[j] + (m->jnt_type[j] == mjJNT_FREE ? 3 : 0);
+    if (mju_norm(q.data() + adr, 4) < kLeastQuaternion) {
+      throw Error("the quaternion of joint " + QuotedNameOrId(*m, mjOBJ_JOINT, j) + " is zero");
+    }
+  }
+}
+
+std::vector<std::string> Scene::ActiveEqualities() const {
+  const mjModel* m = model();
+  std::vector<std::string> names;
+  if (m->opt.disableflags & mjDSBL_EQUALITY) return names;
+  for (int e = 0; e < m->neq; ++e) {
+    if (!m->eq_active0[e]) continue;
+    static constexpr const char* kKind[] = {"connect", "weld", "joint", "tendon", "flex"};
+    const int type = m->eq_type[e];
+    names.push_back(std::string(type < 5 ? kKind[type] : "equality") + " " +
+                    QuotedNameOrId(*m, mjOBJ_EQUALITY, e));
+  }
+  return names;
+}
+
+}  // namespace mjcf_pdg

@@ -1,0 +1,356 @@
+#include "verify/verify_exact_mesh.h"
+
+#include <fcl/narrowphase/collision.h>
+#include <fcl/narrowphase/distance.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "verify/verify_round.h"
+#include "verify/verify_shape.h"
+#include "verify/verify_triangles.h"
+
+namespace mjcf_pdg {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kMillimetres = VerifierShape::kMillimetres;
+constexpr std::size_t kMaxTrianglePairs = 100000;
+constexpr std::size_t kFewPairs = 4;  // of triangles, to tell an overlap
+constexpr double kUnmeasured = 1e-3;  // depth of more crossings than that, at least [m]
+constexpr double kUnproven = 1e-9;    // said to be deeper than is permitted by that [m]
+// Directions tried to part two meshes: no more, and no closer to each other (cosine).
+constexpr std::size_t kMaxDirections = 12;
+constexpr double kSameDirection = 0.98;
+// Triangles of each mesh asked for their depth: a few first, which tell most overlaps.
+constexpr int kFewAsked = 30, kAllAsked = 200;
+
+// No point of the triangle has a smaller distance, for the distance is convex. Inside a primitive
+// it has kinks, where differences say nothing.
+double LinearBound(int type, const Vector3d& size, const Vector3d corners[3]) {
+  constexpr double kDifferences = 1e-5;  // error of the gradient
+  const Vector3d middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+  const double at_middle = RoundDistanceAt(type, size, middle);
+  if (at_middle < 1e-6) return -kInfinity;
+  const Vector3d n = RoundNormalAt(type, size, middle);
+  double fall = 0.0, reach = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    fall = std::min(fall, n.dot(corners[k] - middle));
+    reach = std::max(reach, (corners[k] - middle).norm());
+  }
+  return at_middle + fall - kDifferences * reach;
+}
+
+}  // namespace
+
+struct VerifierShapes {
+  std::vector<std::shared_ptr<const VerifierShape>> of_geom;  // ngeom; null for other types
+};
+
+struct ExactVerifier::Asked {
+  const PosedModel& posed;
+  const KeptPair& pair;
+  const VerifierShape *first, *second;
+  double permitted;
+  Depths depths;
+  double* fromto;
+  Vector3d shift_W = Vector3d::Zero();  // the second geom is asked about as if moved by this [m]
+
+  Matrix3d R(int geom) const { return AsMatrix(posed.data()->geom_xmat + 9 * geom); }
+  Vector3d Origin(int geom) const {
+    const Vector3d origin = AsVector(posed.data()->geom_xpos + 3 * geom);
+    return geom == pair.geom2 ? Vector3d(origin + shift_W) : origin;
+  }
+  fcl::Transform3<double> FclPose(int geom) const {
+    fcl::Transform3<double> pose;
+    pose.linear() = R(geom);
+    pose.translation() = kMillimetres * Origin(geom);
+    return pose;
+  }
+  // Pairs of triangles that intersect, by FCL: no more than `most`.
+  using Crossings = fcl::CollisionResult<double>;
+  Crossings FirstCrossings(std::size_t most) const {
+    Crossings crossings;
+    fcl::collide(&first->tree, FclPose(pair.geom1), &second->tree, FclPose(pair.geom2),
+                 fcl::CollisionRequest<double>(most), crossings);
+    return crossings;
+  }
+  double TrianglesOverlap(const Crossings& crossings) const;
+  std::vector<Vector3d> WaysApart(const Crossings& crossings) const;
+  void Witness(const Vector3d& p1_W, const Vector3d& p2_W) const {
+    Eigen::Map<Vector3d>(fromto, 3) = p1_W;
+    Eigen::Map<Vector3d>(fromto + 3, 3) = p2_W;
+  }
+};
+
+// One of the two bodies, whose points are asked how deep they are inside the other.
+struct ExactVerifier::Side {
+  Side(const Asked& pair, bool is_first)
+      : asked(pair),
+        of_first(is_first),
+        from(is_first ? pair.pair.geom1 : pair.pair.geom2),
+        in(is_first ? pair.pair.geom2 : pair.pair.geom1),
+        source(is_first ? *pair.first : *pair.second),
+        target(is_first ? *pair.second : *pair.first) {}
+
+  // How deep p, in the geom frame of this side, is inside the other; `out_W` is the way out.
+  double DepthOf(const Vector3d& p, Vector3d& out_W) const {
+    Vector3d out = Vector3d::Zero();
+    const Vector3d there = asked.R(in).transpose() * (InWorld(p) - asked.Origin(in));
+    const double depth = target.DepthOf(there, out);
+    out_W = asked.R(in) * out;
+    return depth;
+  }
+  Vector3d InWorld(const Vector3d& p) const { return asked.Origin(from) + asked.R(from) * p; }
+  void Witness(const Vector3d& p_W, const Vector3d& exit_W) const {
+    of_first ? asked.Witness(p_W, exit_W) : asked.Witness(exit_W, p_W);
+  }
+
+  const Asked& asked;
+  const bool of_first;
+  const int from, in;  // geoms
+  const VerifierShape &source, &target;
+};
+
+std::shared_ptr<const VerifierShapes> MakeVerifierShapes(const SceneTables& tables) {
+  const mjModel& m = *tables.model;
+  auto shapes = std::make_shared<VerifierShapes>();
+  shapes->of_geom.resize(m.ngeom);
+  std::map<std::pair<int, bool>, std::shared_ptr<const VerifierShape>> built;  // by asset, exact
+  for (const KeptPair& pair : tables.pairs) {
+    if (!pair.exact) continue;
+    for (const int g : {pair.geom1, pair.geom2}) {
+      std::shared_ptr<const VerifierShape>& shape = shapes->of_geom[g];
+      if (shape) continue;
+      if (m.geom_type[g] == mjGEOM_BOX) {
+        shape = std::make_shared<const VerifierShape>(BoxTriangles(AsVector(m.geom_size + 3 * g)),
+                                                      true);
+      } else if (m.geom_type[g] == mjGEOM_MESH) {
+        const int mesh = m.geom_dataid[g];
+        const bool exact = tables.exact[g];
+        std::shared_ptr<const VerifierShape>& known = built[{mesh, exact}];
+        if (!known) {
+          known = std::make_shared<const VerifierShape>(MeshTriangles(m, mesh, exact), !exact);
+        }
+        shape = known;
+      }
+    }
+  }
+  return shapes;
+}
+
+double ExactVerifier::Distance(const PosedModel& posed, const KeptPair& pair, double cutoff,
+                               double permitted, Depths depths, double fromto[6]) const {
+  const Asked asked{posed,
+                    pair,
+                    shapes_->of_geom[pair.geom1].get(),
+                    shapes_->of_geom[pair.geom2].get(),
+                    permitted,
+                    depths,
+                    fromto};
+  return asked.first ? SolidDistance(asked, cutoff) : RoundDistance(asked, cutoff);
+}
+
+// The depth, negative [m], of the deepest inside the other body: the probes, and a vertex and the
+// middle of `triangles` triangles of each mesh.
+double ExactVerifier::Deepest(const Asked& asked, int triangles) const {
+  double deepest = 0.0;
+  for (const bool of_first : {true, false}) {
+    const Side side(asked, of_first);
+    auto ask = [&](const Vector3d& p, double most) {
+      Vector3d out_W;
+      const double depth = std::min(most, side.DepthOf(p, out_W));
+      if (depth <= -deepest) return;
+      deepest = -depth;
+      side.Witness(side.InWorld(p), side.InWorld(p) + depth * out_W);
+    };
+    for (const auto& [p, inside] : side.source.probes) ask(p, inside > 0.0 ? inside : kInfinity);
+    const Triangles& all = side.source.triangles;
+    const std::size_t count = std::min<std::size_t>(triangles, all.size());
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto& t = all[k * all.size() / count];
+      ask(t[0], kInfinity);
+      ask((t[0] + t[1] + t[2]) / 3.0, kInfinity);
+    }
+  }
+  return deepest;
+}
+
+// Surfaces that coincide do not cross: some points a little below them may be inside both bodies.
+// Returns the depth of the deepest, negative [m]; a ball of that radius is inside both.
+double ExactVerifier::CommonPoint(const Asked& asked) const {
+  constexpr int kTriangles = 20;
+  double deepest = 0.0;
+  for (const bool of_first : {true, false}) {
+    const Side side(asked, of_first);
+    const auto& triangles = side.source.triangles;
+    for (std::size_t k = 0; k < triangles.size(); k += 1 + triangles.size() / kTriangles) {
+      const auto& t = triangles[k];
+      const Vector3d n = (t[1] - t[0]).cross(t[2] - t[0]).normalized();
+      for (const double h : {1e-2, -1e-2, 1e-3, -1e-3, 1e-4, -1e-4}) {
+        const Vector3d x = (t[0] + t[1] + t[2]) / 3.0 - h * n;
+        Vector3d out, out_W;
+        const double own = side.source.DepthOf(x, out);
+        if (own <= -deepest) continue;
+        const double depth = std::min(own, side.DepthOf(x, out_W));
+        if (depth <= -deepest) continue;
+        deepest = -depth;
+        side.Witness(side.InWorld(x), side.InWorld(x) + depth * out_W);
+      }
+    }
+  }
+  return deepest;
+}
+
+// The largest of the least moves that part two of the triangles that cross, negative [m].
+double ExactVerifier::Asked::TrianglesOverlap(const Crossings& crossings) const {
+  const int g1 = pair.geom1, g2 = pair.geom2;
+  const Matrix3d R1 = R(g1), R2 = R(g2);
+  double overlap = 0.0;
+  for (std::size_t k = 0; k < crossings.numContacts(); ++k) {
+    std::array<Vector3d, 3> s, t;
+    for (int c = 0; c < 3; ++c) {
+      s[c] = Origin(g1) + R1 * first->triangles[crossings.getContact(k).b1][c];
+      t[c] = Origin(g2) + R2 * second->triangles[crossings.getContact(k).b2][c];
+    }
+    Vector3d n = Vector3d::UnitZ();
+    const double move = LeastMove(s, t, n);
+    if (k > 0 && move <= overlap) continue;
+    overlap = move;
+    const Vector3d middle = (s[0] + s[1] + s[2] + t[0] + t[1] + t[2]) / 6.0;
+    Witness(middle + 0.5 * move * n, middle - 0.5 * move * n);
+  }
+  if (crossings.numContacts() >= kMaxTrianglePairs) overlap = std::max(overlap, kUnmeasured);
+  return -overlap;
+}
+
+// Where the second body may be moved to part the two: along normals of triangles that cross, and
+// their sum.
+std::vector<Vector3d> ExactVerifier::Asked::WaysApart(const Crossings& crossings) const {
+  std::vector<Vector3d> ways;
+  auto add = [&](const Vector3d& n_W) {
+    auto same = [&](const Vector3d& known) { return known.dot(n_W) > kSameDirection; };
+    if (std::none_of(ways.begin(), ways.end(), same)) ways.push_back(n_W);
+  };
+  auto normal_W = [&](int geom, const VerifierShape& shape, std::intptr_t triangle) {
+    const auto& t = shape.triangles[triangle];
+    return Vector3d(R(geom) * (t[1] - t[0]).cross(t[2] - t[0]).normalized());
+  };
+  for (std::size_t k = 0; k < crossings.numContacts() && ways.size() < kMaxDirections; ++k) {
+    const Vector3d n1_W = normal_W(pair.geom1, *first, crossings.getContact(k).b1);
+    const Vector3d n2_W = normal_W(pair.geom2, *second, crossings.getContact(k).b2);
+    add(n1_W);
+    add(-n2_W);
+    if (!first->closed) add(-n1_W);
+    if (!second->closed) add(n2_W);
+  }
+  Vector3d sum = Vector3d::Zero();
+  for (const Vector3d& n_W : ways) sum += n_W;
+  if (sum.norm() > 1e-6) ways.push_back(sum.normalized());
+  return ways;
+}
+
+// A move of the second body by `permitted` parts the two: proof that they overlap by no more. What
+// crossing triangles tell is no more than their own size, and points inside may miss the deepest.
+bool ExactVerifier::PartedByAMove(const Asked& asked, const std::vector<Vector3d>& ways_W) const {
+  return std::any_of(ways_W.begin(), ways_W.end(), [&](const Vector3d& n_W) {
+    Asked moved = asked;
+    double unheard[6];
+    moved.fromto = unheard;
+    moved.shift_W = asked.permitted * n_W;
+    return !moved.FirstCrossings(1).isCollision() && Deepest(moved, 0) >= 0.0;
+  });
+}
+
+// Triangles intersect: how deep, negative [m].
+double ExactVerifier::SolidOverlap(const Asked& asked) const {
+  const Asked::Crossings crossings = asked.FirstCrossings(kMaxTrianglePairs);
+  double least = asked.TrianglesOverlap(crossings);
+  double witness[6];
+  std::copy(asked.fromto, asked.fromto + 6, witness);
+  auto take = [&](double depth) {
+    if (depth >= least) return false;
+    least = depth;
+    std::copy(asked.fromto, asked.fromto + 6, witness);
+    return true;
+  };
+  const double deepest_of_interest = asked.permitted + rest_;
+  const bool enough = take(Deepest(asked, kFewAsked)) && least < -deepest_of_interest;
+  if (!enough) take(Deepest(asked, kAllAsked));
+  if (!enough && least >= -deepest_of_interest) take(CommonPoint(asked));
+  std::copy(witness, witness + 6, asked.fromto);
+  if (least >= -asked.permitted && !PartedByAMove(asked, asked.WaysApart(crossings))) {
+    least = -asked.permitted - kUnproven;
+  }
+  return least;
+}
+
+double ExactVerifier::SolidDistance(const Asked& asked, double cutoff) const {
+  const Asked::Crossings crossings = asked.FirstCrossings(kFewPairs);
+  if (crossings.isCollision()) {
+    const double overlap = asked.TrianglesOverlap(crossings);
+    const bool told = asked.depths == Depths::kSkipped && overlap < -asked.permitted - rest_;
+    return told ? overlap : SolidOverlap(asked);
+  }
+  const double inside = Deepest(asked, 0);
+  if (inside < 0.0) return inside;
+  if (asked.depths == Depths::kSkipped) return kInfinity;
+  fcl::DistanceRequest<double> wish(true);
+  fcl::DistanceResult<double> nearest;
+  nearest.min_distance = kMillimetres * cutoff;
+  fcl::distance(&asked.first->tree, asked.FclPose(asked.pair.geom1), &asked.second->tree,
+                asked.FclPose(asked.pair.geom2), wish, nearest);
+  if (nearest.b1 < 0) return kInfinity;
+  asked.Witness(nearest.nearest_points[0] / kMillimetres, nearest.nearest_points[1] / kMillimetres);
+  return nearest.min_distance / kMillimetres;
+}
+
+double ExactVerifier::RoundDistance(const Asked& asked, double cutoff) const {
+  const mjModel& m = *asked.posed.model();
+  const int round = asked.pair.geom1, mesh = asked.pair.geom2, type = m.geom_type[round];
+  const Vector3d size = AsVector(m.geom_size + 3 * round);
+  const Matrix3d R = asked.R(round).transpose() * asked.R(mesh);
+  const Vector3d origin = asked.R(round).transpose() * (asked.Origin(mesh) - asked.Origin(round));
+  std::vector<std::pair<double, std::size_t>> order;
+  const Triangles& triangles = asked.second->triangles;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const Vector3d middle = (triangles[t][0] + triangles[t][1] + triangles[t][2]) / 3.0;
+    double reach = 0.0;
+    for (const Vector3d& p : triangles[t]) reach = std::max(reach, (p - middle).norm());
+    const double bound = RoundDistanceAt(type, size, origin + R * middle) - reach;
+    if (bound < cutoff) order.emplace_back(bound, t);
+  }
+  std::sort(order.begin(), order.end());
+  double least = cutoff;
+  Vector3d at = Vector3d::Zero();
+  for (const auto& [bound, t] : order) {
+    if (bound >= least) break;
+    Vector3d corners[3], x;
+    for (int k = 0; k < 3; ++k) corners[k] = origin + R * triangles[t][k];
+    if (LinearBound(type, size, corners) > least) continue;
+    const double distance = RoundDistanceOnTriangle(type, size, corners, x);
+    if (distance >= least) continue;
+    least = distance;
+    at = x;
+  }
+  Vector3d out;
+  const Vector3d center = -(R.transpose() * origin);
+  const double inside = type == mjGEOM_PLANE ? 0.0 : asked.second->DepthOf(center, out);
+  const Matrix3d R_W = asked.R(round);
+  if (inside > std::max(0.0, -least)) {  // the surfaces may hardly touch
+    const Vector3d center_W = asked.Origin(round);
+    asked.Witness(center_W, center_W + inside * (asked.R(mesh) * out));
+    return -inside;
+  }
+  if (least >= cutoff) return kInfinity;
+  const Vector3d at_W = asked.Origin(round) + R_W * at;
+  asked.Witness(at_W - least * (R_W * RoundNormalAt(type, size, at)), at_W);
+  return least;
+}
+
+}  // namespace mjcf_pdg

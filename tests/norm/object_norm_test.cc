@@ -1,0 +1,400 @@
+// Bodies here are clouds of points with masses, so that σ can be checked as what it means: the mean
+// squared displacement of mass, of one joint's motion at a time or of all together.
+#include "mjcf_pdg/object_norm.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "model/kinematics.h"
+#include "tests/support/test_support.h"
+
+namespace mjcf_pdg::test {
+namespace {
+
+class ObjectNormTest : public MujocoTest {
+ protected:
+  Random rng_{31};
+};
+
+// Fills in @points (four of random mass), @pose, @pos and @axis at random.
+std::string PointMassXml(const std::string& pattern, Random& rng) {
+  std::string text;
+  for (std::size_t at = 0; at < pattern.size();) {
+    if (pattern.compare(at, 7, "@points") == 0) {
+      for (int i = 0; i < 4; ++i) {
+        const double mass = rng.Uniform(0.2, 2.0);
+        const Vector3d pos = rng.InBox(0.3);
+        text += "<geom size='2e-5' contype='0' conaffinity='0' mass='" + Join(&mass, 1) +
+                "' user='" + Join(&mass, 1) + "' pos='" + Join(pos.data(), 3) + "'/>";
+      }
+      at += 7;
+    } else if (pattern.compare(at, 5, "@pose") == 0) {
+      const Eigen::Quaterniond quat = rng.UnitQuat();
+      const Vector3d pos = rng.InBox(0.4);
+      const double wxyz[4] = {quat.w(), quat.x(), quat.y(), quat.z()};
+      text += "pos='" + Join(pos.data(), 3) + "' quat='" + Join(wxyz, 4) + "'";
+      at += 5;
+    } else if (pattern.compare(at, 5, "@axis") == 0) {
+      const Vector3d axis = rng.UnitVector(), pos = rng.InBox(0.2);
+      text += "axis='" + Join(axis.data(), 3) + "' pos='" + Join(pos.data(), 3) + "'";
+      at += 5;
+    } else {
+      text += pattern[at++];
+    }
+  }
+  return "<mujoco><size nuser_geom='1'/><worldbody>" + text + "</worldbody></mujoco>";
+}
+
+// All joint kinds, several joints per body, branches, two trees on a shared static stand, a weld.
+constexpr char kForest[] = R"(
+    <body name="base" @pose><freejoint name="free"/>@points
+      <body name="torso" @pose><joint name="waist" @axis/>@points
+        <body name="left" @pose><joint name="shoulder" type="ball" @axis/>@points
+          <body name="hand" @pose><joint name="wrist" @axis/><joint name="palm" type="slide" @axis/>
+          @points</body></body>
+        <body name="plate" @pose>@points</body>
+        <body name="right" @pose><joint name="lift" type="slide" @axis/>@points</body></body></body>
+    <body name="stand" @pose>@points
+      <body name="one" @pose><joint name="turn" @axis/>@points
+        <body name="tip" @pose><joint name="ball" type="ball" @axis/>@points</body></body>
+      <body name="two" @pose><joint name="x" type="slide" @axis/>
+        <joint name="y" type="slide" @axis/><joint name="yaw" @axis/>@points
+        <body name="mast" @pose><joint name="tilt" @axis/>@points</body></body></body>)";
+
+// The mass points of a model at configurations.
+class Points {
+ public:
+  explicit Points(const Scene& scene) : scene_(scene), d_(mj_makeData(scene.model())) {}
+
+  Eigen::Matrix3Xd At(const VectorXd& q) {
+    mju_copy(d_->qpos, q.data(), scene_.nq());
+    mj_kinematics(scene_.model(), d_.get());
+    return Eigen::Map<Eigen::Matrix3Xd>(d_->geom_xpos, 3, scene_.model()->ngeom);
+  }
+  Eigen::Isometry3d Pose(const VectorXd& q, int body) {
+    At(q);
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.linear() = AsMatrix(d_->xmat + 9 * body);
+    pose.translation() = AsVector(d_->xpos + 3 * body);
+    return pose;
+  }
+  int body(int point) const { return scene_.model()->geom_bodyid[point]; }
+  bool InSubtree(int point, int top) const {
+    int b = body(point);
+    while (b > top) b = scene_.model()->body_parentid[b];
+    return b == top;
+  }
+  double mass(int point) const {
+    return scene_.tables().body_moves[body(point)] ? scene_.model()->geom_user[point] : 0.0;
+  }
+  double MeanSquare(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to) const {
+    double sum = 0.0, total = 0.0;
+    for (int i = 0; i < from.cols(); ++i) {
+      sum += mass(i) * (from.col(i) - to.col(i)).squaredNorm();
+      total += mass(i);
+    }
+    return sum / total;
+  }
+
+ private:
+  const Scene& scene_;
+  DataPtr d_;
+};
+
+// q_in with one joint's entries from q.
+VectorXd OneJointMoved(const JointEntry& joint, const VectorXd& q_in, const VectorXd& q) {
+  const int entries = joint.type == mjJNT_FREE ? 7 : joint.type == mjJNT_BALL ? 4 : 1;
+  VectorXd moved = q_in;
+  moved.segment(joint.qadr, entries) = q.segment(joint.qadr, entries);
+  return moved;
+}
+
+double SequentialByPoints(const Scene& scene, const VectorXd& q_in, const VectorXd& q) {
+  Points points(scene);
+  const Eigen::Matrix3Xd at_in = points.At(q_in);
+  double sigma = 0.0;
+  for (const JointEntry& joint : scene.tables().joints) {
+    sigma += points.MeanSquare(at_in, points.At(OneJointMoved(joint, q_in, q)));
+  }
+  return sigma;
+}
+
+// Another root link: its pose carries all of its tree (top body `top`); a joint on the way to it
+// moves the rest of the tree the other way.
+double RootByPoints(const Scene& scene, int root, int top, const VectorXd& q_in,
+                    const VectorXd& q) {
+  Points points(scene);
+  const Eigen::Matrix3Xd at_in = points.At(q_in);
+  Eigen::Matrix3Xd moved = at_in;
+  const Eigen::Isometry3d carried = points.Pose(q, root) * points.Pose(q_in, root).inverse();
+  for (int i = 0; i < moved.cols(); ++i) {
+    if (points.InSubtree(i, top)) moved.col(i) = carried * at_in.col(i);
+  }
+  double sigma = points.MeanSquare(at_in, moved);
+  for (const JointEntry& joint : scene.tables().joints) {
+    if (joint.body == top) continue;
+    const VectorXd one = OneJointMoved(joint, q_in, q);
+    int on_path = root;
+    while (on_path > joint.body) on_path = scene.model()->body_parentid[on_path];
+    moved = points.At(one);
+    if (on_path == joint.body) {
+      const Eigen::Isometry3d turned =
+          points.Pose(q_in, joint.body) * points.Pose(one, joint.body).inverse();
+      for (int i = 0; i < moved.cols(); ++i) {
+        const bool other_side = points.InSubtree(i, top) && !points.InSubtree(i, joint.body);
+        moved.col(i) = other_side ? Vector3d(turned * at_in.col(i)) : Vector3d(at_in.col(i));
+      }
+    }
+    sigma += points.MeanSquare(at_in, moved);
+  }
+  return sigma;
+}
+
+double Sigma(const Scene& scene, const VectorXd& q_in, const VectorXd& q,
+             Metric metric = Metric::kSequential) {
+  ObjectNorm norm(scene, metric, ToVector(q_in));
+  return norm.Sigma(ToVector(q));
+}
+
+std::string Single(const std::string& joint) { return "<body @pose>" + joint + "@points</body>"; }
+
+TEST_F(ObjectNormTest, SequentialNormIsTheSumOfDisplacementsJointByJoint) {
+  for (int trial = 0; trial < 40; ++trial) {
+    const Scene scene = Scene::FromString(PointMassXml(kForest, rng_));
+    const VectorXd q_in = RandomConfiguration(scene, rng_), q = RandomConfiguration(scene, rng_);
+    const double expected = SequentialByPoints(scene, q_in, q);
+    EXPECT_NEAR(Sigma(scene, q_in, q), expected, 1e-8 * expected);
+    // The same along the way from base to terminal, each joint after those above it.
+    Points points(scene);
+    VectorXd stage = q_in;
+    double along = 0.0;
+    for (const JointEntry& joint : scene.tables().joints) {
+      const VectorXd next = OneJointMoved(joint, stage, q);
+      along += points.MeanSquare(points.At(stage), points.At(next));
+      stage = next;
+    }
+    EXPECT_NEAR(along, expected, 1e-8 * expected);
+  }
+}
+
+TEST_F(ObjectNormTest, DisplacementNormIsTheMeanSquaredDisplacementOfAllMass) {
+  for (int trial = 0; trial < 40; ++trial) {
+    const Scene scene = Scene::FromString(PointMassXml(kForest, rng_));
+    const VectorXd q_in = RandomConfiguration(scene, rng_), q = RandomConfiguration(scene, rng_);
+    Points points(scene);
+    const double expected = points.MeanSquare(points.At(q_in), points.At(q));
+    EXPECT_NEAR(Sigma(scene, q_in, q, Metric::kDisplacement), expected, 1e-8 * expected);
+  }
+}
+
+TEST_F(ObjectNormTest, AnotherRootCarriesItsWholeTreeAndTurnsPathJointsRound) {
+  const std::string xml = PointMassXml(kForest, rng_);
+  for (const auto& [root, top] :
+       {std::pair("torso", "base"), std::pair("left", "base"), std::pair("hand", "base"),
+        std::pair("plate", "base"), std::pair("right", "base"), std::pair("tip", "one"),
+        std::pair("mast", "two")}) {
+    const Scene scene = Scene::FromString(xml, {.movable = {}, .root = root});
+    const int root_id = mj_name2id(scene.model(), mjOBJ_BODY, root);
+    const int top_id = mj_name2id(scene.model(), mjOBJ_BODY, top);
+    for (int trial = 0; trial < 10; ++trial) {
+      const VectorXd q_in = RandomConfiguration(scene, rng_), q = RandomConfiguration(scene, rng_);
+      const double expected = RootByPoints(scene, root_id, top_id, q_in, q);
+      EXPECT_NEAR(Sigma(scene, q_in, q), expected, 1e-8 * expected) << root;
+    }
+  }
+}
+
+TEST_F(ObjectNormTest, ATopBodyAsRootGivesThePlainFormula) {
+  const std::string xml = PointMassXml(kForest, rng_);
+  const Scene plain = Scene::FromString(xml);
+  for (const char* root : {"base", "one", "two"}) {
+    const Scene scene = Scene::FromString(xml, {.movable = {}, .root = root});
+    const VectorXd q_in = RandomConfiguration(scene, rng_), q = RandomConfiguration(scene, rng_);
+    EXPECT_NEAR(Sigma(scene, q_in, q), Sigma(plain, q_in, q), 1e-12) << root;
+    ObjectNorm norm(scene, Metric::kSequential, ToVector(q_in));
+    int roots = 0;
+    for (const NormPart& part : norm.Parts(ToVector(q))) roots += part.name == "root";
+    EXPECT_EQ(roots, 1) << root;
+  }
+}
+
+TEST_F(ObjectNormTest, ASingleFreeBodyIsEquationOne) {
+  const Scene scene = Scene::FromString(R"(<mujoco><worldbody><body><freejoint/>
+      <inertial mass="2.5" pos="0 0 0" diaginertia=".3 .4 .6"/></body></worldbody></mujoco>)");
+  const VectorXd q_in = ToEigen(scene.DefaultQpos());
+  for (int trial = 0; trial < 20; ++trial) {
+    const VectorXd q = RandomConfiguration(scene, rng_);
+    const Vector3d Q = q.segment<3>(4), t = q.head<3>();
+    const double eq1 =
+        4 / 2.5 * (0.3 * Q[0] * Q[0] + 0.4 * Q[1] * Q[1] + 0.6 * Q[2] * Q[2]) + t.squaredNorm();
+    EXPECT_NEAR(Sigma(scene, q_in, q), eq1, 1e-14);
+    EXPECT_NEAR(Sigma(scene, q_in, q, Metric::kDisplacement), eq1, 1e-13);
+  }
+}
+
+TEST_F(ObjectNormTest, JointFormulasHoldInClosedForm) {
+  // One point of mass 3 at distance .5 from a hinge or ball, 2 of 5 kg on a slide.
+  const char point[] = "<inertial mass='3' pos='.5 0 0' diaginertia='1e-9 1e-9 1e-9'/>";
+  auto scene = [&](const std::string& joint) {
+    return Scene::FromString("<mujoco><worldbody><body>" + joint + point +
+                             "</body></worldbody></mujoco>");
+  };
+  const VectorXd zero = VectorXd::Zero(1), one = VectorXd::Ones(1);
+  EXPECT_NEAR(Sigma(scene("<joint type='slide'/>"), zero, one), 1.0, 1e-12);
+  const double chord = 2 * std::sin(0.5) * 0.5;
+  EXPECT_NEAR(Sigma(scene("<joint/>"), zero, one), chord * chord, 1e-8);
+  VectorXd from(4), turned(4), twisted(4);
+  from << 1, 0, 0, 0;
+  turned << std::cos(0.5), 0, std::sin(0.5), 0;
+  twisted << std::cos(0.5), std::sin(0.5), 0, 0;  // about the point's own direction
+  EXPECT_NEAR(Sigma(scene("<joint type='ball'/>"), from, turned), chord * chord, 1e-8);
+  EXPECT_NEAR(Sigma(scene("<joint type='ball'/>"), from, twisted), 0.0, 1e-8);
+  EXPECT_NEAR(Sigma(scene("<joint/>"), zero, 2 * mjPI * one), 0.0, 1e-15);
+}
+
+TEST_F(ObjectNormTest, ItIsZeroForEqualConfigurationsAndPositiveForOthers) {
+  const std::string xml = PointMassXml(kForest, rng_);
+  for (const char* root : {"", "hand"}) {
+    const Scene scene = Scene::FromString(xml, {.movable = {}, .root = root});
+    for (const Metric metric : {Metric::kSequential, Metric::kDisplacement}) {
+      const VectorXd q_in = RandomConfiguration(scene, rng_);
+      EXPECT_NEAR(Sigma(scene, q_in, q_in, metric), 0.0, 1e-28);
+      for (int i = 0; i < scene.dof(); ++i) {
+        VectorXd q;
+        Integrate(scene.tables(), q_in, 1e-3 * VectorXd::Unit(scene.dof(), i), q);
+        EXPECT_GT(Sigma(scene, q_in, q, metric), 1e-10) << "dof " << i;
+      }
+    }
+  }
+}
+
+TEST_F(ObjectNormTest, ItIsSymmetricForASingleJointButNotForTwo) {
+  for (const char* joint : {"<joint type='slide' @axis/>", "<joint @axis/>",
+                            "<joint type='ball' @axis/>", "<freejoint/>"}) {
+    const Scene scene = Scene::FromString(PointMassXml(Single(joint), rng_));
+    for (int trial = 0; trial < 10; ++trial) {
+      const VectorXd a = RandomConfiguration(scene, rng_), b = RandomConfiguration(scene, rng_);
+      EXPECT_NEAR(Sigma(scene, a, b), Sigma(scene, b, a), 1e-12) << joint;
+    }
+  }
+  const Scene forest = Scene::FromString(PointMassXml(kForest, rng_));
+  const VectorXd a = RandomConfiguration(forest, rng_), b = RandomConfiguration(forest, rng_);
+  EXPECT_GT(std::abs(Sigma(forest, a, b) - Sigma(forest, b, a)), 1e-3);
+  EXPECT_NEAR(Sigma(forest, a, b, Metric::kDisplacement),
+              Sigma(forest, b, a, Metric::kDisplacement), 1e-12);
+}
+
+TEST_F(ObjectNormTest, ARigidMotionOfTheWholeWorldChangesNothing) {
+  const std::string inner = Single("<joint @axis/><joint type='ball' @axis/>") +
+                            Single("<joint type='slide' @axis/><joint type='slide' @axis/>");
+  Random again(77), once_more(77);
+  const Scene here = Scene::FromString(PointMassXml("<body>" + inner + "</body>", again));
+  const Scene there = Scene::FromString(
+      PointMassXml("<body pos='3 -2 1' quat='.4 .1 -.8 .5'>" + inner + "</body>", once_more));
+  const VectorXd a = RandomConfiguration(here, rng_), b = RandomConfiguration(here, rng_);
+  for (const Metric metric : {Metric::kSequential, Metric::kDisplacement}) {
+    EXPECT_NEAR(Sigma(here, a, b, metric), Sigma(there, a, b, metric), 1e-12);
+  }
+  const Scene free = Scene::FromString(PointMassXml(
+      "<body><freejoint/>@points<body @pose><joint @axis/>@points</body></body>", rng_));
+  const Eigen::Quaterniond turn = rng_.UnitQuat();
+  const Vector3d shift = rng_.InBox(2);
+  auto moved = [&](VectorXd q) {
+    q.head<3>() = turn * q.head<3>() + shift;
+    const Eigen::Quaterniond quat = turn * Eigen::Quaterniond(q[3], q[4], q[5], q[6]);
+    q.segment<4>(3) << quat.w(), quat.x(), quat.y(), quat.z();
+    return q;
+  };
+  const VectorXd c = RandomConfiguration(free, rng_), d = RandomConfiguration(free, rng_);
+  for (const Metric metric : {Metric::kSequential, Metric::kDisplacement}) {
+    EXPECT_NEAR(Sigma(free, c, d, metric), Sigma(free, moved(c), moved(d), metric), 1e-12);
+  }
+}
+
+TEST_F(ObjectNormTest, PartsAddUpAndAreNamed) {
+  const std::string xml = PointMassXml(kForest, rng_);
+  for (const char* root : {"", "hand", "base", "two"}) {
+    const Scene scene = Scene::FromString(xml, {.movable = {}, .root = root});
+    for (const Metric metric : {Metric::kSequential, Metric::kDisplacement}) {
+      const VectorXd q_in = RandomConfiguration(scene, rng_), q = RandomConfiguration(scene, rng_);
+      ObjectNorm norm(scene, metric, ToVector(q_in));
+      double sum = 0.0;
+      for (const NormPart& part : norm.Parts(ToVector(q))) sum += part.sigma;
+      EXPECT_NEAR(sum, norm.Sigma(ToVector(q)), 1e-12);
+    }
+  }
+  const Scene arm = Scene::FromString(ArmXml(), {.movable = {}, .root = "fore"});
+  ObjectNorm norm(arm, Metric::kSequential, arm.DefaultQpos());
+  std::vector<std::string> names;
+  for (const NormPart& part : norm.Parts(arm.DefaultQpos())) names.push_back(part.name);
+  EXPECT_THAT(names, ::testing::ElementsAre("root", "shoulder", "reach", "wrist"));
+}
+
+TEST_F(ObjectNormTest, OnlyBodiesThatCanMoveWeigh) {
+  const std::string xml = PointMassXml(kForest, rng_);
+  const VectorXd base = RandomConfiguration(Scene::FromString(xml), rng_);
+  for (const char* root : {"", "torso", "plate"}) {  // frozen roots: nothing more to carry
+    const Scene scene = Scene::FromString(xml, {.movable = {"left", "two"}, .root = root});
+    const VectorXd q_in = RandomConfiguration(scene, rng_, 0.5, ToVector(base));
+    const VectorXd q = RandomConfiguration(scene, rng_, 0.5, ToVector(base));
+    const double expected = SequentialByPoints(scene, q_in, q);
+    EXPECT_NEAR(Sigma(scene, q_in, q), expected, 1e-8 * expected) << root;
+  }
+  const Scene hand = Scene::FromString(xml, {.movable = {"left"}, .root = "hand"});
+  const VectorXd q_in = RandomConfiguration(hand, rng_), q = RandomConfiguration(hand, rng_);
+  const double expected = RootByPoints(hand, mj_name2id(hand.model(), mjOBJ_BODY, "hand"),
+                                       mj_name2id(hand.model(), mjOBJ_BODY, "base"), q_in, q);
+  EXPECT_NEAR(Sigma(hand, q_in, q), expected, 1e-8 * expected);
+}
+
+TEST_F(ObjectNormTest, QuaternionsOfAnyLengthAndSignMeanTheirRotation) {
+  const Scene scene = Scene::FromString(PointMassXml(kForest, rng_));
+  const VectorXd q_in = RandomConfiguration(scene, rng_), q = RandomConfiguration(scene, rng_);
+  VectorXd q_in_scaled = q_in, q_scaled = q;
+  q_in_scaled.segment<4>(3) *= 3.0;
+  q_scaled.segment<4>(3) *= -0.2;
+  q_in_scaled.segment<4>(8) *= -1.0;
+  q_scaled.segment<4>(8) *= 7.0;
+  for (const Metric metric : {Metric::kSequential, Metric::kDisplacement}) {
+    EXPECT_NEAR(Sigma(scene, q_in_scaled, q_scaled, metric), Sigma(scene, q_in, q, metric), 1e-12);
+  }
+}
+
+// Appendix B: six special points ±√(λ_i/2) d_i about the centre, with D's eigenvalues λ_i, see the
+// same squared distance as a set of six vertices, S²/6 = σ.
+TEST_F(ObjectNormTest, MetricSOfAppendixBIsTheNormOfAVertexSet) {
+  for (int trial = 0; trial < 20; ++trial) {
+    Eigen::Matrix<double, 3, 6> vertices;
+    std::string geoms;
+    for (int i = 0; i < 6; ++i) {
+      vertices.col(i) = rng_.InBox(0.5);
+      geoms += "<geom size='2e-5' mass='1' pos='" + Join(vertices.col(i).data(), 3) + "'/>";
+    }
+    const Scene scene = Scene::FromString("<mujoco><worldbody><body><freejoint/>" + geoms +
+                                          "</body></worldbody></mujoco>");
+    const VectorXd q_in = ToEigen(scene.DefaultQpos()), q = RandomConfiguration(scene, rng_);
+    const Vector3d center = vertices.rowwise().mean();
+    const Eigen::Matrix<double, 3, 6> spread = vertices.colwise() - center;
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> D(spread * spread.transpose());
+    const Eigen::Quaterniond turn(q[3], q[4], q[5], q[6]);
+    double S_squared = 0.0;
+    for (int i = 0; i < 6; ++i) {
+      const double reach = std::sqrt(D.eigenvalues()[i % 3] / 2);
+      const Vector3d s = center + (i < 3 ? reach : -reach) * D.eigenvectors().col(i % 3);
+      S_squared += (turn * s + q.head<3>() - s).squaredNorm();
+    }
+    EXPECT_NEAR(Sigma(scene, q_in, q), S_squared / 6, 1e-8);
+  }
+}
+
+TEST_F(ObjectNormTest, BadConfigurationsAreRefused) {
+  const Scene scene = Scene::FromString(ArmXml());
+  EXPECT_THROW(ObjectNorm(scene, Metric::kSequential, {1, 2}), Error);
+  ObjectNorm norm(scene, Metric::kSequential, scene.DefaultQpos());
+  EXPECT_THROW(norm.Sigma({0, 0, 0, NAN}), Error);
+  EXPECT_THROW(norm.Parts({}), Error);
+}
+
+}  // namespace
+}  // namespace mjcf_pdg::test

@@ -1,0 +1,38 @@
+// A folder for a test's files.
+#ifndef MJCF_PDG_TESTS_SUPPORT_TEMPORARY_FOLDER_H_
+#define MJCF_PDG_TESTS_SUPPORT_TEMPORARY_FOLDER_H_
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <string>
+#include <system_error>
+
+namespace mjcf_pdg::test {
+
+// Of its own, below GoogleTest's TempDir(); gone with the object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string pattern = ::testing::TempDir() + "mjcf_pdg_" + std::string(6, 'X');  // for mkdtemp
+    if (!mkdtemp(pattern.data())) throw std::system_error(errno, std::generic_category(), pattern);
+    path_ = pattern;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace mjcf_pdg::test
+
+#endif  // MJCF_PDG_TESTS_SUPPORT_TEMPORARY_FOLDER_H_

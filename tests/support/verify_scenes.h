@@ -1,0 +1,26 @@
+// Scenes and poses that the tests of the independent check share.
+#ifndef MJCF_PDG_TESTS_SUPPORT_VERIFY_SCENES_H_
+#define MJCF_PDG_TESTS_SUPPORT_VERIFY_SCENES_H_
+
+#include <Eigen/Dense>
+#include <string>
+#include <vector>
+
+namespace mjcf_pdg::test {
+
+// The configuration of a scene whose only joint is free.
+inline std::vector<double> FreePose(const Eigen::Vector3d& p, const Eigen::Quaterniond& r) {
+  return {p.x(), p.y(), p.z(), r.w(), r.x(), r.y(), r.z()};
+}
+
+// Two boxes of 0.2 m, the second on a slide along x, in the middle of the first at 0.
+inline std::string TwoBoxes(const std::string& extra = "", const std::string& geom = "") {
+  return "<mujoco>" + extra + R"(<worldbody><geom name="wall" type="box" size=".1 .1 .1"/>
+    <body name="slider"><joint name="x" type="slide" axis="1 0 0"/>
+      <geom name="block" type="box" size=".1 .1 .1" )" +
+         geom + "/></body></worldbody></mujoco>";
+}
+
+}  // namespace mjcf_pdg::test
+
+#endif  // MJCF_PDG_TESTS_SUPPORT_VERIFY_SCENES_H_
