@@ -25,6 +25,28 @@ const char* StatusName(Status status) {
   return "unsolved";
 }
 
+// Within this ratio of its lower bound an answer counts as proven.
+constexpr double kProvenRatio = 1.01;
+
+const char* CauseName(Cause cause) {
+  switch (cause) {
+    case Cause::kBudget:
+      return "budget";
+    case Cause::kPermanent:
+      return "permanent";
+    case Cause::kFrozen:
+      return "frozen";
+    case Cause::kEquality:
+      return "equality";
+    case Cause::kNotVerified:
+      return "not_verified";
+    case Cause::kNotFound:
+    case Cause::kNone:
+      break;
+  }
+  return "not_found";
+}
+
 // What meshes collide as.
 const char* GeometryName(const Scene& scene) { return scene.HasExactMeshes() ? "exact" : "hull"; }
 
@@ -71,7 +93,13 @@ Json ResultJson(const Scene& scene, std::size_t index, const Configuration& row,
   json["contacts"] = ContactsJson(scene, result.contacts);
   json["certified"] = result.certified;
   json["geometry"] = GeometryName(scene);
-  if (result.status == Status::kUnsolved) json["reason"] = result.reason;
+  // Within 1 %, so that nobody needs to search on.
+  json["proven"] =
+      result.status != Status::kUnsolved && result.sigma <= kProvenRatio * result.sigma_lower_bound;
+  if (result.status == Status::kUnsolved) {
+    json["reason"] = result.reason;
+    json["cause"] = CauseName(result.cause);
+  }
   return json;
 }
 

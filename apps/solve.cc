@@ -22,6 +22,8 @@
 namespace mjcf_pdg::app {
 namespace {
 
+constexpr double kReportedDistances = 1.0;  // of pairs that are apart [m]
+
 struct SolveArguments {
   SceneArguments scene;
   WhichArguments which;
@@ -119,6 +121,8 @@ Rows Configurations(const std::vector<Result>& results) {
 int RunSolve(SolveArguments& arguments) {
   arguments.options.time_limit = arguments.time_limit_ms / 1e3;
   arguments.options.seed = arguments.seed;
+  arguments.options.report_contacts = true;
+  arguments.options.report_distances_to = kReportedDistances;
   const Scene scene = LoadScene(arguments.scene);
   const std::vector<Configuration> rows = ReadConfigurations(scene, arguments.which);
   OutputFiles outputs;

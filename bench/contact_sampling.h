@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "problem/problem.h"
+#include "problem/workspace.h"
 
 namespace mjcf_pdg::bench {
 
@@ -24,7 +24,7 @@ struct SamplingResult {
 };
 
 // Samples for `seconds` of processor time. The problem's selection finds the first free pose.
-SamplingResult SampleContactSpace(Problem& problem, double seconds, std::uint64_t seed);
+SamplingResult SampleContactSpace(Workspace& work, double seconds, std::uint64_t seed);
 
 }  // namespace mjcf_pdg::bench
 

@@ -89,8 +89,7 @@ void PrintFigure11(double tolerance, int count) {
   Solver normal(scene, options);
   options.effort = Effort::kFast;
   Solver fast(scene, options);
-  Problem problem(scene.tables(), options);
-  problem.required = VectorXd::Zero(static_cast<Eigen::Index>(scene.tables().pairs.size()));
+  Workspace work(scene.tables(), options);
   std::printf("Fig. 11: spoon into box, brute force over one rotation and two translations\n");
   std::printf("  %5s %6s %12s %12s %12s %10s %10s %10s\n", "x", "tilt", "brute force", "default",
               "fast", "error", "fast", "its own");
@@ -103,9 +102,8 @@ void PrintFigure11(double tolerance, int count) {
     oracle.Ask(ours);
     oracle.Ask(quick);
     if (ours.status == Status::kAlreadyFree) continue;
-    problem.q_in = Eigen::Map<const VectorXd>(q.data(), 3);
-    problem.norm.SetReference(problem.q_in);
-    const PlanarOptimum optimum = BruteForcePlanar(problem);
+    work.Begin(ToEigen(q));
+    const PlanarOptimum optimum = BruteForcePlanar(work);
     ++frames;
     sums.Add(ours, optimum.sigma);
     sums_fast.Add(quick, optimum.sigma);

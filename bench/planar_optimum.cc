@@ -17,7 +17,7 @@ constexpr double kSettled = 1e-3;
 // σ as a function of the angle and the direction of the shift.
 class Shifts {
  public:
-  explicit Shifts(Problem& problem) : problem_(problem) {}
+  explicit Shifts(Workspace& work) : work_(work) {}
 
   // The least σ < `best` of a free pose with this angle and direction; infinite if there is none.
   double Least(double angle, double direction, double best) {
@@ -42,26 +42,24 @@ class Shifts {
 
  private:
   VectorXd At(double direction, double shift) const {
-    return problem_.q_in +
+    return work_.problem().q_in +
            Vector3d(shift * std::cos(direction), shift * std::sin(direction), angle_);
   }
-  double SigmaAt(double direction, double shift) {
-    return problem_.norm.Sigma(At(direction, shift));
-  }
+  double SigmaAt(double direction, double shift) { return work_.norm.Sigma(At(direction, shift)); }
   bool Free(double direction, double shift) {
     ++queries_;
-    return problem_.Free(At(direction, shift));
+    return work_.Free(At(direction, shift));
   }
 
-  Problem& problem_;
+  Workspace& work_;
   double angle_ = 0.0;
   int queries_ = 0;
 };
 
 }  // namespace
 
-PlanarOptimum BruteForcePlanar(Problem& problem) {
-  Shifts shifts(problem);
+PlanarOptimum BruteForcePlanar(Workspace& work) {
+  Shifts shifts(work);
   PlanarOptimum best;
   best.sigma = std::numeric_limits<double>::infinity();
   double angle = 0.0, direction = 0.0;

@@ -9,7 +9,7 @@
 #ifndef MJCF_PDG_BENCH_PLANAR_OPTIMUM_H_
 #define MJCF_PDG_BENCH_PLANAR_OPTIMUM_H_
 
-#include "problem/problem.h"
+#include "problem/workspace.h"
 
 namespace mjcf_pdg::bench {
 
@@ -21,7 +21,7 @@ struct PlanarOptimum {
 
 // The scene's joints are two slides at right angles and a hinge across both, through the centre of
 // mass, on one body.
-PlanarOptimum BruteForcePlanar(Problem& problem);
+PlanarOptimum BruteForcePlanar(Workspace& work);
 
 }  // namespace mjcf_pdg::bench
 

@@ -175,8 +175,7 @@ void PrintTable2(const std::string& folder, int count) {
       options.tolerance = kTolerance;
       options.effort = effort;
       const std::vector<Solved> solves = Solve(scene, frames, options, oracle);
-      Problem problem(scene.tables(), options);
-      problem.required = VectorXd::Zero(static_cast<Eigen::Index>(scene.tables().pairs.size()));
+      Workspace work(scene.tables(), options);
       std::vector<double> ms, errors, samples;
       int solved = 0, not_beaten = 0;
       for (std::size_t k = 0; k < frames.size(); ++k) {
@@ -185,9 +184,8 @@ void PrintTable2(const std::string& folder, int count) {
         ms.push_back(solves[k].ms);
         if (ours.status != Status::kSolved) continue;
         ++solved;
-        problem.q_in = Eigen::Map<const VectorXd>(frames[k].data(), 7);
-        problem.norm.SetReference(problem.q_in);
-        const SamplingResult theirs = SampleContactSpace(problem, 1e-2 * solves[k].ms, k);
+        work.Begin(ToEigen(frames[k]));
+        const SamplingResult theirs = SampleContactSpace(work, 1e-2 * solves[k].ms, k);
         samples.push_back(theirs.samples);
         if (theirs.free) errors.push_back(RelativeError(ours.sigma, theirs.sigma));
         not_beaten += !(theirs.sigma < 0.99 * ours.sigma);

@@ -44,17 +44,11 @@ const char* Name(IterationStatus status) {
 // As the solver does, for the model's own obstacles and no clearance or rest.
 void Append(const Workload& workload, const Options& options, Runs& runs) {
   const SceneTables& tables = workload.scene->tables();
-  Problem problem(tables, options);
-  PaperMethod method(problem);
-  problem.required.resize(static_cast<Eigen::Index>(tables.pairs.size()));
-  for (std::size_t k = 0; k < tables.pairs.size(); ++k) {
-    problem.required[static_cast<Eigen::Index>(k)] = -tables.pairs[k].allowed;
-  }
+  Workspace work(tables, options);
+  PaperMethod method(work);
   for (const BenchProblem& one : workload.set.problems) {
     if (Verify(*workload.scene, one.q_in).free) continue;
-    const auto size = static_cast<Eigen::Index>(one.q_in.size());
-    problem.q_in = Normalized(tables, Eigen::Map<const VectorXd>(one.q_in.data(), size));
-    problem.norm.SetReference(problem.q_in);
+    work.Begin(ToEigen(one.q_in));
     PaperResult result = method.Run();
     ++runs.statuses[result.status];
     if (result.free) {

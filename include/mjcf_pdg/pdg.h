@@ -6,8 +6,11 @@
 #ifndef MJCF_PDG_PDG_H_
 #define MJCF_PDG_PDG_H_
 
+#include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,37 +18,70 @@
 #include "mjcf_pdg/scene.h"
 #include "mjcf_pdg/types.h"
 
+struct mjData_;
+typedef struct mjData_ mjData;
+
 namespace mjcf_pdg {
 
 // What Options::without can name: the method's starts, then its other steps.
 std::vector<std::string> Components(Method method);
 
-// One per thread; has MuJoCo data of its own and never writes to the user's model. Solve allocates:
-// its result, and small arrays as it goes.
+// One per thread; has MuJoCo data of its own and never writes to the user's model or data.
 class Solver {
  public:
-  // Throws Error if an option is out of range, Options::without has an unknown name, or the scene
-  // an active equality constraint.
+  // Throws Error if an option is out of range, Options::without has an unknown name, the scene an
+  // active equality constraint, or the libmujoco of this process is not the 4.0.x that we were
+  // built for.
   explicit Solver(const Scene& scene, const Options& options = {});
   ~Solver();
   Solver(Solver&&) noexcept;
   Solver& operator=(Solver&&) noexcept;
 
   // The free configuration nearest to q_in (nq). A hard case never throws: see Result::status.
-  // `free_hint`, a configuration known or hoped to be free, becomes one of the starts.
-  // Throws Error for a bad q_in (size, NaN, zero quaternion).
+  // Throws Error for a bad q_in (size, NaN, zero quaternion), and where the user's model has
+  // changed its sizes since the scene was made.
+  Result Solve(std::span<const double> q_in);
+  // Refills `result`; q_in may be result.q. Once solver and result have seen problems of this size
+  // it allocates nothing on the heap, exact meshes and MuJoCo's own arena excepted.
+  Status Solve(std::span<const double> q_in, Result& result);
+  // The same at `data`'s qpos, with its mocap poses, which stay set (SetMocap). `data` belongs to
+  // the scene's model and is only read. Throws Error if it is null, or an equality constraint
+  // active in it.
+  Status Solve(const mjData* data, Result& result);
+  // `free_hint` counts for this solve alone, beside what SetHint has set: see there.
   Result Solve(const std::vector<double>& q_in,
                const std::optional<std::vector<double>>& free_hint = std::nullopt);
+
+  // Is q (nq) free, by the verifier's word? Nothing else is computed. Throws as Solve does.
+  bool IsFree(std::span<const double> q);
+
+  // A configuration (nq) known or hoped to be free, kept until set anew; empty: none. It becomes
+  // one of the starts, what is frozen taken from q_in, and if it is free, whatever a solve returns
+  // is free. Throws Error as for a bad q_in.
+  void SetHint(std::span<const double> q_free);
+
+  // Bounds what each later solve may cost. Throws Error for negative numbers or NaN.
+  void SetBudget(const Budget& budget);
 
   // Where the mocap bodies are from now on, instead of Options' poses: 3 and 4 values per body;
   // empty: as in the model. What the solver remembers of earlier frames stays. Throws Error for
   // wrong sizes or values.
   void SetMocap(const std::vector<double>& pos, const std::vector<double>& quat);
 
+  // Forgets every earlier solve (Options::trajectory). Hint, budget and mocap poses stay.
+  void Reset();
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// Rows of `q` (n × nq, one after the other) over `threads` solvers, at least one; a trajectory is
+// solved by one. `done` gets every row's number and result in order, from one thread at a time;
+// what it throws ends the batch and is thrown again, false ends it. At most some rows per thread
+// wait for a slow one before them. Throws Error as Solver does, with the number of the row.
+void SolveBatch(const Scene& scene, const Options& options, std::span<const double> q, int threads,
+                const std::function<bool(std::size_t, const Result&)>& done);
 
 struct Verdict {
   bool free = false;

@@ -3,6 +3,7 @@
 #define MJCF_PDG_SCENE_H_
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -56,7 +57,13 @@ class Scene {
   std::vector<double> DefaultQpos() const;     // qpos0
 
   // Throws Error unless q has nq finite entries and no zero quaternion.
-  void CheckConfiguration(const std::vector<double>& q) const;
+  void CheckConfiguration(std::span<const double> q) const;
+  void CheckConfiguration(const std::vector<double>& q) const {
+    CheckConfiguration(std::span<const double>(q));
+  }
+  // Throws Error if the user's model no longer has the sizes it had when the scene was made: a
+  // model compiled anew in its place. Solver asks at every call.
+  void CheckUnchanged() const;
   // Active equality constraints, by name or "#id" and kind; Solver refuses such scenes.
   std::vector<std::string> ActiveEqualities() const;
 

@@ -49,6 +49,25 @@ enum class Status {
   kUnsolved,     // q is the least penetrating configuration found; `reason` says why
 };
 
+// Why a result is unsolved, by code; Result::reason says it in words.
+enum class Cause {
+  kNone,         // it is not
+  kBudget,       // the budget of queries or seconds ended the search before anything was free
+  kPermanent,    // pairs overlap in every configuration that was tried, wherever the joints went
+  kFrozen,       // pairs overlap that no movable joint can part
+  kEquality,     // an equality constraint cannot be held
+  kNotVerified,  // the search calls a configuration free that the verifier does not
+  kNotFound,     // the search ended without a free configuration
+};
+
+// What one solve may cost; what comes first ends it. 0: no bound. With a bound on queries alone
+// answers repeat; seconds are a guard against the clock. A solve ends at most one collision query
+// and one LCP after its budget, and the query that verifies its answer.
+struct Budget {
+  int queries = 0;       // as Stats::collision_queries counts them
+  double seconds = 0.0;  // [s]
+};
+
 struct Options {
   Metric metric = Metric::kSequential;
   double tolerance = 1e-6;  // overlap that still counts as free [m], > 0
@@ -65,8 +84,16 @@ struct Options {
   std::vector<std::string> without = {};
   // Poses of mocap bodies, which are obstacles: 3 and 4 per body; empty: as in the model.
   std::vector<double> mocap_pos, mocap_quat;
-  // Outer guard on one solve [s]; iterations, not this, normally end it.
+  // Outer guard on one solve [s]; iterations, not this, normally end it. A solver's first budget
+  // (Solver::SetBudget).
   double time_limit = std::numeric_limits<double>::infinity();
+
+  // What costs time and is not always wanted. The answer does not depend on these.
+  bool report_contacts = false;    // Result::contacts_in and contacts
+  bool report_lower_bound = true;  // Result::sigma_lower_bound where the search does without
+  // Pairs that are apart are measured up to this far beyond `clearance` for Result::depth_in and
+  // min_distance; by default only what freeness needs [m], >= 0.
+  double report_distances_to = 0.0;
 };
 
 // One pair of geoms that overlap or touch.
@@ -91,16 +118,17 @@ struct Result {
   double sigma = 0.0;              // σ(q_in, q) [m²]
   double sigma_lower_bound = 0.0;  // proven: no free configuration has a smaller σ [m²]
   // Smallest signed distances of kept pairs at q_in and at q, negative where they overlap, cut off
-  // 1 m beyond the clearance [m]. Height fields and SDFs, which have no distances, count where they
-  // touch.
+  // at the clearance and Options::report_distances_to [m]. Height fields and SDFs, which have no
+  // distances, count where they touch.
   double depth_in = 0.0;
   double min_distance = 0.0;
   double limit_excess_in = 0.0;  // largest violation of a joint limit by q_in [rad or m]
-  bool certified = false;  // freeness rests on signed distances alone (no SDF, no height field)
-  std::string start;       // name of the selection that won
-  std::string reason;      // why not solved, in words; empty otherwise
-  // Deepest first: at q_in the Verdict's, at q pairs nearer than required, or than ten tolerances
-  // more.
+  bool certified = false;      // freeness rests on signed distances alone (no SDF, no height field)
+  std::string start;           // name of the selection that won
+  std::string reason;          // why not solved, in words; empty otherwise
+  Cause cause = Cause::kNone;  // ... and by code
+  // With Options::report_contacts. Deepest first: at q_in the Verdict's, at q pairs nearer than
+  // required, or than ten tolerances more.
   std::vector<Contact> contacts_in, contacts;
   Stats stats;
 };

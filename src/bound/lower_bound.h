@@ -10,7 +10,7 @@
 #include "collide/contacts.h"
 #include "model/kinematics.h"
 #include "norm/norm_evaluator.h"
-#include "problem/problem.h"
+#include "problem/workspace.h"
 
 namespace mjcf_pdg {
 
@@ -29,11 +29,11 @@ struct LowerBoundInput {
 // A lower bound of σ over all free configurations [m²], >= 0.
 double SigmaLowerBound(const LowerBoundInput& input);
 
-// The same for a problem whose contact finder is posed at q_in.
-inline double SigmaLowerBound(const Problem& problem, const std::vector<NearPair>& overlaps) {
-  const Effort effort = problem.options.effort;
-  const int cells = effort == Effort::kFast ? 0 : effort == Effort::kMax ? 2000 : 100;
-  return SigmaLowerBound({problem.tables, problem.norm, problem.finder.posed(), overlaps,
+// The same for the workspace's problem; its finder is posed at q_in. `cells`: as max_cells.
+inline double SigmaLowerBound(const Workspace& work, const std::vector<NearPair>& overlaps,
+                              int cells) {
+  const Problem& problem = work.problem();
+  return SigmaLowerBound({problem.tables, work.norm, work.finder.posed(), overlaps,
                           problem.required, problem.options.metric, problem.options.tolerance,
                           cells});
 }

@@ -193,9 +193,9 @@ int DropOtherSides(TriangleMesh* mesh) {
 // An outer surface that faces inwards is turned over with everything in it: in a file that is all
 // inside out, the cavities are too. Returns how many components that were.
 int FaceOutwards(TriangleMesh* mesh) {
-  const std::vector<Component> components = FindComponents(*mesh);
+  const std::vector<MeshComponent> components = FindComponents(*mesh);
   int inward = 0;
-  for (const Component& component : components) {
+  for (const MeshComponent& component : components) {
     const auto is_outer = [&](int i) { return components[i].containers.empty(); };
     const auto outer =
         std::find_if(component.containers.begin(), component.containers.end(), is_outer);

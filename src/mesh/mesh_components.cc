@@ -14,10 +14,10 @@ namespace {
 using Eigen::AlignedBox3d;
 using Eigen::Index;
 
-std::vector<Component> SplitComponents(const TriangleMesh& mesh) {
+std::vector<MeshComponent> SplitComponents(const TriangleMesh& mesh) {
   OrientedSets sets = ConnectTriangles(mesh.triangles);
   std::vector<int> index(static_cast<std::size_t>(mesh.triangles.cols()), -1);  // per root
-  std::vector<Component> components;
+  std::vector<MeshComponent> components;
   for (int t = 0; t < mesh.triangles.cols(); ++t) {
     int& i = index[sets.Root(t)];
     if (i < 0) {
@@ -26,7 +26,7 @@ std::vector<Component> SplitComponents(const TriangleMesh& mesh) {
     }
     components[i].members.push_back(t);
   }
-  for (Component& component : components) {
+  for (MeshComponent& component : components) {
     component.triangles = mesh.triangles(Eigen::all, component.members);
     component.closed = CountOpenEdges(component.triangles) == 0;
     for (const int v : component.triangles.reshaped()) component.box.extend(mesh.vertices.col(v));
@@ -40,7 +40,7 @@ std::vector<Component> SplitComponents(const TriangleMesh& mesh) {
 // The boxes of closed components as a balanced tree.
 class ComponentBoxes {
  public:
-  explicit ComponentBoxes(const std::vector<Component>& components) : components_(components) {
+  explicit ComponentBoxes(const std::vector<MeshComponent>& components) : components_(components) {
     for (int i = 0; i < static_cast<int>(components.size()); ++i) {
       if (components[i].closed) order_.push_back(i);
     }
@@ -83,14 +83,14 @@ class ComponentBoxes {
     Build(middle, end);
   }
 
-  const std::vector<Component>& components_;
+  const std::vector<MeshComponent>& components_;
   std::vector<int> order_;
   std::vector<Node> nodes_;  // the first child follows its parent
 };
 
 // Points of the solid just under some of its triangles, so that a neighbour that touches there does
 // not have them on its surface.
-std::vector<Vector3d> PointsInside(const Eigen::Matrix3Xd& vertices, const Component& component) {
+std::vector<Vector3d> PointsInside(const Eigen::Matrix3Xd& vertices, const MeshComponent& component) {
   constexpr double kDepth = 1e-5;  // of the triangle's size
   constexpr Index kMost = 16;
   const double inwards = component.volume < 0.0 ? 1.0 : -1.0;
@@ -121,19 +121,19 @@ double WindingNumber(const Eigen::Matrix3Xd& vertices, const Matrix3Xi& triangle
   return solid_angle / (4.0 * EIGEN_PI);
 }
 
-Solid SolidOf(const Eigen::Matrix3Xd& vertices, const Component& component) {
+Solid SolidOf(const Eigen::Matrix3Xd& vertices, const MeshComponent& component) {
   const Eigen::VectorXi corners = component.triangles.reshaped();
   Matrix3Xi triangles(3, component.triangles.cols());
   std::iota(triangles.reshaped().begin(), triangles.reshaped().end(), 0);
   return {vertices(Eigen::all, corners), triangles};
 }
 
-void FindContainers(const Eigen::Matrix3Xd& vertices, std::vector<Component>* components) {
+void FindContainers(const Eigen::Matrix3Xd& vertices, std::vector<MeshComponent>* components) {
   constexpr std::size_t kFew = 3;  // candidates that are sooner looked at than a tree is built
   const ComponentBoxes boxes(*components);
   std::vector<std::vector<int>> candidates(components->size());  // to be inside each
   for (int i = 0; i < static_cast<int>(components->size()); ++i) {
-    const Component& inner = (*components)[i];
+    const MeshComponent& inner = (*components)[i];
     if (!inner.closed) continue;
     boxes.ForEachAround(inner.box, [&](int outer) {
       if (outer != i && (*components)[outer].volume != 0.0) candidates[outer].push_back(i);
@@ -148,7 +148,7 @@ void FindContainers(const Eigen::Matrix3Xd& vertices, std::vector<Component>* co
                   : std::abs(WindingNumber(vertices, (*components)[outer].triangles, p)) > 0.5;
     };
     for (const int i : candidates[outer]) {
-      Component& inner = (*components)[i];
+      MeshComponent& inner = (*components)[i];
       // All of them: parts that reach into each other are not inside.
       const std::vector<Vector3d> points = PointsInside(vertices, inner);
       if (std::all_of(points.begin(), points.end(), contains)) inner.containers.push_back(outer);
@@ -158,18 +158,18 @@ void FindContainers(const Eigen::Matrix3Xd& vertices, std::vector<Component>* co
 
 }  // namespace
 
-std::vector<Component> FindComponents(const TriangleMesh& mesh) {
-  std::vector<Component> components = SplitComponents(mesh);
+std::vector<MeshComponent> FindComponents(const TriangleMesh& mesh) {
+  std::vector<MeshComponent> components = SplitComponents(mesh);
   FindContainers(mesh.vertices, &components);
   return components;
 }
 
 MeshTopology FindTopology(const TriangleMesh& mesh) {
-  const std::vector<Component> components = FindComponents(mesh);
+  const std::vector<MeshComponent> components = FindComponents(mesh);
   MeshTopology topology;
   topology.components = static_cast<int>(components.size());
   topology.open_edges = CountOpenEdges(mesh.triangles);
-  for (const Component& component : components) {
+  for (const MeshComponent& component : components) {
     const bool cavity = component.containers.size() % 2 == 1;
     if (!component.containers.empty() && cavity != (component.volume < 0.0)) {
       ++topology.nested_components;

@@ -19,7 +19,7 @@ struct MeshTopology {
 // Of a repaired mesh; components are connected by edges of two triangles.
 MeshTopology FindTopology(const TriangleMesh& mesh);
 
-struct Component {
+struct MeshComponent {
   std::vector<Eigen::Index> members;  // triangles of the whole mesh
   Eigen::Matrix3Xi triangles;         // those
   bool closed = false;
@@ -29,7 +29,7 @@ struct Component {
 };
 
 // With their containers.
-std::vector<Component> FindComponents(const TriangleMesh& mesh);
+std::vector<MeshComponent> FindComponents(const TriangleMesh& mesh);
 
 }  // namespace mjcf_pdg
 

@@ -40,21 +40,36 @@ constexpr double kLimitReach = 0.5;  // joint limits farther than this get no ro
 
 }  // namespace
 
-LocalOptimization::LocalOptimization(Problem& problem) : problem_(problem) {}
+LocalOptions LocalOptions::Polishing() {
+  LocalOptions options;
+  options.max_iterations = 15;
+  options.convergence = 1e-6;
+  options.trust_radius = 0.05;
+  options.last_chances = 3;
+  return options;
+}
+
+LocalOptions LocalOptions::Retreating() {
+  LocalOptions options = Polishing();
+  options.retreats = true;
+  return options;
+}
+
+LocalOptimization::LocalOptimization(Workspace& work) : problem_(work.problem()), work_(work) {}
 
 void LocalOptimization::Look(const VectorXd& q, double margin, Iterate& out) {
   out.q = q;
-  problem_.finder.Pose(q);
-  out.near = problem_.finder.Find(margin + problem_.options.clearance, Depths::kSkipped);
+  work_.finder.Pose(q);
+  out.near = work_.finder.Find(margin + problem_.options.clearance, Depths::kSkipped);
   std::erase_if(out.near,
                 [this](const NearPair& n) { return !problem_.tables.pairs[n.pair].moves; });
 }
 
 void LocalOptimization::Evaluate(double margin, Iterate& out) {
-  out.sigma = problem_.norm.Sigma(out.q);
-  features_.Keep(problem_.tables, problem_.finder.posed(), out.near);
+  out.sigma = work_.norm.Sigma(out.q);
+  features_.Keep(problem_.tables, work_.finder.posed(), out.near);
   out.found = out.near.size();
-  features_.AppendLearnt(problem_.tables, problem_.finder.posed(), margin, out.near);
+  features_.AppendLearnt(problem_.tables, work_.finder.posed(), margin, out.near);
   out.violation = 0.0;
   out.worst = -1.0;
   double of_pair = 0.0;  // an exact pair has many features: the worst counts
@@ -62,12 +77,12 @@ void LocalOptimization::Evaluate(double margin, Iterate& out) {
     if (std::isinf(out.near[k].distance)) MeasureOverlap(k, margin, out);
     const NearPair& near = out.near[k];
     const double needed = problem_.required[near.pair] - near.distance;
-    const double excess = std::max(0.0, needed - problem_.tolerances.aim);
+    const double excess = std::max(0.0, needed - aim_);
     const bool same = k > 0 && near.pair == out.near[k - 1].pair;
     of_pair = same && problem_.tables.pairs[near.pair].exact ? of_pair : 0.0;
     out.violation += std::max(0.0, excess - of_pair);
     of_pair = std::max(of_pair, excess);
-    out.worst = std::max(out.worst, needed - problem_.tolerances.accept);
+    out.worst = std::max(out.worst, needed - accept_);
   }
 }
 
@@ -76,10 +91,10 @@ void LocalOptimization::Evaluate(double margin, Iterate& out) {
 void LocalOptimization::MeasureOverlap(std::size_t k, double margin, Iterate& out) {
   NearPair crossing = out.near[k];
   std::vector<NearPair> measured;
-  features_.Append(problem_.tables, problem_.finder.posed(), crossing.pair, measured);
+  features_.Append(problem_.tables, work_.finder.posed(), crossing.pair, measured);
   const bool by_planes = !measured.empty();
   if (!by_planes) {
-    problem_.finder.AppendFeatures(crossing.pair, margin, depths_, measured);
+    work_.finder.AppendFeatures(crossing.pair, margin, depths_, measured);
   }
   const bool allowed = problem_.required[crossing.pair] < 0.0;
   if (!allowed || by_planes || measured.empty()) {
@@ -89,7 +104,7 @@ void LocalOptimization::MeasureOverlap(std::size_t k, double margin, Iterate& ou
     crossing.distance = crossing.n_W.dot(crossing.p2_W - crossing.p1_W);
     if (crossing.distance < 0.0) {
       measured.push_back(crossing);
-      if (by_planes) features_.Learn(problem_.tables, problem_.finder.posed(), crossing);
+      if (by_planes) features_.Learn(problem_.tables, work_.finder.posed(), crossing);
     } else {
       out.violation += kUnseenOverlap * problem_.size;
     }
@@ -102,7 +117,7 @@ void LocalOptimization::MeasureOverlap(std::size_t k, double margin, Iterate& ou
 // Rows at the posed configuration, the nearest if there are too many; joint limits after them.
 void LocalOptimization::Linearize(const Iterate& at, double margin) {
   const SceneTables& tables = problem_.tables;
-  const PosedModel& posed = problem_.finder.posed();
+  const PosedModel& posed = work_.finder.posed();
   const double merge = 1e-3 * problem_.size;
   std::vector<const NearPair*> nearest;
   for (const NearPair& near : at.near) nearest.push_back(&near);
@@ -116,7 +131,7 @@ void LocalOptimization::Linearize(const Iterate& at, double margin) {
   }
   rows_.Clear(tables.n);
   for (const NearPair* near : nearest) {
-    double offset = problem_.tolerances.aim - problem_.required[near->pair];
+    double offset = aim_ - problem_.required[near->pair];
     if (tables.pairs[near->pair].exact) offset -= stand_off_;
     const int row = rows_.Append(near->distance + offset);
     ContactRow(tables, posed, near->pair, near->p1_W, near->p2_W, near->n_W, rows_.C.row(row));
@@ -133,15 +148,15 @@ void LocalOptimization::Linearize(const Iterate& at, double margin) {
   }
   contact_rows_ = rows_.m;
   AppendLimitRows(tables, at.q, kLimitReach, rows_);
-  problem_.norm.Linearize(at.q, r_, J_);
+  work_.norm.Linearize(at.q, r_, J_);
 }
 
 double LocalOptimization::SolveStep(double trust_radius) {
   const int n = problem_.tables.n, m = rows_.m;
   // H = JᵀJ = L Lᵀ; z = Lᵀ dq; y = L⁻¹ Jᵀ r; G = L⁻¹ Cᵀ.
-  problem_.norm.InnerProduct(J_, H_);
+  work_.norm.InnerProduct(J_, H_);
   if (damps_) AddDamping();
-  whitening_.Factor(H_, problem_.norm.blocks());
+  whitening_.Factor(H_, work_.norm.blocks());
   y_.noalias() = J_.transpose() * r_;
   whitening_.SolveLower(y_);
   G_ = rows_.C.topRows(m).transpose();  // n × m
@@ -203,10 +218,10 @@ void LocalOptimization::Keep(const Iterate& it, LocalResult& result) const {
 // One linearization at the current iterate, one step, judged: the trial.
 void LocalOptimization::Step(Descent& d) {
   const double margin = kFirstMargin * problem_.size;
-  if (!d.finder_at_current) problem_.finder.Pose(d.current.q);
+  if (!d.finder_at_current) work_.finder.Pose(d.current.q);
   Linearize(d.current, margin);
   d.length = SolveStep(d.radius);
-  problem_.norm.Retract(d.current.q, dq_, next_);
+  work_.norm.Retract(d.current.q, dq_, next_);
   ClampToLimits(problem_.tables, next_);
   const double reach =
       std::clamp(1.5 * d.length, kLeastMargin * problem_.size, kLargestMargin * problem_.size);
@@ -231,10 +246,10 @@ bool LocalOptimization::Retreat(Descent& d) {
   AdaptDamping(d.current, d.trial);
   const double share = d.retreats++ == 0 ? kFirstRetreat : kRetreat;
   d.radius = share * std::min(d.radius, d.length);
-  problem_.finder.Pose(d.current.q);
+  work_.finder.Pose(d.current.q);
   d.finder_at_current = true;
   d.current.near.resize(d.current.found);
-  features_.AppendLearnt(problem_.tables, problem_.finder.posed(), kFirstMargin * problem_.size,
+  features_.AppendLearnt(problem_.tables, work_.finder.posed(), kFirstMargin * problem_.size,
                          d.current.near);
   return d.radius >= kLeastRadius;
 }
@@ -323,9 +338,11 @@ bool LocalOptimization::ReturnToBest(Descent& d) {
 void LocalOptimization::Begin(const VectorXd& q, Descent& d) {
   memory_.Clear(problem_.tables.pairs.size());
   features_.Clear(problem_.tables.pairs.size());
-  problem_.finder.ForgetConvex();
-  remembers_ = problem_.Uses("witness_memory");
-  damps_ = problem_.Uses("damping");
+  work_.finder.ForgetConvex();
+  remembers_ = problem_.Uses(Component::kWitnessMemory);
+  damps_ = problem_.Uses(Component::kDamping);
+  aim_ = d.options.retreats ? -problem_.tolerances.user : problem_.tolerances.aim;
+  accept_ = d.options.retreats ? 0.0 : problem_.tolerances.accept;
   merit_price_ = 0.0;
   damping_ = kFirstDamping;
   stand_off_ = 0.0;
@@ -344,7 +361,7 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
   Descent d{options};
   Begin(q, d);
   Keep(d.current, d.result);
-  while (d.result.iterations < options.max_iterations && !problem_.Expired()) {
+  while (d.result.iterations < options.max_iterations && !work_.Spent()) {
     ++d.result.iterations;
     Step(d);
     d.sigma_before = d.result.sigma;

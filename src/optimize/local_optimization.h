@@ -21,7 +21,7 @@
 #include "optimize/feature_memory.h"
 #include "optimize/lcp.h"
 #include "optimize/witness_memory.h"
-#include "problem/problem.h"
+#include "problem/workspace.h"
 
 namespace mjcf_pdg {
 
@@ -36,6 +36,12 @@ struct LocalOptions {
       std::numeric_limits<double>::infinity();  // a worse prediction ends it [m²]
   const VectorXd* known = nullptr;  // an optimum already found: coming close to it ends it
   double known_sigma = 0.0;         // [m²]
+  bool retreats = false;            // keeps pairs a tolerance farther apart than required
+
+  // A last descent from close to the answer, to full precision.
+  static LocalOptions Polishing();
+  // The same for a configuration that the verifier calls not free.
+  static LocalOptions Retreating();
 };
 
 struct LocalResult {
@@ -51,7 +57,7 @@ struct LocalResult {
 
 class LocalOptimization {
  public:
-  explicit LocalOptimization(Problem& problem);
+  explicit LocalOptimization(Workspace& work);
 
   // From `q` moved inside its limits; overlaps may be deep. Bounded by options.max_iterations.
   LocalResult Run(const VectorXd& q, const LocalOptions& options);
@@ -109,7 +115,8 @@ class LocalOptimization {
   double Merit(const Cost& cost) const { return 0.5 * cost.sigma + merit_price_ * cost.violation; }
   bool Free(const Iterate& it) const { return it.worst <= 0.0; }
 
-  Problem& problem_;
+  const Problem& problem_;
+  Workspace& work_;
   WitnessMemory memory_;
   FeatureMemory features_;  // of exact pairs
   ContactRows rows_;
@@ -122,7 +129,8 @@ class LocalOptimization {
   Cost predicted_;               // after the last step, by its linearization
   double promised_sigma_ = 0.0;  // had it not been cut
   double damping_ = 0.0;
-  double stand_off_ = 0.0;  // of exact meshes [m]
+  double stand_off_ = 0.0;           // of exact meshes [m]
+  double aim_ = 0.0, accept_ = 0.0;  // overlaps that are aimed at and accepted [m]
   Depths depths_ = Depths::kMeasured;
   bool remembers_ = true, damps_ = true;  // false: left out (Options::without)
 

@@ -11,9 +11,12 @@ constexpr double kNoBound = 1e12;       // μ of rows that nothing may violate
 
 }  // namespace
 
-ContactSpaceIteration::ContactSpaceIteration(Problem& problem)
-    : problem_(problem), ccd_(problem.tables, problem.finder), projection_(problem.tables, ccd_) {
-  projection_options_.ccd.tolerance = problem.tolerances.accept;
+ContactSpaceIteration::ContactSpaceIteration(Workspace& work)
+    : problem_(work.problem()),
+      work_(work),
+      ccd_(work.problem().tables, work.finder),
+      projection_(work.problem().tables, ccd_) {
+  projection_options_.ccd.tolerance = work.problem().tolerances.accept;
 }
 
 VectorXd ContactSpaceIteration::Optimize(const VectorXd& q_c, const IterationOptions& options,
@@ -23,21 +26,21 @@ VectorXd ContactSpaceIteration::Optimize(const VectorXd& q_c, const IterationOpt
   dq_.setZero(tables.n);
   AppendContactRows(q_c);
   AppendLimitRows(tables, q_c, std::numeric_limits<double>::infinity(), rows_);
-  problem_.norm.Linearize(q_c, r_, J_);
-  problem_.norm.InnerProduct(J_, H_);
-  whitening_.Factor(H_, problem_.norm.blocks());
+  work_.norm.Linearize(q_c, r_, J_);
+  work_.norm.InnerProduct(J_, H_);
+  whitening_.Factor(H_, work_.norm.blocks());
   return Minimize(q_c, options, sweeps);
 }
 
 // The contacts at q_c ⊕ dq_, linearized there: c·(dq - dq_) + gap >= 0.
 void ContactSpaceIteration::AppendContactRows(const VectorXd& q) {
   const double band = kTouchingBand * projection_options_.ccd.gap;
-  problem_.finder.Pose(q);
-  for (const NearPair& near : problem_.finder.Find(problem_.options.clearance + band)) {
+  work_.finder.Pose(q);
+  for (const NearPair& near : work_.finder.Find(problem_.options.clearance + band)) {
     const double gap = near.distance - problem_.required[near.pair];
     if (!problem_.tables.pairs[near.pair].moves || gap > band) continue;
     const int row = rows_.Append(0.0);
-    ContactRow(problem_.tables, problem_.finder.posed(), near.pair, near.p1_W, near.p2_W, near.n_W,
+    ContactRow(problem_.tables, work_.finder.posed(), near.pair, near.p1_W, near.p2_W, near.n_W,
                rows_.C.row(row));
     rows_.gap[row] = gap - rows_.C.row(row).dot(dq_);
   }
@@ -59,7 +62,7 @@ VectorXd ContactSpaceIteration::Minimize(const VectorXd& q_c, const IterationOpt
   dq_ = G_ * lambda_ - y;
   whitening_.SolveUpper(dq_);
   VectorXd q;
-  problem_.norm.Retract(q_c, dq_, q);
+  work_.norm.Retract(q_c, dq_, q);
   ClampToLimits(problem_.tables, q);
   return q;
 }
@@ -72,13 +75,13 @@ bool ContactSpaceIteration::Correct(const VectorXd& q_c, const IterationOptions&
     AppendContactRows(q);
     q = Minimize(q_c, options, sweeps);
     if (!q.allFinite()) return false;
-    if (problem_.Free(q)) return true;
+    if (work_.Free(q)) return true;
   }
   return false;
 }
 
 const ProjectionResult& ContactSpaceIteration::Reproject(const VectorXd& q_c, const VectorXd& q) {
-  return problem_.Free(q)
+  return work_.Free(q)
              ? projection_.Project(q, problem_.q_in, projection_options_, &problem_.required)
              : projection_.Project(q_c, q, projection_options_, &problem_.required);
 }
@@ -88,10 +91,10 @@ IterationStatus ContactSpaceIteration::Step(const IterationOptions& options,
   ++result.iterations;
   VectorXd q = Optimize(result.q, options, result.sweeps);
   ProjectionResult next = Reproject(result.q, q);
-  double sigma = problem_.norm.Sigma(next.q);
-  if (!problem_.Free(q) && Correct(result.q, options, q, result.sweeps)) {
+  double sigma = work_.norm.Sigma(next.q);
+  if (!work_.Free(q) && Correct(result.q, options, q, result.sweeps)) {
     const ProjectionResult& corrected = Reproject(result.q, q);
-    const double corrected_sigma = problem_.norm.Sigma(corrected.q);
+    const double corrected_sigma = work_.norm.Sigma(corrected.q);
     if (corrected.start_free && corrected_sigma < sigma) {
       next = corrected;
       sigma = corrected_sigma;
@@ -118,12 +121,12 @@ IterationResult ContactSpaceIteration::Run(const VectorXd& q_f, const IterationO
   result.start_free = first.start_free;
   result.certified = first.certified;
   if (!result.start_free) return result;
-  result.sigma = problem_.norm.Sigma(result.q);
+  result.sigma = work_.norm.Sigma(result.q);
   result.sigmas.push_back(result.sigma);
   result.status = IterationStatus::kIterationLimit;
   while (result.status == IterationStatus::kIterationLimit &&
          result.iterations < options.max_iterations) {
-    result.status = problem_.Expired() ? IterationStatus::kTimeLimit : Step(options, result);
+    result.status = work_.Spent() ? IterationStatus::kTimeLimit : Step(options, result);
   }
   assert(std::is_sorted(result.sigmas.rbegin(), result.sigmas.rend()));
   return result;

@@ -20,7 +20,7 @@
 #include "optimize/contact_matrix.h"
 #include "optimize/lcp.h"
 #include "paper/contact_space_projection.h"
-#include "problem/problem.h"
+#include "problem/workspace.h"
 
 namespace mjcf_pdg {
 
@@ -55,7 +55,7 @@ struct IterationResult {
 
 class ContactSpaceIteration {
  public:
-  explicit ContactSpaceIteration(Problem& problem);
+  explicit ContactSpaceIteration(Workspace& work);
 
   IterationResult Run(const VectorXd& q_f, const IterationOptions& options = {});
 
@@ -71,7 +71,8 @@ class ContactSpaceIteration {
   // kIterationLimit: it did, and may again.
   IterationStatus Step(const IterationOptions& options, IterationResult& result);
 
-  Problem& problem_;
+  const Problem& problem_;
+  Workspace& work_;
   Ccdg ccd_;
   ContactSpaceProjection projection_;
   ProjectionOptions projection_options_;

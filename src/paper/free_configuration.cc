@@ -2,74 +2,41 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "start/selection.h"
 
 namespace mjcf_pdg {
 namespace {
 
-constexpr std::size_t kCacheSize = 64;
-constexpr std::size_t kCoherentTries = 8;  // nearest cached configurations looked at
-constexpr int kTranslations = 4;           // trees carried off one after the other
-constexpr int kKeyframes = 32;             // looked at
-constexpr int kClearLevels = 8;            // distances, each twice the one before
-constexpr int kClearSamples = 16;          // per distance
+constexpr int kTranslations = 4;   // trees carried off one after the other
+constexpr int kKeyframes = 32;     // looked at
+constexpr int kClearLevels = 8;    // distances, each twice the one before
+constexpr int kClearSamples = 16;  // per distance
 
 }  // namespace
 
-void ConfigurationCache::Add(const VectorXd& q) {
-  if (entries_.size() < capacity_) {
-    entries_.push_back(q);
-    return;
-  }
-  entries_[next_] = q;
-  next_ = (next_ + 1) % capacity_;
-}
-
-std::vector<VectorXd> ConfigurationCache::NearestFirst(Problem& problem) const {
-  std::vector<VectorXd> poses;
-  std::vector<double> sigma;
-  for (const VectorXd& q : entries_) {
-    poses.push_back(WithMovable(problem.tables, problem.q_in, q));
-    sigma.push_back(problem.norm.Sigma(poses.back()));
-  }
-  std::vector<std::size_t> order(entries_.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return sigma[a] < sigma[b]; });
-  std::vector<VectorXd> sorted;
-  for (const std::size_t k : order) sorted.push_back(std::move(poses[k]));
-  return sorted;
-}
-
-FreeConfigurationSelection::FreeConfigurationSelection(Problem& problem)
-    : problem_(problem),
-      perturbation_(problem),
-      free_(kCacheSize),
-      self_collision_free_(kCacheSize),
+FreeConfigurationSelection::FreeConfigurationSelection(Workspace& work,
+                                                       const MotionCoherence& coherence)
+    : problem_(work.problem()),
+      work_(work),
+      perturbation_(work),
+      coherence_(coherence),
       random_(0) {}
 
 const std::vector<FreeConfigurationSelection::Entry>& FreeConfigurationSelection::Table() {
   using Self = FreeConfigurationSelection;
   static const std::vector<Entry> table = {
-      {"motion_coherence", &Self::MotionCoherence},
-      {"centroid_difference", &Self::CentroidDifference},
-      {"successive_perturbation", &Self::Perturbation},
-      {"constrained_translation", &Self::Translation},
-      {"user_pose", &Self::UserPose},
-      {"maximally_clear", &Self::MaximallyClear},
+      {Component::kMotionCoherence, &Self::Coherence},
+      {Component::kCentroidDifference, &Self::CentroidDifference},
+      {Component::kSuccessivePerturbation, &Self::Perturbation},
+      {Component::kConstrainedTranslation, &Self::Translation},
+      {Component::kUserPose, &Self::UserPose},
+      {Component::kMaximallyClear, &Self::MaximallyClear},
   };
   return table;
 }
 
-std::vector<std::string> FreeConfigurationSelection::Names() {
-  std::vector<std::string> names;
-  for (const Entry& entry : Table()) names.push_back(entry.name);
-  return names;
-}
-
-void FreeConfigurationSelection::Begin(const std::optional<VectorXd>& hint, std::uint64_t seed) {
+void FreeConfigurationSelection::Begin(const VectorXd* hint, std::uint64_t seed) {
   hint_ = hint;
   random_ = Random(seed);
   tried_ = 0;
@@ -77,38 +44,17 @@ void FreeConfigurationSelection::Begin(const std::optional<VectorXd>& hint, std:
 
 std::optional<FreeConfiguration> FreeConfigurationSelection::SelectInPaperOrder() {
   for (const Entry& entry : Table()) {
-    if (problem_.Expired()) break;
-    if (!problem_.Uses(entry.name)) continue;
+    if (work_.Spent()) break;
+    if (!problem_.Uses(entry.component)) continue;
     ++tried_;
     Selected q = (this->*entry.select)();
-    if (q) return FreeConfiguration{*std::move(q), entry.name};
+    if (q) return FreeConfiguration{*std::move(q), entry.component};
   }
   return std::nullopt;
 }
 
-void FreeConfigurationSelection::Remember(const VectorXd& q) {
-  if (LimitExcess(problem_.tables, q) > 0.0) return;
-  if (problem_.Free(q)) {
-    RememberFree(q);
-  } else if (perturbation_.SelfCollisionFree(q)) {
-    self_collision_free_.Add(q);
-  }
-}
-
-void FreeConfigurationSelection::RememberFree(const VectorXd& q) {
-  free_.Add(q);
-  self_collision_free_.Add(q);
-}
-
-std::optional<VectorXd> FreeConfigurationSelection::NearestRemembered() {
-  return free_.empty() ? Selected() : free_.NearestFirst(problem_).front();
-}
-
-// Cached configurations may no longer be free: obstacles (mocap bodies) move too.
-std::optional<VectorXd> FreeConfigurationSelection::MotionCoherence() {
-  std::vector<VectorXd> nearest = free_.NearestFirst(problem_);
-  nearest.resize(std::min(nearest.size(), kCoherentTries));
-  return FirstFree(nearest);
+std::optional<VectorXd> FreeConfigurationSelection::Coherence() {
+  return FirstFree(coherence_.NearestFree(work_));
 }
 
 std::optional<VectorXd> FreeConfigurationSelection::CentroidDifference() {
@@ -125,8 +71,7 @@ std::optional<VectorXd> FreeConfigurationSelection::Perturbation() {
 std::optional<VectorXd> FreeConfigurationSelection::Translation() {
   if (IsRigid()) return std::nullopt;  // centroid difference is the same
   if (perturbation_.SelfCollisionFree(problem_.q_in)) return TranslateFrom(problem_.q_in);
-  std::vector<VectorXd> poses = self_collision_free_.NearestFirst(problem_);
-  poses.resize(std::min(poses.size(), kCoherentTries));
+  std::vector<VectorXd> poses = coherence_.NearestSelfCollisionFree(work_);
   for (VectorXd& pose : UserPoses()) poses.push_back(std::move(pose));
   for (const VectorXd& pose : poses) {
     const VectorXd q = AtBaseOfInput(pose);
@@ -143,9 +88,9 @@ std::optional<VectorXd> FreeConfigurationSelection::MaximallyClear() {
   for (int level = 0; level < kClearLevels; ++level, reach *= 2.0) {
     Selected clearest;
     double largest = 0.0;
-    for (int k = 0; k < kClearSamples && !problem_.Expired(); ++k) {
-      const VectorXd q = GaussianStart(problem_, problem_.q_in, reach * reach, 1.0, random_);
-      if (!problem_.Free(q)) continue;
+    for (int k = 0; k < kClearSamples && !work_.Spent(); ++k) {
+      const VectorXd q = GaussianStart(work_, problem_.q_in, reach * reach, 1.0, random_);
+      if (!work_.Free(q)) continue;
       const double clearance = Clearance(q, reach);
       if (clearest && clearance <= largest) continue;
       clearest = q;
@@ -165,7 +110,7 @@ bool FreeConfigurationSelection::IsRigid() const {
 std::optional<VectorXd> FreeConfigurationSelection::FirstFree(
     const std::vector<VectorXd>& configurations) {
   for (const VectorXd& q : configurations) {
-    if (LimitExcess(problem_.tables, q) == 0.0 && problem_.Free(q)) return q;
+    if (LimitExcess(problem_.tables, q) == 0.0 && work_.Free(q)) return q;
   }
   return std::nullopt;
 }
@@ -175,8 +120,8 @@ std::optional<VectorXd> FreeConfigurationSelection::FirstFree(
 std::optional<VectorXd> FreeConfigurationSelection::TranslateFrom(VectorXd q) {
   ClampToLimits(problem_.tables, q);
   for (int k = 0; k < kTranslations; ++k) {
-    if (problem_.Free(q)) return q;
-    const std::vector<VectorXd> candidates = ConstrainedTranslation(problem_, Overlaps(q), q);
+    if (work_.Free(q)) return q;
+    const std::vector<VectorXd> candidates = ConstrainedTranslation(work_, Overlaps(q), q);
     if (candidates.empty()) return std::nullopt;
     if (Selected translated = FirstFree(candidates)) return translated;
     q = candidates.front();
@@ -187,8 +132,8 @@ std::optional<VectorXd> FreeConfigurationSelection::TranslateFrom(VectorXd q) {
 // Those too that are accepted in an answer.
 std::vector<NearPair> FreeConfigurationSelection::Overlaps(const VectorXd& q) {
   std::vector<NearPair> overlaps;
-  problem_.finder.Pose(q);
-  for (const NearPair& near : problem_.finder.Find(problem_.options.clearance, Depths::kSkipped)) {
+  work_.finder.Pose(q);
+  for (const NearPair& near : work_.finder.Find(problem_.options.clearance, Depths::kSkipped)) {
     if (problem_.Overlaps(near, 0.0)) overlaps.push_back(near);
   }
   return overlaps;
@@ -210,7 +155,7 @@ std::vector<VectorXd> FreeConfigurationSelection::UserPoses() {
   }
   for (std::size_t k = first; k < poses.size(); ++k) cache.Add(poses[k]);
   poses.resize(first);
-  for (VectorXd& pose : cache.NearestFirst(problem_)) poses.push_back(std::move(pose));
+  for (VectorXd& pose : cache.NearestFirst(work_, kKeyframes + 1)) poses.push_back(std::move(pose));
   return poses;
 }
 
@@ -230,8 +175,8 @@ VectorXd FreeConfigurationSelection::AtBaseOfInput(const VectorXd& pose) const {
 // Smallest distance beyond what is required, at most `reach` [m].
 double FreeConfigurationSelection::Clearance(const VectorXd& q, double reach) {
   double clearance = reach;
-  problem_.finder.Pose(q);
-  for (const NearPair& near : problem_.finder.Find(problem_.options.clearance + reach)) {
+  work_.finder.Pose(q);
+  for (const NearPair& near : work_.finder.Find(problem_.options.clearance + reach)) {
     if (!problem_.tables.pairs[near.pair].moves) continue;
     clearance = std::min(clearance, near.distance - problem_.required[near.pair]);
   }

@@ -13,69 +13,48 @@
 #ifndef MJCF_PDG_SRC_PAPER_FREE_CONFIGURATION_H_
 #define MJCF_PDG_SRC_PAPER_FREE_CONFIGURATION_H_
 
-#include <cstddef>
+#include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "base/random.h"
 #include "paper/successive_perturbation.h"
-#include "problem/problem.h"
+#include "problem/workspace.h"
+#include "start/motion_coherence.h"
 
 namespace mjcf_pdg {
 
 struct FreeConfiguration {
   VectorXd q;
-  std::string start;  // name of the selection
+  Component start = Component::kNone;  // the selection
 };
 
-// The last `capacity` configurations that were added.
-class ConfigurationCache {
- public:
-  explicit ConfigurationCache(std::size_t capacity) : capacity_(capacity) {}
-
-  void Add(const VectorXd& q);
-  bool empty() const { return entries_.empty(); }
-  // With what is frozen as in q_in; nearest to it first, by σ.
-  std::vector<VectorXd> NearestFirst(Problem& problem) const;
-
- private:
-  std::size_t capacity_;
-  std::size_t next_ = 0;  // the oldest entry, once the cache is full
-  std::vector<VectorXd> entries_;
-};
-
-// One per thread. Selections refer to problem.q_in.
+// One per thread. Selections refer to work.problem().q_in.
 class FreeConfigurationSelection {
  public:
-  explicit FreeConfigurationSelection(Problem& problem);
+  // `coherence`: what earlier frames left.
+  FreeConfigurationSelection(Workspace& work, const MotionCoherence& coherence);
 
-  // All selections, in the order that SelectInPaperOrder tries them.
-  static std::vector<std::string> Names();
-
-  // A new q_in. `hint`: the user's pose, if any; `seed` of the random selections.
-  void Begin(const std::optional<VectorXd>& hint, std::uint64_t seed);
+  // A new q_in. `hint`: the user's pose, null: none; `seed` of the random selections.
+  void Begin(const VectorXd* hint, std::uint64_t seed);
 
   // A free configuration by the first selection that finds one; none if all fail or are left out.
   std::optional<FreeConfiguration> SelectInPaperOrder();
 
-  // Motion coherence: remembers q if it is free, or free of self-collision at least.
-  void Remember(const VectorXd& q);
-  void RememberFree(const VectorXd& q);  // known to be
-  // The nearest to q_in of those that were free; not asked again.
-  std::optional<VectorXd> NearestRemembered();
+  // No tree of links overlaps itself at q, a configuration worth remembering. One query.
+  bool SelfCollisionFree(const VectorXd& q) { return perturbation_.SelfCollisionFree(q); }
 
   int tried() const { return tried_; }  // selections since Begin
 
  private:
   using Selected = std::optional<VectorXd>;
   struct Entry {
-    const char* name;
+    Component component;
     Selected (FreeConfigurationSelection::*select)();
   };
   static const std::vector<Entry>& Table();
 
-  Selected MotionCoherence();
+  Selected Coherence();
   Selected CentroidDifference();
   Selected Perturbation();
   Selected Translation();
@@ -91,10 +70,11 @@ class FreeConfigurationSelection {
   VectorXd AtBaseOfInput(const VectorXd& pose) const;
   double Clearance(const VectorXd& q, double reach);
 
-  Problem& problem_;
+  const Problem& problem_;
+  Workspace& work_;
   SuccessivePerturbation perturbation_;
-  ConfigurationCache free_, self_collision_free_;
-  std::optional<VectorXd> hint_;
+  const MotionCoherence& coherence_;
+  const VectorXd* hint_ = nullptr;
   Random random_;
   int tried_ = 0;
 };

@@ -5,16 +5,19 @@
 namespace mjcf_pdg {
 namespace {
 
-constexpr char kCoherence[] = "motion_coherence";
 constexpr IterationOptions kIteration = {
     .max_iterations = 100, .corrections = 6, .reverse_samples = 16};
 
 }  // namespace
 
-PaperMethod::PaperMethod(Problem& problem)
-    : selection_(problem), iteration_(problem), problem_(problem) {}
+PaperMethod::PaperMethod(Workspace& work)
+    : problem_(work.problem()),
+      work_(work),
+      selection_(work, coherence_),
+      iteration_(work),
+      local_(work) {}
 
-PaperResult PaperMethod::Run(const std::optional<VectorXd>& hint) {
+PaperResult PaperMethod::Run(const VectorXd* hint) {
   PaperResult result;
   result.q = problem_.q_in;
   selection_.Begin(hint, problem_.options.seed);
@@ -23,8 +26,8 @@ PaperResult PaperMethod::Run(const std::optional<VectorXd>& hint) {
   if (!q_f) return result;
   result.start = q_f->start;
   IterationOptions how = kIteration;
-  if (!problem_.Uses("corrections")) how.corrections = 0;
-  if (!problem_.Uses("reverse_projection")) how.reverse_samples = 0;
+  if (!problem_.Uses(Component::kCorrections)) how.corrections = 0;
+  if (!problem_.Uses(Component::kReverseProjection)) how.reverse_samples = 0;
   IterationResult iterated = iteration_.Run(q_f->q, how);
   sweeps_ += iterated.sweeps;
   result.free = iterated.start_free;
@@ -37,9 +40,32 @@ PaperResult PaperMethod::Run(const std::optional<VectorXd>& hint) {
   return result;
 }
 
-std::optional<FreeConfiguration> PaperMethod::Recall() {
-  std::optional<VectorXd> q = selection_.NearestRemembered();
-  return q ? std::optional(FreeConfiguration{*std::move(q), kCoherence}) : std::nullopt;
+Outcome& PaperMethod::Run(const StrategyInput& input) {
+  outcome_.Clear();
+  const PaperResult result = Run(input.hint);
+  outcome_.starts = result.selections;
+  outcome_.iterations = result.iterations;
+  if (result.free) outcome_.free.Insert(result.q, result.sigma, result.start);
+  return outcome_;
+}
+
+bool PaperMethod::Retreat(const Candidate& candidate, VectorXd& q) {
+  LocalResult retreated = local_.Run(candidate.q, LocalOptions::Retreating());
+  outcome_.iterations += retreated.iterations;
+  q = std::move(retreated.q);
+  return retreated.free;
+}
+
+void PaperMethod::Remember(const VectorXd& q, bool free) {
+  if (free) {
+    coherence_.AddFree(q);
+  } else if (LimitExcess(problem_.tables, q) > 0.0) {
+    return;
+  } else if (work_.Free(q)) {
+    coherence_.AddFree(q);
+  } else if (selection_.SelfCollisionFree(q)) {
+    coherence_.AddSelfCollisionFree(q);
+  }
 }
 
 }  // namespace mjcf_pdg

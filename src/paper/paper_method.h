@@ -7,14 +7,15 @@
 #ifndef MJCF_PDG_SRC_PAPER_PAPER_METHOD_H_
 #define MJCF_PDG_SRC_PAPER_PAPER_METHOD_H_
 
+#include <cstdint>
 #include <limits>
-#include <optional>
-#include <string>
 #include <vector>
 
+#include "optimize/local_optimization.h"
 #include "paper/contact_space_iteration.h"
 #include "paper/free_configuration.h"
-#include "problem/problem.h"
+#include "problem/strategy.h"
+#include "problem/workspace.h"
 
 namespace mjcf_pdg {
 
@@ -22,34 +23,40 @@ struct PaperResult {
   bool free = false;  // false: no free configuration was found; q is q_in
   VectorXd q;
   double sigma = std::numeric_limits<double>::infinity();  // [m²]
-  std::vector<double> sigmas;  // of the accepted free configurations, never rising [m²]
-  std::string start;           // selection
-  int selections = 0;          // tried
-  int iterations = 0;          // constrained optimizations
+  std::vector<double> sigmas;          // of the accepted free configurations, never rising [m²]
+  Component start = Component::kNone;  // selection
+  int selections = 0;                  // tried
+  int iterations = 0;                  // constrained optimizations
   IterationStatus status = IterationStatus::kStartNotFree;  // so too without a selection
   bool certified = false;                                   // every CCD on the way was proven
 };
 
-// One per thread. Refers to problem.q_in and what goes with it.
-class PaperMethod {
+// One per thread.
+class PaperMethod : public Strategy {
  public:
-  explicit PaperMethod(Problem& problem);
+  explicit PaperMethod(Workspace& work);
 
-  PaperResult Run(const std::optional<VectorXd>& hint = std::nullopt);
+  PaperResult Run(const VectorXd* hint = nullptr);
 
-  // Motion coherence: an answer, or a frame, for later runs to start from.
-  void Remember(const VectorXd& q) { selection_.Remember(q); }
-  void RememberFree(const VectorXd& q) { selection_.RememberFree(q); }
-  // Of the configurations remembered as free the nearest to q_in.
-  std::optional<FreeConfiguration> Recall();
-
-  std::int64_t sweeps() const { return sweeps_; }  // of Gauss-Seidel, all runs together
+  Outcome& Run(const StrategyInput& input) override;
+  // The paper's answers are final.
+  bool Polish(Candidate&) override { return false; }
+  bool Retreat(const Candidate& candidate, VectorXd& q) override;
+  std::int64_t lcp_steps() const override { return sweeps_ + local_.lcp_steps(); }
+  std::int64_t other_queries() const override { return 0; }
+  // Frames that overlap count too, if they are free of self-collision at least.
+  void Remember(const VectorXd& q, bool free) override;
+  void Forget() override { coherence_.Clear(); }
 
  private:
+  const Problem& problem_;
+  Workspace& work_;
+  MotionCoherence coherence_;
   FreeConfigurationSelection selection_;
   ContactSpaceIteration iteration_;
-  Problem& problem_;
-  std::int64_t sweeps_ = 0;
+  LocalOptimization local_;  // for Retreat
+  Outcome outcome_;
+  std::int64_t sweeps_ = 0;  // of Gauss-Seidel
 };
 
 }  // namespace mjcf_pdg

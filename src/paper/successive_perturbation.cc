@@ -31,14 +31,14 @@ bool LinkTree::IsBelow(int link, int ancestor) const {
   return link == ancestor;
 }
 
-SuccessivePerturbation::SuccessivePerturbation(Problem& problem)
-    : problem_(problem), tree_(problem.tables) {}
+SuccessivePerturbation::SuccessivePerturbation(Workspace& work)
+    : problem_(work.problem()), work_(work), tree_(work.problem().tables) {}
 
 const std::vector<LinkPair>& SuccessivePerturbation::Overlaps(const VectorXd& q) {
   const SceneTables& tables = problem_.tables;
   overlaps_.clear();
-  problem_.finder.Pose(q);
-  for (const NearPair& near : problem_.finder.Find(problem_.options.clearance, Depths::kSkipped)) {
+  work_.finder.Pose(q);
+  for (const NearPair& near : work_.finder.Find(problem_.options.clearance, Depths::kSkipped)) {
     if (!problem_.Overlaps(near, problem_.tolerances.accept)) continue;
     const KeptPair& pair = tables.pairs[near.pair];
     overlaps_.push_back({tree_.link_of_body[tables.model->geom_bodyid[pair.geom1]],
@@ -108,7 +108,7 @@ bool SuccessivePerturbation::RunAlgorithm1() {
     if (std::find(L.begin(), L.end(), n) == L.end()) L.push_front(n);
   }
   ++result_.queries;
-  return problem_.Free(result_.q);
+  return work_.Free(result_.q);
 }
 
 // Varies the link's inboard joints, nearest change first, until it succeeds; else leaves them.
@@ -119,7 +119,7 @@ bool SuccessivePerturbation::Perturb(int link, Scope scope) {
   std::stable_sort(tries_.begin(), tries_.end(),
                    [](const Try& a, const Try& b) { return a.sigma < b.sigma; });
   for (Try& next : tries_) {
-    if (result_.queries >= options_.max_queries || problem_.Expired()) return false;
+    if (result_.queries >= options_.max_queries || work_.Spent()) return false;
     if (!Succeeds(link, scope, next.q)) continue;
     result_.q = std::move(next.q);
     ++result_.perturbed;
@@ -174,8 +174,8 @@ void SuccessivePerturbation::AppendLinearTries(const JointEntry& joint) {
 
 // Turns of a ball, or of a free joint's body, about the world's axes, by up to half a turn.
 void SuccessivePerturbation::AppendTurns(const JointEntry& joint) {
-  problem_.finder.Pose(result_.q);
-  const Matrix3d R = AsMatrix(problem_.finder.posed().data()->xmat + 9 * joint.body);
+  work_.finder.Pose(result_.q);
+  const Matrix3d R = AsMatrix(work_.finder.posed().data()->xmat + 9 * joint.body);
   VectorXd dq = VectorXd::Zero(problem_.tables.n), q;
   for (int axis = 0; axis < 3; ++axis) {
     for (int step = 1; step <= options_.steps; ++step) {
@@ -191,7 +191,7 @@ void SuccessivePerturbation::AppendTurns(const JointEntry& joint) {
 }
 
 void SuccessivePerturbation::AppendTry(VectorXd q) {
-  const double sigma = problem_.norm.Sigma(q);
+  const double sigma = work_.norm.Sigma(q);
   tries_.push_back({std::move(q), sigma});
 }
 

@@ -15,7 +15,7 @@
 
 #include <vector>
 
-#include "problem/problem.h"
+#include "problem/workspace.h"
 
 namespace mjcf_pdg {
 
@@ -59,9 +59,9 @@ struct PerturbationResult {
 // One per thread.
 class SuccessivePerturbation {
  public:
-  explicit SuccessivePerturbation(Problem& problem);
+  explicit SuccessivePerturbation(Workspace& work);
 
-  // From problem.q_in; limits exceeded there are left at once.
+  // From work.problem().q_in; limits exceeded there are left at once.
   PerturbationResult Run(const PerturbationOptions& options = {});
 
   // One query. The pairs are valid until the next.
@@ -90,7 +90,8 @@ class SuccessivePerturbation {
   double Offset(int step, double range) const;
   std::vector<int> CollidingLinks();
 
-  Problem& problem_;
+  const Problem& problem_;
+  Workspace& work_;
   LinkTree tree_;
   PerturbationOptions options_;
   std::vector<LinkPair> overlaps_;

@@ -1,88 +1,44 @@
-// One penetration-depth problem: what every stage of a solve shares.
+// What a solve is: made once for a q_in (workspace.h) and not changed after.
 #ifndef MJCF_PDG_SRC_PROBLEM_PROBLEM_H_
 #define MJCF_PDG_SRC_PROBLEM_PROBLEM_H_
 
-#include <algorithm>
-#include <chrono>
-#include <cstdint>
-#include <vector>
-
 #include "collide/contacts.h"
 #include "mjcf_pdg/types.h"
-#include "norm/norm_evaluator.h"
+#include "model/kinematics.h"
+#include "problem/components.h"
 
 namespace mjcf_pdg {
 
-// All lengths of the solver follow from the user's tolerance.
+// The lengths of a solve. All follow from the user's tolerance and the scene's size, so that a
+// scene a thousand times larger, solved with a tolerance a thousand times larger, behaves the same.
 struct Tolerances {
-  explicit Tolerances(double tolerance)
-      : user(tolerance), aim(tolerance - std::max(0.2 * tolerance, 0.6e-6)) {
-    aim = std::max(aim, 0.0);
-    accept = 0.5 * (user + aim);
-  }
+  Tolerances(double tolerance, double scene_size);
+
   double user;    // overlap that counts as free [m]
-  double aim;     // overlap the local optimization aims at: inside, MuJoCo's distances jitter [m]
+  double aim;     // overlap the local optimization aims at: inside, distances jitter [m]
   double accept;  // overlap it accepts [m]
+  // Exact meshes are kept apart by this: normals are those of the nearest points as long as
+  // triangles are apart, and guesses when they overlap [m].
+  double mesh_gap;
+  double touching;  // pairs nearer than this to their required distance are reported [m]
 };
 
 struct Problem {
-  Problem(const SceneTables& scene_tables, const Options& user_options)
-      : tables(scene_tables),
-        options(user_options),
-        tolerances(user_options.tolerance),
-        norm(scene_tables, user_options.metric),
-        finder(scene_tables, user_options.clearance) {}
-
   const SceneTables& tables;
   const Options& options;
+  double size;  // half of the geoms that may move have a smaller bounding radius [m]
   Tolerances tolerances;
-  NormEvaluator norm;  // reference q_in
-  ContactFinder finder;
-  MocapPoses mocap;
-  VectorXd q_in;                   // normalized
-  VectorXd required;               // per kept pair: smallest distance that counts as free [m]
-  double size = 1.0;               // a typical geom radius: the scene's size [m]
-  int input_distances = 0;         // pair distances that a query without margin takes at q_in
-  double sigma_lower_bound = 0.0;  // of every free configuration, see lower_bound.h [m²]
-  std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
-
-  // No pair that can move is nearer than required, by the solver's own distances. One query.
-  bool Free(const VectorXd& q) {
-    finder.Pose(q);
-    const std::vector<NearPair>& near = finder.Find(options.clearance, Depths::kSkipped);
-    return std::none_of(near.begin(), near.end(),
-                        [this](const NearPair& n) { return Overlaps(n, tolerances.accept); });
-  }
-  // Pairs nearer than required at q_in. One query.
-  std::vector<NearPair> OverlapsAtInput() {
-    std::vector<NearPair> overlaps;
-    const std::int64_t before = finder.distances();
-    finder.Pose(q_in);
-    for (const NearPair& near : finder.Find(options.clearance + options.tolerance)) {
-      // What cannot be mended counts only if it cannot be accepted either.
-      const double accepted = tables.pairs[near.pair].moves ? 0.0 : options.tolerance;
-      if (near.distance < required[near.pair] - accepted) overlaps.push_back(near);
-    }
-    input_distances = static_cast<int>(finder.distances() - before);
-    return overlaps;
-  }
+  ComponentSet without;  // Options::without
+  MocapPoses mocap = {};
+  VectorXd q_in = {};      // nq, quaternions normalized
+  VectorXd required = {};  // per kept pair: smallest distance that counts as free [m]
 
   // The pair can move and is nearer than required by more than `accepted` [m].
   bool Overlaps(const NearPair& near, double accepted) const {
     return tables.pairs[near.pair].moves && near.distance < required[near.pair] - accepted;
   }
-
   // False for what Options::without names.
-  bool Uses(const char* component) const {
-    const auto& without = options.without;
-    return std::find(without.begin(), without.end(), component) == without.end();
-  }
-
-  // The outer guard on time; without a limit the clock is never read.
-  bool Expired() const {
-    return deadline != std::chrono::steady_clock::time_point::max() &&
-           std::chrono::steady_clock::now() > deadline;
-  }
+  bool Uses(Component component) const { return !without[static_cast<std::size_t>(component)]; }
 };
 
 }  // namespace mjcf_pdg

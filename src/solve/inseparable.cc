@@ -15,24 +15,26 @@ constexpr int kTried = 100;        // configurations
 constexpr std::size_t kNamed = 8;  // <exclude> lines
 
 // Pairs that overlap at q, ascending. Exact ones that cross may do no more than touch. One query.
-std::vector<int> OverlappingPairs(Problem& problem, const VectorXd& q) {
+std::vector<int> OverlappingPairs(Workspace& work, const VectorXd& q) {
   std::vector<int> pairs;
-  problem.finder.Pose(q);
-  for (const NearPair& near : problem.finder.Find(problem.options.clearance, Depths::kSkipped)) {
-    const bool exact = problem.tables.pairs[near.pair].exact;
-    if (!exact && problem.Overlaps(near, problem.tolerances.user)) pairs.push_back(near.pair);
+  work.finder.Pose(q);
+  for (const NearPair& near :
+       work.finder.Find(work.problem().options.clearance, Depths::kSkipped)) {
+    const bool exact = work.problem().tables.pairs[near.pair].exact;
+    if (!exact && work.problem().Overlaps(near, work.problem().tolerances.user))
+      pairs.push_back(near.pair);
   }
   std::sort(pairs.begin(), pairs.end());
   return pairs;
 }
 
-std::vector<int> InseparablePairs(Problem& problem, const VectorXd& q) {
-  Random random(problem.options.seed);
-  std::vector<int> pairs = OverlappingPairs(problem, q);
+std::vector<int> InseparablePairs(Workspace& work, const VectorXd& q) {
+  Random random(work.problem().options.seed);
+  std::vector<int> pairs = OverlappingPairs(work, q);
   for (int k = 0; k < kTried && !pairs.empty(); ++k) {
-    if (problem.Expired()) return {};
+    if (work.Spent()) return {};
     const std::vector<int> here =
-        OverlappingPairs(problem, UniformStart(problem, problem.q_in, random));
+        OverlappingPairs(work, UniformStart(work, work.problem().q_in, random));
     std::erase_if(
         pairs, [&here](int pair) { return !std::binary_search(here.begin(), here.end(), pair); });
   }
@@ -49,13 +51,13 @@ std::string ExcludeLine(const mjModel& m, int body1, int body2) {
 
 }  // namespace
 
-std::string DescribeInseparable(Problem& problem, const VectorXd& q) {
-  const std::vector<int>& columns = problem.tables.column_of_dof;
+std::string DescribeInseparable(Workspace& work, const VectorXd& q) {
+  const std::vector<int>& columns = work.problem().tables.column_of_dof;
   if (std::find(columns.begin(), columns.end(), -1) != columns.end()) return "";
-  const mjModel& m = *problem.tables.model;
+  const mjModel& m = *work.problem().tables.model;
   std::vector<std::array<int, 2>> bodies;
-  for (const int index : InseparablePairs(problem, q)) {
-    const KeptPair& pair = problem.tables.pairs[index];
+  for (const int index : InseparablePairs(work, q)) {
+    const KeptPair& pair = work.problem().tables.pairs[index];
     const std::array<int, 2> two = {m.geom_bodyid[pair.geom1], m.geom_bodyid[pair.geom2]};
     if (std::find(bodies.begin(), bodies.end(), two) == bodies.end()) bodies.push_back(two);
   }

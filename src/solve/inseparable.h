@@ -8,15 +8,15 @@
 
 #include <string>
 
-#include "problem/problem.h"
+#include "problem/workspace.h"
 
 namespace mjcf_pdg {
 
 // The <exclude> lines of the bodies whose pairs overlap at q and in each of 100 configurations
 // anywhere (UniformStart), in words that end a sentence; empty if there are none, or some joint is
-// frozen. No proof. Stops at Problem::deadline. As many queries as it takes to find each pair
+// frozen. No proof. Stops when the budget is spent. As many queries as it takes to find each pair
 // parted, at most 101.
-std::string DescribeInseparable(Problem& problem, const VectorXd& q);
+std::string DescribeInseparable(Workspace& work, const VectorXd& q);
 
 }  // namespace mjcf_pdg
 

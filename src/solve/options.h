@@ -9,12 +9,19 @@
 
 namespace mjcf_pdg {
 
-// Throws Error for a value out of range, a mocap pose that does not fit the model, or a name in
-// options.without that options.method does not have.
+// Throws Error for a value out of range or none of an enumeration's, a mocap pose that does not fit
+// the model, or a name in options.without that options.method does not have.
 void CheckOptions(const Options& options, const mjModel& m);
+
+// Throws Error unless the libmujoco of this process has the major and minor version of the headers
+// that we were built with: patches go together, other versions lay out their structs differently.
+void CheckMujocoVersion();
 
 // Shorter ones are refused: they have no direction.
 inline constexpr double kLeastQuaternion = 1e-6;
+
+// Throws Error for negative numbers and NaN.
+void CheckBudget(const Budget& budget);
 
 // Throws Error unless there are 3 and 4 finite values per mocap body, or none, and no quaternion is
 // zero.

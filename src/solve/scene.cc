@@ -124,6 +124,7 @@ mjModel UnblindedCopy(const SceneTables& tables) {
 
 std::shared_ptr<const SceneTables> MakeTables(std::shared_ptr<const mjModel> owner,
                                               const mjModel* model, const SceneOptions& options) {
+  CheckMujocoVersion();
   RefuseUnsupported(*model);
   auto tables = std::make_shared<SceneTables>();
   tables->owner = std::move(owner);
@@ -224,7 +225,17 @@ std::vector<double> Scene::KeyQpos(int key) const {
 
 std::vector<double> Scene::DefaultQpos() const { return {model()->qpos0, model()->qpos0 + nq()}; }
 
-void Scene::CheckConfiguration(const std::vector<double>& q) const {
+void Scene::CheckUnchanged() const {
+  const mjModel &now = *model(), &then = tables_->query_model;
+  const bool same = now.nq == then.nq && now.nv == then.nv && now.nbody == then.nbody &&
+                    now.njnt == then.njnt && now.ngeom == then.ngeom && now.nmesh == then.nmesh &&
+                    now.nmeshvert == then.nmeshvert && now.npair == then.npair &&
+                    now.nexclude == then.nexclude && now.nmocap == then.nmocap &&
+                    now.neq == then.neq && now.qpos0 == then.qpos0;
+  if (!same) throw Error("the model has changed since the scene was made: make a new scene");
+}
+
+void Scene::CheckConfiguration(std::span<const double> q) const {
   const mjModel* m = model();
   if (static_cast<int>(q.size()) != nq()) {
     throw Error("qpos has " + std::to_string(q.size()) + " values, the model needs " +

@@ -1,323 +1,153 @@
-// The outer loop of a solve: check, search, verify, report. What is not verified is not solved.
+// A solve from q_in to its result: check, bound, search, accept, report.
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdint>
-#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
 #include <utility>
 
+#include "base/names.h"
 #include "bound/lower_bound.h"
 #include "mjcf_pdg/pdg.h"
 #include "paper/paper_method.h"
-#include "problem/problem.h"
-#include "search/search.h"
-#include "solve/inseparable.h"
+#include "problem/effort.h"
+#include "problem/strategy.h"
+#include "problem/workspace.h"
+#include "search/auto_method.h"
+#include "solve/acceptance.h"
 #include "solve/options.h"
-#include "start/selection.h"
+#include "solve/report.h"
 #include "verify/verify.h"
 
 namespace mjcf_pdg {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-// A pair this near its required distance is reported as touching, in units of the tolerance.
-constexpr double kTouching = 10.0;
-// What the local optimization leaves between triangles [m]: their normals are those of the nearest
-// points as long as they are apart, and guesses when they overlap.
-constexpr double kStandOff = 2e-7;
-// How much farther from q_in than a refused candidate, doubled until the verifier agrees [share].
-constexpr double kFirstBeyond = 1e-4, kLastBeyond = 0.1;
-constexpr double kForever = 1e9;  // longer time limits would overflow the clock: none [s]
-
-std::vector<double> ToStd(const VectorXd& q) { return {q.data(), q.data() + q.size()}; }
-
-// Half of the geoms that may move have a smaller bounding radius.
-double TypicalSize(const SceneTables& tables) {
-  const mjModel& m = *tables.model;
-  std::vector<double> radii;
-  for (int g = 0; g < m.ngeom; ++g) {
-    const bool collides = m.geom_contype[g] || m.geom_conaffinity[g];
-    if (collides && tables.body_moves[m.geom_bodyid[g]] && m.geom_rbound[g] > 0.0) {
-      radii.push_back(m.geom_rbound[g]);
-    }
-  }
-  if (radii.empty()) return 1.0;
-  std::nth_element(radii.begin(), radii.begin() + radii.size() / 2, radii.end());
-  return radii[radii.size() / 2];
+Eigen::Map<const VectorXd> AsEigen(std::span<const double> q) {
+  return {q.data(), static_cast<Eigen::Index>(q.size())};
 }
 
-Contact ToContact(const SceneTables& tables, const NearPair& near) {
-  const Vector3d middle = 0.5 * (near.p1_W + near.p2_W);
-  Contact contact;
-  contact.geom = {tables.pairs[near.pair].geom1, tables.pairs[near.pair].geom2};
-  contact.normal_W = {near.n_W.x(), near.n_W.y(), near.n_W.z()};
-  contact.position_W = {middle.x(), middle.y(), middle.z()};
-  contact.distance = near.distance;
-  return contact;
+std::unique_ptr<Strategy> MakeStrategy(Workspace& work) {
+  if (work.problem().options.method == Method::kPaper) return std::make_unique<PaperMethod>(work);
+  return std::make_unique<AutoMethod>(work);
 }
 
-bool Deeper(const Contact& a, const Contact& b) { return a.distance < b.distance; }
+// Puts the hint of SetHint back, however a solve with one of its own ends.
+struct RestoreHint {
+  ~RestoreHint() { hint.swap(kept); }
+  std::vector<double>& hint;
+  std::vector<double>& kept;
+};
 
 }  // namespace
 
 struct Solver::Impl {
-  Impl(const Scene& s, const Options& o)
-      : scene(s),
-        options(o),
-        problem(scene.tables(), options),
-        search(problem),
-        paper(problem),
-        verifier(scene.tables(), options) {
-    problem.size = TypicalSize(scene.tables());
-    SetMocap({options.mocap_pos, options.mocap_quat});
-  }
+  Impl(const Scene& s, const Options& o);
 
-  void SetMocap(MocapPoses poses);
-  void SetUp(const std::vector<double>& q_in);
-  SearchOutcome Run(const std::vector<NearPair>& overlaps, std::optional<VectorXd> hint);
-  bool FrozenOverlap(const std::vector<NearPair>& overlaps) const;
-  bool SomeMove(const std::vector<NearPair>& overlaps) const;
-  bool Accept(const Candidate& candidate, const std::vector<double>& q_in, Result& result);
-  bool AcceptBest(SearchOutcome& outcome, const std::vector<double>& q_in, Result& result);
-  bool AcceptLeastOverlap(const SearchOutcome& outcome, const std::vector<double>& q_in,
-                          Result& result);
-  void FillUnsolved(const SearchOutcome& outcome, const std::vector<double>& q_in, Result& result);
-  void Repair(const std::vector<double>& q_in, std::optional<VectorXd> hint, Result& result);
-  double NearestExact(double least);
-  std::int64_t Queries() const {
-    return problem.finder.queries() + search.hull_queries() + verifier.queries();
-  }
-  void FillContacts(Result& result);
+  Status Solve(std::span<const double> q, Result& result);
+  bool Search(Result& result);
   void Remember(const Result& result);
-  void DeepenContactsIn(const std::vector<NearPair>& overlaps, Result& result) const;
+  void SetMocap(std::span<const double> pos, std::span<const double> quat);
+  void CheckInput(std::span<const double> q) const;
+  std::int64_t Queries() const {
+    return work.finder.queries() + strategy->other_queries() + verifier.queries();
+  }
 
-  Scene scene;
-  Options options;
-  Problem problem;
-  Search search;
-  PaperMethod paper;
+  const Scene scene;
+  const Options options;
+  Workspace work;
+  std::unique_ptr<Strategy> strategy;
   Verifier verifier;
+  Acceptance acceptance;
+  Reporter reporter;
+  Budget budget;
+  MocapPoses mocap;
+  std::vector<double> hint;  // nq; empty: none
+
+  // The present solve.
+  std::vector<double> q_in;    // as the user gave it
+  VectorXd q_hint;             // the hint with what is frozen as in q_in
+  Outcome* outcome = nullptr;  // null: nothing was searched
+  bool frozen = false;         // pairs overlap that no movable joint can part
 };
 
-void Solver::Impl::SetMocap(MocapPoses poses) {
-  problem.finder.SetMocap(poses);
-  verifier.SetMocap(poses);
-  problem.mocap = std::move(poses);
+Solver::Impl::Impl(const Scene& s, const Options& o)
+    : scene(s),
+      options(o),
+      work(scene.tables(), options),
+      strategy(MakeStrategy(work)),
+      verifier(scene.tables(), options),
+      acceptance(work, *strategy, verifier),
+      reporter(work, verifier),
+      budget{.queries = 0, .seconds = options.time_limit} {
+  SetMocap(options.mocap_pos, options.mocap_quat);
 }
 
-// Everything that refers to q_in: the norm, the required distances. The verifier has seen it.
-void Solver::Impl::SetUp(const std::vector<double>& q_in) {
-  const SceneTables& tables = scene.tables();
-  problem.finder.Forget();
-  problem.q_in = Normalized(tables, ToEigen(q_in));
-  problem.tolerances = Tolerances(options.tolerance);
-  problem.norm.SetReference(problem.q_in, problem.mocap);
-  problem.required.resize(static_cast<Eigen::Index>(tables.pairs.size()));
-  for (std::size_t k = 0; k < tables.pairs.size(); ++k) {
-    const KeptPair& pair = tables.pairs[k];
-    double required = (pair.moves ? options.clearance : 0.0) - pair.allowed;
-    if (pair.exact && pair.moves) required += problem.tolerances.aim + kStandOff;
-    const double at_rest = verifier.DepthAtRest(static_cast<int>(k));
-    if (at_rest < 0.0) required = std::min(required, at_rest);
-    problem.required[static_cast<Eigen::Index>(k)] = required;
-  }
-}
-
-bool Solver::Impl::FrozenOverlap(const std::vector<NearPair>& overlaps) const {
-  return std::any_of(overlaps.begin(), overlaps.end(), [this](const NearPair& near) {
-    return !scene.tables().pairs[near.pair].moves;
-  });
-}
-
-bool Solver::Impl::SomeMove(const std::vector<NearPair>& overlaps) const {
-  return overlaps.empty() ||  // but a joint is outside its limits
-         std::any_of(overlaps.begin(), overlaps.end(), [this](const NearPair& near) {
-           return scene.tables().pairs[near.pair].moves;
-         });
-}
-
-SearchOutcome Solver::Impl::Run(const std::vector<NearPair>& overlaps,
-                                std::optional<VectorXd> hint) {
-  if (options.method == Method::kAuto) {
-    if (hint && problem.Uses("user_pose")) {
-      return search.Run(overlaps, FreeConfiguration{*std::move(hint), "user_pose"});
-    }
-    const bool coherent = options.trajectory && problem.Uses("motion_coherence");
-    return search.Run(overlaps, coherent ? paper.Recall() : std::nullopt);
-  }
-  PaperResult result = paper.Run(hint);
-  SearchOutcome outcome;
-  outcome.starts = result.selections;
-  outcome.iterations = result.iterations;
-  if (result.free) {
-    outcome.free.push_back({std::move(result.q), result.sigma, std::move(result.start)});
-  }
-  return outcome;
-}
-
-bool Solver::Impl::Accept(const Candidate& candidate, const std::vector<double>& q_in,
-                          Result& result) {
-  VectorXd q = candidate.q;
-  Unwind(scene.tables(), problem.q_in, q);
-  const Verdict& verdict = verifier.Check(ToStd(q), &q_in, Depths::kSkipped);
-  if (!verdict.free) return false;
-  result.status = Status::kSolved;
-  result.q = ToStd(q);
-  result.sigma = problem.norm.Sigma(q);
-  result.start = candidate.start;
-  result.min_distance = verdict.min_distance;
-  result.certified = verdict.certified;
-  return true;
-}
-
-// Polishes and verifies the candidates, best first. One that the verifier refuses is moved a little
-// further out and asked about again: by a descent that keeps a distance, or else straight on.
-bool Solver::Impl::AcceptBest(SearchOutcome& outcome, const std::vector<double>& q_in,
-                              Result& result) {
-  for (Candidate& candidate : outcome.free) {
-    if (options.method == Method::kAuto && search.WorthPolishing()) {
-      const LocalResult polished = search.Polish(candidate.q);
-      outcome.iterations += polished.iterations;
-      if (polished.free && polished.sigma < candidate.sigma) {
-        candidate.q = polished.q;
-        candidate.sigma = polished.sigma;
-      }
-    }
-    if (Accept(candidate, q_in, result)) return true;
-    const Tolerances usual = problem.tolerances;
-    problem.tolerances.accept = 0.0;
-    problem.tolerances.aim = -options.tolerance;
-    const LocalResult retreated = search.Polish(candidate.q);
-    problem.tolerances = usual;
-    outcome.iterations += retreated.iterations;
-    if (retreated.free && Accept({retreated.q, 0.0, candidate.start}, q_in, result)) return true;
-    for (double beyond = kFirstBeyond; beyond < kLastBeyond; beyond *= 2.0) {
-      const VectorXd q = Beyond(problem, problem.q_in, candidate.q, 1.0 + beyond);
-      if (Accept({q, 0.0, candidate.start}, q_in, result)) return true;
+Status Solver::Impl::Solve(std::span<const double> q, Result& result) {
+  const BudgetMeter::Clock::time_point begin = BudgetMeter::Clock::now();
+  const std::int64_t queries_before = Queries(), lcp_before = strategy->lcp_steps();
+  q_in.assign(q.begin(), q.end());
+  work.budget.Begin(budget, begin, work.finder.queries());
+  Reporter::Clear(result);
+  if (!reporter.Input(q_in, result)) {
+    work.Begin(AsEigen(q_in), mocap);
+    if (Search(result)) {
+      reporter.Solved(q_in, acceptance.q(), acceptance.start(), result);
+    } else {
+      reporter.Unsolved(q_in, outcome, frozen, result);
     }
   }
-  return false;
+  if (options.trajectory) Remember(result);
+  result.stats.collision_queries = static_cast<int>(Queries() - queries_before);
+  result.stats.lcp_sweeps = static_cast<int>(strategy->lcp_steps() - lcp_before);
+  result.stats.seconds = std::chrono::duration<double>(BudgetMeter::Clock::now() - begin).count();
+  return result.status;
 }
 
-// Exact meshes that cross may do no more than touch: the verifier knows.
-bool Solver::Impl::AcceptLeastOverlap(const SearchOutcome& outcome, const std::vector<double>& q_in,
-                                      Result& result) {
-  const VectorXd& q = outcome.least_overlap.q;
-  return q.size() > 0 && Accept({q, 0.0, outcome.least_overlap_start}, q_in, result);
+// q_in penetrates: bound, search, accept. True if acceptance has a free configuration.
+bool Solver::Impl::Search(Result& result) {
+  outcome = nullptr;
+  const std::int64_t distances_before = work.finder.distances();
+  StrategyInput input{.overlaps = work.OverlapsAtInput()};
+  input.distances_at_input = static_cast<int>(work.finder.distances() - distances_before);
+  input.sigma_lower_bound =
+      SigmaLowerBound(work, input.overlaps, PlanFor(options.effort).bound_cells);
+  result.sigma_lower_bound = input.sigma_lower_bound;
+  if (!hint.empty() && work.problem().Uses(Component::kUserPose)) {
+    q_hint = WithMovable(scene.tables(), work.problem().q_in, AsEigen(hint));
+    input.hint = &q_hint;
+  }
+  const auto moves = [this](const NearPair& near) { return scene.tables().pairs[near.pair].moves; };
+  frozen = !std::all_of(input.overlaps.begin(), input.overlaps.end(), moves);
+  if (frozen && std::none_of(input.overlaps.begin(), input.overlaps.end(), moves)) return false;
+  outcome = &strategy->Run(input);
+  acceptance.Begin(q_in);
+  const bool accepted = !frozen && acceptance.Accept(*outcome, input.hint);
+  result.stats.iterations = outcome->iterations;
+  result.stats.starts = outcome->starts;
+  return accepted;
 }
 
-// The least overlap that the search saw, or q_in inside its limits if the verifier finds more
-// there.
-void Solver::Impl::FillUnsolved(const SearchOutcome& outcome, const std::vector<double>& q_in,
-                                Result& result) {
-  VectorXd inside = problem.q_in;
-  TurnInsideLimits(scene.tables(), inside);
-  VectorXd q = inside;
-  result.start = "none";
-  if (!outcome.free.empty()) {  // but for the verifier, or pairs that nothing moves
-    q = outcome.free.front().q;
-    result.start = outcome.free.front().start;
-  } else if (outcome.least_overlap.q.size() > 0) {
-    q = outcome.least_overlap.q;
-    result.start = outcome.least_overlap_start;
-  }
-  Verdict verdict = verifier.Check(ToStd(q), &q_in);
-  if (verdict.min_distance < result.depth_in) {
-    const Verdict& at_start = verifier.Check(ToStd(inside), &q_in);
-    if (at_start.min_distance > verdict.min_distance) {
-      verdict = at_start;
-      q = inside;
-      result.start = "none";
-    }
-  }
-  result.status = Status::kUnsolved;
-  result.q = ToStd(q);
-  result.sigma = problem.norm.Sigma(q);
-  result.min_distance = verdict.min_distance;
-  result.certified = verdict.certified;
-  result.reason = problem.Expired() ? "time limit reached; " : "";
-  result.reason += "no free configuration found from " + std::to_string(outcome.starts) +
-                   " starts: " + verdict.reason + DescribeInseparable(problem, q);
-}
-
-// q_in penetrates: bound, search, verify.
-void Solver::Impl::Repair(const std::vector<double>& q_in, std::optional<VectorXd> hint,
-                          Result& result) {
-  const std::vector<NearPair> overlaps = problem.OverlapsAtInput();
-  DeepenContactsIn(overlaps, result);
-  problem.sigma_lower_bound = SigmaLowerBound(problem, overlaps);
-  result.sigma_lower_bound = problem.sigma_lower_bound;
-  SearchOutcome outcome;
-  if (SomeMove(overlaps)) outcome = Run(overlaps, std::move(hint));
-  const bool solved = !FrozenOverlap(overlaps) && (AcceptBest(outcome, q_in, result) ||
-                                                   AcceptLeastOverlap(outcome, q_in, result));
-  if (!solved) FillUnsolved(outcome, q_in, result);
-  result.stats.iterations = outcome.iterations;
-  result.stats.starts = outcome.starts;
-}
-
-// The verifier was not asked how deep exact pairs overlap at q_in.
-void Solver::Impl::DeepenContactsIn(const std::vector<NearPair>& overlaps, Result& result) const {
-  for (Contact& contact : result.contacts_in) {
-    for (const NearPair& near : overlaps) {
-      const KeptPair& pair = scene.tables().pairs[near.pair];
-      const bool same = contact.geom == std::array<int, 2>{pair.geom1, pair.geom2};
-      if (!same || !pair.exact || near.distance >= contact.distance) continue;
-      contact = ToContact(scene.tables(), near);
-      result.depth_in = std::min(result.depth_in, near.distance);
-    }
-  }
-  std::stable_sort(result.contacts_in.begin(), result.contacts_in.end(), Deeper);
-}
-
-// The least of `least` and the distances of exact pairs, where the finder is posed.
-double Solver::Impl::NearestExact(double least) {
-  std::vector<std::pair<double, int>> order;  // (bound, pair)
-  for (int pair = 0; pair < static_cast<int>(scene.tables().pairs.size()); ++pair) {
-    if (scene.tables().pairs[pair].exact) {
-      order.emplace_back(problem.finder.DistanceBound(pair), pair);
-    }
-  }
-  std::sort(order.begin(), order.end());
-  NearPair near;
-  for (const auto& [bound, pair] : order) {
-    if (bound < least && problem.finder.Distance(pair, least, near)) least = near.distance;
-  }
-  return least;
-}
-
-// Contacts, and how near exact pairs are where the verifier only asked whether they overlap.
-void Solver::Impl::FillContacts(Result& result) {
-  problem.finder.Pose(ToEigen(result.q));
-  const double reach = kTouching * options.tolerance;
-  double nearest = std::numeric_limits<double>::infinity();  // of exact pairs
-  for (const NearPair& near : problem.finder.Find(options.clearance + reach)) {
-    if (scene.tables().pairs[near.pair].exact) nearest = std::min(nearest, near.distance);
-    if (near.distance < std::max(0.0, problem.required[near.pair]) + reach) {
-      result.contacts.push_back(ToContact(scene.tables(), near));
-    }
-  }
-  if (result.status != Status::kUnsolved) {
-    result.min_distance = std::isinf(nearest) ? NearestExact(result.min_distance)
-                                              : std::min(result.min_distance, nearest);
-  }
-  std::stable_sort(result.contacts.begin(), result.contacts.end(), Deeper);
-}
-
-// Only the paper's method has a use for frames that overlap.
 void Solver::Impl::Remember(const Result& result) {
-  const VectorXd q = ToEigen(result.q);
-  if (result.status == Status::kUnsolved) {
-    paper.Remember(q);
-  } else {
-    paper.RememberFree(q);
+  strategy->Remember(AsEigen(result.q), result.status != Status::kUnsolved);
+  if (result.status != Status::kAlreadyFree && options.method == Method::kPaper) {
+    strategy->Remember(work.problem().q_in, false);
   }
-  const bool overlaps = result.status != Status::kAlreadyFree;
-  if (overlaps && options.method == Method::kPaper) paper.Remember(problem.q_in);
+}
+
+void Solver::Impl::SetMocap(std::span<const double> pos, std::span<const double> quat) {
+  mocap.pos.assign(pos.begin(), pos.end());
+  mocap.quat.assign(quat.begin(), quat.end());
+  verifier.SetMocap(mocap);
+}
+
+void Solver::Impl::CheckInput(std::span<const double> q) const {
+  scene.CheckUnchanged();
+  scene.CheckConfiguration(q);
 }
 
 Solver::Solver(const Scene& scene, const Options& options) {
+  CheckMujocoVersion();
   CheckOptions(options, *scene.model());
   const std::vector<std::string> equalities = scene.ActiveEqualities();
   if (!equalities.empty()) {
@@ -331,50 +161,62 @@ Solver::~Solver() = default;
 Solver::Solver(Solver&&) noexcept = default;
 Solver& Solver::operator=(Solver&&) noexcept = default;
 
-void Solver::SetMocap(const std::vector<double>& pos, const std::vector<double>& quat) {
-  CheckMocap(pos, quat, *impl_->scene.model());
-  impl_->SetMocap({pos, quat});
+Status Solver::Solve(std::span<const double> q_in, Result& result) {
+  impl_->CheckInput(q_in);
+  return impl_->Solve(q_in, result);
+}
+
+Result Solver::Solve(std::span<const double> q_in) {
+  Result result;
+  Solve(q_in, result);
+  return result;
 }
 
 Result Solver::Solve(const std::vector<double>& q_in,
                      const std::optional<std::vector<double>>& free_hint) {
-  impl_->scene.CheckConfiguration(q_in);
-  if (free_hint) impl_->scene.CheckConfiguration(*free_hint);
-  const Clock::time_point begin = Clock::now();
-  Problem& problem = impl_->problem;
-  if (impl_->options.time_limit < kForever) {
-    const auto limit = std::chrono::duration<double>(impl_->options.time_limit);
-    problem.deadline = begin + std::chrono::duration_cast<Clock::duration>(limit);
-  }
-  const std::int64_t queries_before = impl_->Queries();
-  const std::int64_t lcp_before = impl_->search.lcp_steps() + impl_->paper.sweeps();
-
-  Result result;
-  const Verdict& at_start = impl_->verifier.Check(q_in, &q_in, Depths::kSkipped);
-  result.depth_in = at_start.min_distance;
-  result.contacts_in = at_start.contacts;
-  result.limit_excess_in = at_start.limit_excess;
-  if (at_start.free) {
-    result.status = Status::kAlreadyFree;
-    result.q = q_in;
-    result.certified = at_start.certified;
-    result.start = "none";
-    impl_->SetUp(q_in);
-    result.min_distance = at_start.min_distance;
-  } else {
-    impl_->SetUp(q_in);
-    std::optional<VectorXd> hint;
-    if (free_hint) hint = WithMovable(problem.tables, problem.q_in, ToEigen(*free_hint));
-    impl_->Repair(q_in, std::move(hint), result);
-  }
-  impl_->FillContacts(result);
-  if (result.status == Status::kAlreadyFree) result.depth_in = result.min_distance;
-  if (impl_->options.trajectory) impl_->Remember(result);
-  result.stats.collision_queries = static_cast<int>(impl_->Queries() - queries_before);
-  result.stats.lcp_sweeps =
-      static_cast<int>(impl_->search.lcp_steps() + impl_->paper.sweeps() - lcp_before);
-  result.stats.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-  return result;
+  if (!free_hint) return Solve(std::span<const double>(q_in));
+  std::vector<double> own = *free_hint;
+  impl_->scene.CheckConfiguration(own);
+  std::swap(impl_->hint, own);
+  const RestoreHint restore{impl_->hint, own};
+  return Solve(std::span<const double>(q_in));
 }
+
+Status Solver::Solve(const mjData* data, Result& result) {
+  if (!data) throw Error("the data is null");
+  const mjModel& m = *impl_->scene.model();
+  impl_->scene.CheckUnchanged();
+  for (int e = 0; e < m.neq; ++e) {
+    if (data->eq_active[e]) {
+      throw Error("equality constraint " + QuotedNameOrId(m, mjOBJ_EQUALITY, e) +
+                  " is active in the data: not supported yet");
+    }
+  }
+  const std::size_t nmocap = static_cast<std::size_t>(m.nmocap);
+  impl_->SetMocap({data->mocap_pos, 3 * nmocap}, {data->mocap_quat, 4 * nmocap});
+  return Solve(std::span<const double>(data->qpos, static_cast<std::size_t>(m.nq)), result);
+}
+
+bool Solver::IsFree(std::span<const double> q) {
+  impl_->CheckInput(q);
+  return impl_->verifier.IsFree(q);
+}
+
+void Solver::SetHint(std::span<const double> q_free) {
+  if (!q_free.empty()) impl_->scene.CheckConfiguration(q_free);
+  impl_->hint.assign(q_free.begin(), q_free.end());
+}
+
+void Solver::SetBudget(const Budget& budget) {
+  CheckBudget(budget);
+  impl_->budget = budget;
+}
+
+void Solver::SetMocap(const std::vector<double>& pos, const std::vector<double>& quat) {
+  CheckMocap(pos, quat, *impl_->scene.model());
+  impl_->SetMocap(pos, quat);
+}
+
+void Solver::Reset() { impl_->strategy->Forget(); }
 
 }  // namespace mjcf_pdg

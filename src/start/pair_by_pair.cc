@@ -37,7 +37,7 @@ std::optional<VectorXd> PairByPair::Start(const VectorXd& q) {
     const std::vector<NearPair> overlaps = ExactOverlaps(at);
     if (overlaps.empty()) break;
     for (const NearPair& overlap : overlaps) {
-      if (problem_.Expired()) return std::nullopt;
+      if (work_.Spent()) return std::nullopt;
       if (!Overlaps(overlap.pair, at)) continue;  // an earlier pair's motion has parted it
       const std::optional<VectorXd> out = WayOut(at, overlap);
       if (!out) continue;
@@ -51,8 +51,8 @@ std::optional<VectorXd> PairByPair::Start(const VectorXd& q) {
 // One entry for each pair, its points and normal from some triangles that cross.
 std::vector<NearPair> PairByPair::ExactOverlaps(const VectorXd& q) {
   std::vector<NearPair> overlaps;
-  problem_.finder.Pose(q);
-  for (const NearPair& near : problem_.finder.Find(0.0, Depths::kSkipped)) {
+  work_.finder.Pose(q);
+  for (const NearPair& near : work_.finder.Find(0.0, Depths::kSkipped)) {
     const KeptPair& pair = problem_.tables.pairs[near.pair];
     const bool known = !overlaps.empty() && overlaps.back().pair == near.pair;
     if (pair.exact && pair.moves && near.distance < 0.0 && !known) overlaps.push_back(near);
@@ -61,9 +61,9 @@ std::vector<NearPair> PairByPair::ExactOverlaps(const VectorXd& q) {
 }
 
 bool PairByPair::Overlaps(int pair, const VectorXd& q) {
-  problem_.finder.Pose(q);
+  work_.finder.Pose(q);
   scratch_.clear();
-  problem_.finder.AppendFeatures(pair, 0.0, Depths::kSkipped, scratch_);
+  work_.finder.AppendFeatures(pair, 0.0, Depths::kSkipped, scratch_);
   return !scratch_.empty();
 }
 
@@ -74,9 +74,9 @@ void PairByPair::MoveTo(const VectorXd& q, const VectorXd& dq, double t) {
 
 std::optional<VectorXd> PairByPair::WayOut(const VectorXd& q, const NearPair& overlap) {
   VectorXd r;
-  problem_.norm.Linearize(q, r, J_);
-  problem_.norm.InnerProduct(J_, H_);
-  whitening_.Factor(H_, problem_.norm.blocks());
+  work_.norm.Linearize(q, r, J_);
+  work_.norm.InnerProduct(J_, H_);
+  whitening_.Factor(H_, work_.norm.blocks());
   std::optional<VectorXd> best;
   double least = std::numeric_limits<double>::infinity();
   VectorXd dq;
@@ -85,7 +85,7 @@ std::optional<VectorXd> PairByPair::WayOut(const VectorXd& q, const NearPair& ov
     const std::optional<double> t = PartedAt(q, overlap.pair, dq, least);
     if (!t) continue;
     MoveTo(q, dq, *t);
-    const double sigma = problem_.norm.Sigma(trial_);
+    const double sigma = work_.norm.Sigma(trial_);
     if (sigma >= least) continue;
     least = sigma;
     best = trial_;
@@ -97,10 +97,10 @@ std::optional<VectorXd> PairByPair::WayOut(const VectorXd& q, const NearPair& ov
 // row of C. False where no joint can.
 bool PairByPair::Motion(const VectorXd& q, const NearPair& overlap, const Vector3d& n_W,
                         VectorXd& dq) {
-  problem_.finder.Pose(q);
+  work_.finder.Pose(q);
   Eigen::RowVectorXd c(problem_.tables.n);
   const Vector3d p_W = 0.5 * (overlap.p1_W + overlap.p2_W);
-  ContactRow(problem_.tables, problem_.finder.posed(), overlap.pair, p_W, p_W, n_W, c);
+  ContactRow(problem_.tables, work_.finder.posed(), overlap.pair, p_W, p_W, n_W, c);
   dq = c.transpose();
   whitening_.SolveLower(dq);
   whitening_.SolveUpper(dq);
@@ -118,7 +118,7 @@ std::optional<double> PairByPair::PartedAt(const VectorXd& q, int pair, const Ve
     if (apart > kLargestReach * problem_.size) return std::nullopt;
     MoveTo(q, dq, apart);
     if (!Overlaps(pair, trial_)) break;
-    if (problem_.norm.Sigma(trial_) >= largest_sigma) return std::nullopt;
+    if (work_.norm.Sigma(trial_) >= largest_sigma) return std::nullopt;
     overlapping = apart;
   }
   for (int k = 0; k < kBisections; ++k) {

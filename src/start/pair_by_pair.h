@@ -11,13 +11,13 @@
 #include <vector>
 
 #include "base/block_cholesky.h"
-#include "problem/problem.h"
+#include "problem/workspace.h"
 
 namespace mjcf_pdg {
 
 class PairByPair {
  public:
-  explicit PairByPair(Problem& problem) : problem_(problem) {}
+  explicit PairByPair(Workspace& work) : problem_(work.problem()), work_(work) {}
 
   // From `q`, inside its limits. The result may overlap still, or anew. None if no pair of exact
   // meshes overlaps, or none can be parted.
@@ -32,7 +32,8 @@ class PairByPair {
                                  double largest_sigma);
   void MoveTo(const VectorXd& q, const VectorXd& dq, double t);
 
-  Problem& problem_;
+  const Problem& problem_;
+  Workspace& work_;
   std::vector<NearPair> scratch_;
   VectorXd trial_;
   MatrixXd J_, H_;

@@ -55,12 +55,12 @@ bool MovesBaseOf(const SceneTables& tables, int tree, const JointEntry& joint) {
          (joint.type == mjJNT_SLIDE || joint.type == mjJNT_FREE);
 }
 
-std::vector<FreeDirection> BaseDirections(const Problem& problem, int tree) {
+std::vector<FreeDirection> BaseDirections(Workspace& work, int tree) {
   std::vector<FreeDirection> directions;
-  for (const JointEntry& joint : problem.tables.joints) {
-    if (!MovesBaseOf(problem.tables, tree, joint)) continue;
+  for (const JointEntry& joint : work.problem().tables.joints) {
+    if (!MovesBaseOf(work.problem().tables, tree, joint)) continue;
     if (joint.type == mjJNT_SLIDE) {
-      const double* axis = problem.finder.posed().data()->xaxis + 3 * joint.id;
+      const double* axis = work.finder.posed().data()->xaxis + 3 * joint.id;
       directions.push_back({AsVector(axis), joint.col});
     } else {
       for (int i = 0; i < 3; ++i) directions.push_back({Vector3d::Unit(i), joint.col + i});
@@ -107,10 +107,10 @@ int DeepestTree(const SceneTables& tables, const std::vector<NearPair>& overlaps
 
 // How far each dof moves for a step of `length` [m] in object-norm units; dofs that the norm hardly
 // sees are held back.
-VectorXd DofSteps(Problem& problem, const VectorXd& at, double length) {
+VectorXd DofSteps(Workspace& work, const VectorXd& at, double length) {
   VectorXd r;
   MatrixXd J;
-  problem.norm.Linearize(at, r, J);
+  work.norm.Linearize(at, r, J);
   const double floor = 1e-3 * J.norm() / std::sqrt(J.cols());
   return length * J.colwise().norm().cwiseMax(floor).cwiseInverse().transpose();
 }
@@ -127,15 +127,15 @@ void ShortenTurns(const SceneTables& tables, VectorXd& dq) {
 
 // Marks (n) the dofs between the two bodies of a touching pair picked at random; all of them where
 // nothing touches.
-std::vector<char> DofsOfSomeContact(Problem& problem, const VectorXd& q, Random& random) {
-  const SceneTables& tables = problem.tables;
+std::vector<char> DofsOfSomeContact(Workspace& work, const VectorXd& q, Random& random) {
+  const SceneTables& tables = work.problem().tables;
   const mjModel& m = *tables.model;
-  const double reach = kTouching * problem.tolerances.user;
+  const double reach = kTouching * work.problem().tolerances.user;
   std::vector<int> touching;
-  problem.finder.Pose(q);
+  work.finder.Pose(q);
   for (const NearPair& near :
-       problem.finder.Find(problem.options.clearance + reach, Depths::kSkipped)) {
-    const bool touches = near.distance < problem.required[near.pair] + reach;
+       work.finder.Find(work.problem().options.clearance + reach, Depths::kSkipped)) {
+    const bool touches = near.distance < work.problem().required[near.pair] + reach;
     if (touches && tables.pairs[near.pair].moves) touching.push_back(near.pair);
   }
   if (touching.empty()) return std::vector<char>(tables.n, 1);
@@ -156,8 +156,8 @@ std::vector<char> DofsOfSomeContact(Problem& problem, const VectorXd& q, Random&
 // Configurations in a straight line from one through another, inside the limits.
 class Ray {
  public:
-  Ray(const Problem& problem, const VectorXd& from, const VectorXd& through)
-      : tables_(&problem.tables), from_(from) {
+  Ray(Workspace& work, const VectorXd& from, const VectorXd& through)
+      : tables_(&work.problem().tables), from_(from) {
     Difference(*tables_, from, through, dq_);
   }
   VectorXd At(double t) const {
@@ -175,33 +175,34 @@ class Ray {
 
 }  // namespace
 
-VectorXd MirroredStart(const Problem& problem, const VectorXd& q) {
-  return Ray(problem, problem.q_in, q).At(-1.0);
+VectorXd MirroredStart(Workspace& work, const VectorXd& q) {
+  return Ray(work, work.problem().q_in, q).At(-1.0);
 }
 
-VectorXd GaussianStart(Problem& problem, const VectorXd& center, double sigma, double spread,
+VectorXd GaussianStart(Workspace& work, const VectorXd& center, double sigma, double spread,
                        Random& random) {
-  const VectorXd steps = DofSteps(problem, center, spread * std::sqrt(sigma / problem.tables.n));
-  VectorXd dq(problem.tables.n), out;
+  const VectorXd steps =
+      DofSteps(work, center, spread * std::sqrt(sigma / work.problem().tables.n));
+  VectorXd dq(work.problem().tables.n), out;
   const double share = random.Uniform() < 0.5 ? 0.5 : 1.0;
-  for (int i = 0; i < problem.tables.n; ++i) {
+  for (int i = 0; i < work.problem().tables.n; ++i) {
     const bool stays = random.Uniform() >= share;
     dq[i] = stays ? 0.0 : random.Normal() * steps[i];
   }
-  ShortenTurns(problem.tables, dq);
-  Integrate(problem.tables, center, dq, out);
-  ClampToLimits(problem.tables, out);
+  ShortenTurns(work.problem().tables, dq);
+  Integrate(work.problem().tables, center, dq, out);
+  ClampToLimits(work.problem().tables, out);
   return out;
 }
 
-VectorXd ContactHop(Problem& problem, const VectorXd& best, double sigma, Hop hop, Random& random) {
-  const SceneTables& tables = problem.tables;
-  const std::vector<char> between = DofsOfSomeContact(problem, best, random);
+VectorXd ContactHop(Workspace& work, const VectorXd& best, double sigma, Hop hop, Random& random) {
+  const SceneTables& tables = work.problem().tables;
+  const std::vector<char> between = DofsOfSomeContact(work, best, random);
   const double spread = kHopSpreads[random.Bits() % std::size(kHopSpreads)];
-  const VectorXd steps = DofSteps(problem, problem.q_in, spread * std::sqrt(sigma / tables.n));
+  const VectorXd steps = DofSteps(work, work.problem().q_in, spread * std::sqrt(sigma / tables.n));
   const double share = random.Uniform() < 0.5 ? 0.5 : 1.0;
   VectorXd dq, out;
-  Difference(tables, problem.q_in, best, dq);
+  Difference(tables, work.problem().q_in, best, dq);
   VectorXd hopped = dq;
   for (int i = 0; i < tables.n; ++i) {
     if (!between[i] || random.Uniform() >= share) continue;
@@ -211,29 +212,29 @@ VectorXd ContactHop(Problem& problem, const VectorXd& best, double sigma, Hop ho
   VectorXd shortened = hopped;
   ShortenTurns(tables, shortened);
   const VectorXd tangent = (hopped.array() == dq.array()).select(dq, shortened);
-  Integrate(tables, problem.q_in, tangent, out);
+  Integrate(tables, work.problem().q_in, tangent, out);
   ClampToLimits(tables, out);
   return out;
 }
 
-std::vector<FreeOnRay> FirstFree(Problem& problem, const VectorXd& center,
+std::vector<FreeOnRay> FirstFree(Workspace& work, const VectorXd& center,
                                  const std::vector<VectorXd>& far, double largest_sigma) {
   std::vector<Ray> rays;
-  for (const VectorXd& q : far) rays.emplace_back(problem, center, q);
+  for (const VectorXd& q : far) rays.emplace_back(work, center, q);
   std::vector<FreeOnRay> found;
   double before = 0.0;
   // The ray's first free configuration between `before` and t, if that at t is free.
   auto ends = [&](const Ray& ray, double t) {
     VectorXd q = ray.At(t);
-    if (problem.Expired() || problem.norm.Sigma(q) > largest_sigma) return true;
-    if (!problem.Free(q)) return false;
+    if (work.Spent() || work.norm.Sigma(q) > largest_sigma) return true;
+    if (!work.Free(q)) return false;
     double overlapping = before;
     for (int halvings = 0; halvings < kRayHalvings; ++halvings) {
       const double middle = 0.5 * (t + overlapping);
-      (problem.Free(ray.At(middle)) ? t : overlapping) = middle;
+      (work.Free(ray.At(middle)) ? t : overlapping) = middle;
     }
     q = ray.At(t);
-    found.push_back({q, problem.norm.Sigma(q)});
+    found.push_back({q, work.norm.Sigma(q)});
     largest_sigma = std::min(largest_sigma, kWorthARay * found.back().sigma);
     return true;
   };
@@ -247,17 +248,17 @@ std::vector<FreeOnRay> FirstFree(Problem& problem, const VectorXd& center,
   return found;
 }
 
-VectorXd Beyond(const Problem& problem, const VectorXd& center, const VectorXd& q, double times) {
-  return Ray(problem, center, q).At(times);
+VectorXd Beyond(Workspace& work, const VectorXd& center, const VectorXd& q, double times) {
+  return Ray(work, center, q).At(times);
 }
 
-VectorXd UniformStart(const Problem& problem, const VectorXd& center, Random& random) {
+VectorXd UniformStart(Workspace& work, const VectorXd& center, Random& random) {
   auto between = [&random](double low, double high) {
     return low + (high - low) * random.Uniform();
   };
-  const double reach = 10.0 * problem.size;
-  VectorXd dq(problem.tables.n), q;
-  for (const JointEntry& joint : problem.tables.joints) {
+  const double reach = 10.0 * work.problem().size;
+  VectorXd dq(work.problem().tables.n), q;
+  for (const JointEntry& joint : work.problem().tables.joints) {
     const bool scalar = joint.type == mjJNT_HINGE || joint.type == mjJNT_SLIDE;
     for (int k = 0; k < joint.ndof; ++k) {
       const double range = joint.Slides(k) ? reach : mjPI;
@@ -269,27 +270,26 @@ VectorXd UniformStart(const Problem& problem, const VectorXd& center, Random& ra
     const double high = std::min(joint.hi, center[joint.qadr] + span);
     dq[joint.col] = between(low, high) - center[joint.qadr];
   }
-  Integrate(problem.tables, center, dq, q);
-  ClampToLimits(problem.tables, q);
+  Integrate(work.problem().tables, center, dq, q);
+  ClampToLimits(work.problem().tables, q);
   return q;
 }
 
-std::vector<VectorXd> ConstrainedTranslation(Problem& problem,
-                                             const std::vector<NearPair>& overlaps,
+std::vector<VectorXd> ConstrainedTranslation(Workspace& work, const std::vector<NearPair>& overlaps,
                                              const VectorXd& from) {
-  const SceneTables& tables = problem.tables;
+  const SceneTables& tables = work.problem().tables;
   std::vector<VectorXd> starts;
   const int tree = DeepestTree(tables, overlaps);
   if (tree < 0) return starts;
-  problem.finder.Pose(from);
-  const PosedModel& posed = problem.finder.posed();
-  const std::vector<FreeDirection> free = BaseDirections(problem, tree);
+  work.finder.Pose(from);
+  const PosedModel& posed = work.finder.posed();
+  const std::vector<FreeDirection> free = BaseDirections(work, tree);
   std::vector<int> own, others;
   SplitGeoms(tables, tree, overlaps, own, others);
   if (own.empty() || others.empty()) return starts;
   const Sphere A = Enclose(posed, own, Vector3d::Zero());
   const Sphere B = Enclose(posed, others, A.center_W);
-  const double distance = A.radius + B.radius + problem.options.clearance;
+  const double distance = A.radius + B.radius + work.problem().options.clearance;
 
   auto translate = [&](const Vector3d& direction_W) {
     VectorXd dq = VectorXd::Zero(tables.n), q;

@@ -13,6 +13,7 @@
 #define MJCF_PDG_SRC_VERIFY_VERIFY_H_
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,6 +42,11 @@ class Verifier {
   // more. The verdict is ours until the next call.
   const Verdict& Check(const std::vector<double>& q, const std::vector<double>* q_in = nullptr,
                        Depths depths = Depths::kMeasured);
+
+  const Verdict& verdict() const { return verdict_; }  // of the last Check
+  bool IsFree(std::span<const double> q) {
+    return Check({q.begin(), q.end()}, nullptr, Depths::kSkipped).free;
+  }
 
   std::int64_t queries() const { return queries_; }  // configurations asked about so far
 

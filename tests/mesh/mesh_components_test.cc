@@ -77,7 +77,7 @@ TEST(MeshComponentsTest, ASolidInTheDentOfAnotherIsNotInsideIt) {
   const TriangleMesh angle = AngleMesh(), cube = CubeMesh({1, 1, 0});
   EXPECT_NEAR(FindSolidProperties(angle).volume, 3.0, 1e-12);
   for (const TriangleMesh& mesh : {Together(angle, cube), Together(angle, InsideOut(cube))}) {
-    const std::vector<Component> components = FindComponents(mesh);
+    const std::vector<MeshComponent> components = FindComponents(mesh);
     ASSERT_EQ(components.size(), 2u);
     EXPECT_TRUE(components[1].containers.empty());
   }
@@ -89,7 +89,7 @@ TEST(MeshComponentsTest, APartThatReachesOutOfAnotherIsNotInsideIt) {
   for (int first = 0; first < 12; ++first) {
     TriangleMesh turned = bar;
     for (int t = 0; t < 12; ++t) turned.triangles.col(t) = bar.triangles.col((first + t) % 12);
-    const std::vector<Component> components = FindComponents(Together(AngleMesh(), turned));
+    const std::vector<MeshComponent> components = FindComponents(Together(AngleMesh(), turned));
     ASSERT_EQ(components.size(), 2u);
     EXPECT_TRUE(components[1].containers.empty()) << first;
   }

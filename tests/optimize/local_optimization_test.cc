@@ -22,25 +22,18 @@ struct Local {
   explicit Local(const std::string& xml, const Options& user_options = {})
       : scene(Scene::FromString(xml)),
         options(user_options),
-        problem(scene.tables(), options),
-        local(problem) {
-    problem.required.setConstant(static_cast<Eigen::Index>(scene.tables().pairs.size()),
-                                 options.clearance);
-    problem.size = 0.1;
-  }
+        work(scene.tables(), options),
+        local(work) {}
 
-  void Refer(const VectorXd& q_in) {
-    problem.q_in = Normalized(scene.tables(), q_in);
-    problem.norm.SetReference(problem.q_in);
-  }
+  void Refer(const VectorXd& q_in) { work.Begin(q_in); }
   LocalResult Run(const VectorXd& q_in, const LocalOptions& how = {}) {
     Refer(q_in);
-    return local.Run(problem.q_in, how);
+    return local.Run(work.problem().q_in, how);
   }
 
   Scene scene;
   Options options;
-  Problem problem;
+  Workspace work;
   LocalOptimization local;
 };
 
@@ -191,7 +184,6 @@ TEST_F(LocalOptimizationTest, LightRoundLimbsDoNotKeepTheDescentFromEnding) {
       World("<geom type='plane' size='5 5 .1'/><body pos='0 0 1'><freejoint/><geom "
             "type='ellipsoid' size='.25 .18 .1' mass='40'/>" +
             limbs + "</body>"));
-  local.problem.size = 0.6;
   Random rng(5);
   std::vector<int> steps;
   int free = 0;
@@ -245,7 +237,7 @@ TEST_F(LocalOptimizationTest, IterationsAreBoundedAndTheBestSoFarIsReturned) {
     EXPECT_LE(result.iterations, most);
     EXPECT_EQ(result.q.size(), q_in.size());
     EXPECT_TRUE(result.free || result.violation > 0.0);
-    EXPECT_NEAR(result.sigma, p.problem.norm.Sigma(result.q), 1e-12);
+    EXPECT_NEAR(result.sigma, p.work.norm.Sigma(result.q), 1e-12);
     EXPECT_LE(result.violation, least);
     least = std::min(least, result.violation);
   }
@@ -322,10 +314,10 @@ TEST_F(LocalOptimizationTest, OfRandomRobotsFreeAnswersAreFreeAndAnyLessCollides
       ++free;
       EXPECT_GE(oracle.LeastMoving(result.q), -1.5 * kTolerance) << Join(q_in);
       EXPECT_LE(LimitExcess(tables, result.q), 1e-9);
-      EXPECT_NEAR(result.sigma, p.problem.norm.Sigma(result.q), 1e-12);
+      EXPECT_NEAR(result.sigma, p.work.norm.Sigma(result.q), 1e-12);
       EXPECT_LE(result.iterations, LocalOptions{}.max_iterations);
-      collide +=
-          oracle.LeastMoving(PartOfTheWay(tables, p.problem.q_in, result.q, 0.98)) < -kTolerance;
+      collide += oracle.LeastMoving(PartOfTheWay(tables, p.work.problem().q_in, result.q, 0.98)) <
+                 -kTolerance;
     }
   }
   std::printf("  %d runs, %d free, %d collide again when shrunk\n", runs, free, collide);

@@ -16,13 +16,10 @@ class ContactSpaceIterationTest : public MujocoTest {};
 
 struct Iterator {
   explicit Iterator(const std::string& xml)
-      : scene(Scene::FromString(xml)), problem(scene.tables(), options), iteration(problem) {
-    problem.required.setZero(static_cast<Eigen::Index>(scene.tables().pairs.size()));
-  }
+      : scene(Scene::FromString(xml)), work(scene.tables(), options), iteration(work) {}
 
   IterationResult Run(const VectorXd& q_f, const VectorXd& q_in, const IterationOptions& how = {}) {
-    problem.q_in = Normalized(scene.tables(), q_in);
-    problem.norm.SetReference(problem.q_in);
+    work.Begin(q_in);
     return iteration.Run(q_f, how);
   }
   // Smallest distance of a pair that can move, by MuJoCo's own function, at most 1 m.
@@ -41,7 +38,7 @@ struct Iterator {
 
   Scene scene;
   Options options;
-  Problem problem;
+  Workspace work;
   ContactSpaceIteration iteration;
 };
 
@@ -83,9 +80,9 @@ double AnalyticOptimum(double d) {
 
 TEST_F(ContactSpaceIterationTest, TheNormOfTwoLinksIsTheOneOfThePaper) {
   Iterator p(TwoLinks(1.5));
-  p.problem.norm.SetReference(Vector2d(0, 0));
+  p.work.norm.SetReference(Vector2d(0, 0));
   for (const Vector2d& q : {Vector2d(0.3, -0.7), Vector2d(1.0, 0.4), Vector2d(-0.5, 2.0)}) {
-    EXPECT_NEAR(p.problem.norm.Sigma(q), Eq32(q[0], q[1]), 1e-9);
+    EXPECT_NEAR(p.work.norm.Sigma(q), Eq32(q[0], q[1]), 1e-9);
   }
 }
 
@@ -97,7 +94,7 @@ TEST_F(ContactSpaceIterationTest, TwoLinksOverTheGroundComeNearTheAnalyticOptimu
     const double optimum = AnalyticOptimum(d);
     EXPECT_GE(result.sigma, optimum - 1e-5) << d;
     EXPECT_LE(result.sigma, 1.01 * optimum) << d;
-    EXPECT_GE(p.Nearest(result.q), -p.problem.tolerances.user);
+    EXPECT_GE(p.Nearest(result.q), -p.work.problem().tolerances.user);
     EXPECT_LE(p.Nearest(result.q), 2e-5) << "on the contact space (Theorem 1)";
     std::printf("  d = %.1f l: %.6f, optimum %.6f, %zu accepted\n", d, result.sigma, optimum,
                 result.sigmas.size());
@@ -176,7 +173,7 @@ TEST_F(ContactSpaceIterationTest, NoIterationsLeaveTheProjection) {
 
 TEST_F(ContactSpaceIterationTest, AnExpiredDeadlineIsSaid) {
   Iterator p(TwoLinks(1.5));
-  p.problem.deadline = {};
+  p.work.budget.Begin({.queries = 0, .seconds = 1e-9}, {}, 0);
   const IterationResult result = p.Run(Vector2d(1.2, -0.1), Vector2d(0, 0));
   EXPECT_EQ(result.status, IterationStatus::kTimeLimit);
   EXPECT_EQ(result.sigmas.size(), 1u);
@@ -229,7 +226,7 @@ TEST_F(ContactSpaceIterationTest, OfRandomRobotsSigmaNeverRisesAndEveryResultIsF
       CheckStatus(result, {});
       ++statuses[result.status];
       EXPECT_EQ(result.sigma, result.sigmas.back());
-      EXPECT_EQ(result.sigma, p.problem.norm.Sigma(result.q));
+      EXPECT_EQ(result.sigma, p.work.norm.Sigma(result.q));
       EXPECT_LE(LimitExcess(p.scene.tables(), result.q), 1.1e-9);
       EXPECT_GE(p.Nearest(result.q), -1.5e-6) << Join(q_f) << "\n" << Join(q_in);
       touching += p.Nearest(result.q) < 1e-4;

@@ -7,36 +7,49 @@ namespace {
 
 class FreeConfigurationTest : public MujocoTest {};
 
+Options Paper() {
+  Options options;
+  options.method = Method::kPaper;
+  return options;
+}
+
 struct Selector : PosedProblem {
-  explicit Selector(const std::string& xml) : PosedProblem(xml), selection(problem) {
-    problem.size = 0.1;
-    selection.Begin(std::nullopt, 0);
+  explicit Selector(const std::string& xml)
+      : PosedProblem(xml, Paper()), selection(work, coherence) {
+    selection.Begin(nullptr, 0);
   }
 
   // A free configuration by one selection alone.
-  std::optional<VectorXd> Select(const std::string& name) {
-    options.without = FreeConfigurationSelection::Names();
-    std::erase(options.without, name);
-    std::optional<FreeConfiguration> found = selection.SelectInPaperOrder();
-    options.without.clear();
+  std::optional<VectorXd> Select(Component one) {
+    Options alone = options;
+    for (const Component other : ComponentsOf(Method::kPaper)) {
+      if (other != one) alone.without.push_back(NameOf(other));
+    }
+    Workspace own(scene.tables(), alone);
+    own.Begin(work.problem().q_in);
+    FreeConfigurationSelection selects(own, coherence);
+    selects.Begin(hint.size() > 0 ? &hint : nullptr, 0);
+    std::optional<FreeConfiguration> found = selects.SelectInPaperOrder();
     if (!found) return std::nullopt;
-    EXPECT_EQ(found->start, name);
+    EXPECT_EQ(found->start, one);
     return found->q;
   }
 
   // Names of the selections that find a configuration, each checked to be free.
   std::vector<std::string> Solving() {
     std::vector<std::string> names;
-    for (const std::string& name : FreeConfigurationSelection::Names()) {
-      const std::optional<VectorXd> q = Select(name);
+    for (const Component component : ComponentsOf(Method::kPaper)) {
+      const std::optional<VectorXd> q = Select(component);
       if (!q) continue;
-      EXPECT_TRUE(Free(*q)) << name << " " << Join(*q);
-      EXPECT_LE(LimitExcess(scene.tables(), *q), 0.0) << name;
-      names.push_back(name);
+      EXPECT_TRUE(Free(*q)) << NameOf(component) << " " << Join(*q);
+      EXPECT_LE(LimitExcess(scene.tables(), *q), 0.0) << NameOf(component);
+      names.push_back(NameOf(component));
     }
     return names;
   }
 
+  VectorXd hint;  // empty: none
+  MotionCoherence coherence;
   FreeConfigurationSelection selection;
 };
 
@@ -65,8 +78,7 @@ TEST_F(FreeConfigurationTest, MotionCoherenceAloneKnowsAHiddenPocket) {
   Selector s(PocketXml(0, 0));
   s.SetInput(Eigen::Vector2d(0.4, 0.3));
   EXPECT_EQ(s.Solving(), std::vector<std::string>{});
-  s.selection.Remember(Eigen::Vector2d(0.83, 0.71));
-  EXPECT_TRUE(s.selection.NearestRemembered());
+  s.coherence.AddFree(Eigen::Vector2d(0.83, 0.71));
   EXPECT_EQ(s.Solving(), std::vector<std::string>{"motion_coherence"});
 }
 
@@ -77,7 +89,7 @@ TEST_F(FreeConfigurationTest, CentroidDifferenceAloneMovesARigidPlateAlongTheDia
   EXPECT_EQ(s.Solving(), std::vector<std::string>{"centroid_difference"});
   const std::optional<FreeConfiguration> q = s.selection.SelectInPaperOrder();
   ASSERT_TRUE(q);
-  EXPECT_EQ(q->start, "centroid_difference");
+  EXPECT_EQ(q->start, Component::kCentroidDifference);
 }
 
 TEST_F(FreeConfigurationTest, SuccessivePerturbationAloneTurnsTheTipOutsideANarrowChannel) {
@@ -120,7 +132,7 @@ TEST_F(FreeConfigurationTest, TheUsersPoseAloneKnowsAHiddenPocketThatNothingElse
   EXPECT_EQ(s.Solving(), std::vector<std::string>{"user_pose"});
   Selector hinted(PocketXml(0, 0));
   hinted.SetInput(Eigen::Vector2d(0.4, 0.3));
-  hinted.selection.Begin(VectorXd(Eigen::Vector2d(0.83, 0.71)), 0);
+  hinted.hint = Eigen::Vector2d(0.83, 0.71);
   EXPECT_EQ(hinted.Solving(), std::vector<std::string>{"user_pose"});
 }
 
@@ -148,14 +160,14 @@ TEST_F(FreeConfigurationTest, TranslationOfASelfCollidingBodyTakesASelfCollision
   q_in[8] = 0.6;
   s.SetInput(q_in);
   ASSERT_FALSE(s.Free(q_in));
-  const std::optional<VectorXd> by_user = s.Select("constrained_translation");
+  const std::optional<VectorXd> by_user = s.Select(Component::kConstrainedTranslation);
   ASSERT_TRUE(by_user);  // qpos0's fingers
   EXPECT_EQ((*by_user)[7], 0.0);
   VectorXd seen = q_in;  // under the ground, but free of self-collision
   seen[7] = 0.5;
-  s.selection.Remember(seen);
-  EXPECT_FALSE(s.selection.NearestRemembered());
-  const std::optional<VectorXd> by_memory = s.Select("constrained_translation");
+  ASSERT_TRUE(s.selection.SelfCollisionFree(seen));
+  s.coherence.AddSelfCollisionFree(seen);
+  const std::optional<VectorXd> by_memory = s.Select(Component::kConstrainedTranslation);
   ASSERT_TRUE(by_memory);
   EXPECT_EQ((*by_memory)[7], 0.5);
 }
@@ -164,11 +176,11 @@ TEST_F(FreeConfigurationTest, CoherenceComesFirstAndTheNearestRememberedFirst) {
   Selector s(
       InWorld("<geom size='.1'/><body><joint type='slide' axis='1 0 0'/><geom size='.1'/>"
               "</body>"));
-  for (const double x : {2.0, -0.5, 0.8, 0.05}) s.selection.Remember(VectorXd::Constant(1, x));
+  for (const double x : {2.0, -0.5, 0.8, 0.05}) s.coherence.AddFree(VectorXd::Constant(1, x));
   s.SetInput(VectorXd::Constant(1, 0.02));
   const std::optional<FreeConfiguration> q = s.selection.SelectInPaperOrder();
   ASSERT_TRUE(q);
-  EXPECT_EQ(q->start, "motion_coherence");
+  EXPECT_EQ(q->start, Component::kMotionCoherence);
   EXPECT_EQ(q->q[0], -0.5);
 }
 
@@ -176,7 +188,7 @@ TEST_F(FreeConfigurationTest, TheCacheKeepsTheLatest) {
   PosedProblem p(InWorld("<body><joint type='slide' axis='1 0 0'/><geom size='.1'/></body>"));
   ConfigurationCache cache(3);
   for (int i = 1; i <= 5; ++i) cache.Add(VectorXd::Constant(1, i));
-  const std::vector<VectorXd> entries = cache.NearestFirst(p.problem);
+  const std::vector<VectorXd> entries = cache.NearestFirst(p.work, 10);
   ASSERT_EQ(entries.size(), 3u);
   EXPECT_EQ(entries[0][0], 3.0);
   EXPECT_EQ(entries[2][0], 5.0);

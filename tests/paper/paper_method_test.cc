@@ -12,7 +12,7 @@ class PaperMethodTest : public MujocoTest {};
 
 struct Paper : PosedProblem {
   explicit Paper(const std::string& xml, const Options& user_options = {})
-      : PosedProblem(xml, user_options), method(problem) {}
+      : PosedProblem(xml, user_options), method(work) {}
   PaperMethod method;
 };
 
@@ -24,8 +24,8 @@ TEST_F(PaperMethodTest, TwoLinksOverTheGroundReachTheAnalyticOptimum) {
     const PaperResult result = p.method.Run();
     ASSERT_TRUE(result.free);
     EXPECT_TRUE(result.certified);
-    EXPECT_EQ(result.start, "successive_perturbation");
-    EXPECT_NEAR(result.sigma, p.problem.norm.Sigma(result.q), 1e-15);
+    EXPECT_EQ(result.start, Component::kSuccessivePerturbation);
+    EXPECT_NEAR(result.sigma, p.work.norm.Sigma(result.q), 1e-15);
     EXPECT_LT(result.sigma, (k == 0 ? 1.2 : 1.01) * optimum) << "d = " << d;
     EXPECT_GT(result.sigma, 0.9999 * optimum) << "d = " << d;  // the tolerance allows a little
     // Theorem 1: the answer lies on the contact space.
@@ -42,7 +42,7 @@ void CheckRobot(Paper& p, Paper& fresh, Random& rng, Tally& tally) {
   for (int i = 0; i < 8; ++i) {
     const VectorXd q_in = RandomConfiguration(p.scene, rng);
     p.SetInput(q_in);
-    if (p.Free(p.problem.q_in)) continue;
+    if (p.Free(p.work.problem().q_in)) continue;
     ++tally.colliding;
     const PaperResult result = p.method.Run();
     fresh.SetInput(q_in);
@@ -88,14 +88,19 @@ TEST_F(PaperMethodTest, CorrectionsLowerSigmaFarMoreOftenThanTheyRaiseIt) {
   for (int model = 0; model < 8; ++model) {
     RobotOptions robot;
     robot.free_base = model % 2 == 1;
-    Paper p(RandomRobotXml(rng, robot));
+    const std::string xml = RandomRobotXml(rng, robot);
+    Options options;
+    options.method = Method::kPaper;
+    Paper p(xml, options);
+    options.without = {"corrections"};
+    Paper uncorrected(xml, options);
     for (int i = 0; i < 8; ++i) {
-      p.SetInput(RandomConfiguration(p.scene, rng));
-      if (p.Free(p.problem.q_in)) continue;
-      p.options.without = {};
+      const VectorXd q_in = RandomConfiguration(p.scene, rng);
+      p.SetInput(q_in);
+      uncorrected.SetInput(q_in);
+      if (p.Free(p.work.problem().q_in)) continue;
       const double with = p.method.Run().sigma;
-      p.options.without = {"corrections"};
-      const double without = p.method.Run().sigma;
+      const double without = uncorrected.method.Run().sigma;
       lower += with < 0.999 * without;
       higher += without < 0.999 * with;
     }
@@ -124,7 +129,7 @@ const std::string kBlocked = InWorld(
 
 TEST_F(PaperMethodTest, ReverseProjectionGetsBehindAnObstacleOnTheWay) {
   PosedProblem p(kBlocked);
-  Ccdg ccd(p.scene.tables(), p.problem.finder);
+  Ccdg ccd(p.scene.tables(), p.work.finder);
   ContactSpaceProjection projection(p.scene.tables(), ccd);
   const VectorXd q_f = VectorXd::Constant(1, 2.0), q_in = VectorXd::Zero(1);
   ProjectionOptions options;
@@ -138,7 +143,7 @@ TEST_F(PaperMethodTest, ReverseProjectionGetsBehindAnObstacleOnTheWay) {
 
 TEST_F(PaperMethodTest, ReverseProjectionOfAFreeGoalArrivesAtOnce) {
   PosedProblem p(kBlocked);
-  Ccdg ccd(p.scene.tables(), p.problem.finder);
+  Ccdg ccd(p.scene.tables(), p.work.finder);
   ContactSpaceProjection projection(p.scene.tables(), ccd);
   ProjectionOptions options;
   options.reverse_samples = 8;
@@ -154,7 +159,7 @@ void CheckBall(const std::string& range, bool arrives) {
               range +
               "/>"
               "<geom type='capsule' size='.01' fromto='.1 0 0 .5 0 0'/></body>"));
-  Ccdg ccd(p.scene.tables(), p.problem.finder);
+  Ccdg ccd(p.scene.tables(), p.work.finder);
   ContactSpaceProjection projection(p.scene.tables(), ccd);
   auto turned = [](double angle) {
     return VectorXd(Eigen::Vector4d(std::cos(angle / 2), 0, 0, std::sin(angle / 2)));

@@ -8,7 +8,7 @@ namespace {
 class SuccessivePerturbationTest : public MujocoTest {};
 
 struct Perturbed : PosedProblem {
-  explicit Perturbed(const std::string& xml) : PosedProblem(xml), perturbation(problem) {}
+  explicit Perturbed(const std::string& xml) : PosedProblem(xml), perturbation(work) {}
 
   PerturbationResult Run(const VectorXd& q_in, const PerturbationOptions& run_options = {}) {
     SetInput(q_in);

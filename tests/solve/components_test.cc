@@ -4,7 +4,6 @@
 #include <optional>
 
 #include "mjcf_pdg/pdg.h"
-#include "paper/free_configuration.h"
 #include "solve/options.h"
 #include "tests/support/paper_support.h"
 
@@ -100,6 +99,11 @@ TEST_F(ComponentsTest, MirrorAndHopsFollowTheDirectStartAndComeOnlyWhenUsed) {
   EXPECT_GT(starts("hop"), 10) << "hops agree with nothing: the budget ends them";
 }
 
+// The paper's selections, without its other steps.
+std::vector<std::string> PaperSelections() {
+  return AllBut(AllBut(Components(Method::kPaper), "corrections"), "reverse_projection");
+}
+
 // A selection of the paper's, a scene and a configuration that it solves.
 struct Selected {
   const char* name;
@@ -117,7 +121,7 @@ TEST_F(ComponentsTest, ASelectionOfThePaperLeftAloneSolvesByItself) {
     const Scene scene = Scene::FromString(selected.xml);
     Options options;
     options.method = Method::kPaper;
-    options.without = AllBut(FreeConfigurationSelection::Names(), selected.name);
+    options.without = AllBut(PaperSelections(), selected.name);
     const Result result = Solver(scene, options).Solve(scene.DefaultQpos(), selected.hint);
     EXPECT_EQ(result.status, Status::kSolved) << selected.name;
     EXPECT_EQ(result.start, selected.name);

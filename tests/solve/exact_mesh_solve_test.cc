@@ -270,22 +270,20 @@ TEST_F(ExactMeshSolveTest, NoDescentEndsInACrossing) {
   const Scene scene = Scene::FromFile(MJCF_PDG_MODEL_DIR "/rigid/spoon_cup.xml", Exact());
   Options options;
   options.tolerance = 1e-5;
-  Problem problem(scene.tables(), options);
-  problem.required = VectorXd::Constant(1, problem.tolerances.aim + 2e-7);
-  LocalOptimization local(problem);
+  Workspace work(scene.tables(), options);
+  LocalOptimization local(work);
   std::map<Depths, int> free;
   for (double t = 0.3; t < 0.55; t += 0.005) {
     const Eigen::Quaterniond turn(
         Eigen::AngleAxisd(2.0 * M_PI * t, Vector3d(1, 1, 2).normalized()));
     const std::vector<double> q =
         FreePose({-0.1 + 0.2 * t, 0.01 - 0.01 * t, 0.07 - 0.02 * t}, turn);
-    problem.q_in = Eigen::Map<const VectorXd>(q.data(), 7);
-    problem.norm.SetReference(problem.q_in);
+    work.Begin(ToEigen(q));
     for (const Depths depths : {Depths::kMeasured, Depths::kSearched}) {
-      const LocalResult result = local.Run(problem.q_in, {.depths = depths});
+      const LocalResult result = local.Run(work.problem().q_in, {.depths = depths});
       if (!result.free) continue;
       ++free[depths];
-      EXPECT_TRUE(problem.Free(result.q)) << t;
+      EXPECT_TRUE(work.Free(result.q)) << t;
     }
   }
   EXPECT_GT(free[Depths::kMeasured], 5);
@@ -300,10 +298,8 @@ TEST_F(ExactMeshSolveTest, DescentsLeaveTouchingStarts) {
   options.tolerance = 1e-5;
   options.effort = Effort::kFast;
   Solver solver(scene, options);
-  Problem problem(scene.tables(), options);
-  problem.required = VectorXd::Constant(1, problem.tolerances.aim + 2e-7);
-  problem.size = 0.05;
-  LocalOptimization local(problem);
+  Workspace work(scene.tables(), options);
+  LocalOptimization local(work);
   std::vector<double> last;
   int frames = 0, stuck = 0;
   for (double t = 0.0; t < 1.0; t += 0.0125) {
@@ -311,8 +307,7 @@ TEST_F(ExactMeshSolveTest, DescentsLeaveTouchingStarts) {
         Eigen::AngleAxisd(2.0 * M_PI * t, Vector3d(1, 1, 2).normalized()));
     const std::vector<double> q = FreePose({-0.1 + 0.2 * t, 0.005, 0.06}, turn);
     if (!last.empty()) {
-      problem.q_in = Eigen::Map<const VectorXd>(q.data(), 7);
-      problem.norm.SetReference(problem.q_in);
+      work.Begin(ToEigen(q));
       const VectorXd start = Eigen::Map<const VectorXd>(last.data(), 7);
       const LocalResult result = local.Run(start, {});
       ASSERT_TRUE(result.free) << t;

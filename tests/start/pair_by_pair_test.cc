@@ -28,12 +28,9 @@ class PairByPairTest : public ::testing::Test {
 
   static std::optional<VectorXd> Start(const Scene& scene, const std::vector<double>& q) {
     Options options;
-    Problem problem(scene.tables(), options);
-    problem.size = kTip;
-    problem.q_in = Eigen::Map<const VectorXd>(q.data(), static_cast<Eigen::Index>(q.size()));
-    problem.norm.SetReference(problem.q_in);
-    problem.required = VectorXd::Zero(static_cast<Eigen::Index>(scene.tables().pairs.size()));
-    return PairByPair(problem).Start(problem.q_in);
+    Workspace work(scene.tables(), options);
+    work.Begin(ToEigen(q));
+    return PairByPair(work).Start(work.problem().q_in);
   }
 };
 

@@ -14,30 +14,29 @@ class SelectionTest : public MujocoTest {};
 
 struct Selector {
   Selector(const std::string& xml, const VectorXd& q_in = {})
-      : scene(Scene::FromString(xml)), problem(scene.tables(), options) {
-    problem.q_in = q_in.size() > 0 ? q_in : ToEigen(scene.DefaultQpos());
-    problem.norm.SetReference(problem.q_in);
+      : scene(Scene::FromString(xml)), work(scene.tables(), options) {
+    work.Begin(q_in.size() > 0 ? q_in : ToEigen(scene.DefaultQpos()));
   }
 
   std::vector<VectorXd> Translations() {
-    problem.finder.Pose(problem.q_in);
+    work.finder.Pose(work.problem().q_in);
     std::vector<NearPair> overlaps;
-    for (const NearPair& near : problem.finder.Find(0.0)) {
+    for (const NearPair& near : work.finder.Find(0.0)) {
       if (near.distance < 0.0) overlaps.push_back(near);
     }
     EXPECT_FALSE(overlaps.empty());
-    return ConstrainedTranslation(problem, overlaps, problem.q_in);
+    return ConstrainedTranslation(work, overlaps, work.problem().q_in);
   }
   double Nearest(const VectorXd& q) {  // at most 10 m
-    problem.finder.Pose(q);
+    work.finder.Pose(q);
     double least = 10.0;
-    for (const NearPair& near : problem.finder.Find(10.0)) least = std::min(least, near.distance);
+    for (const NearPair& near : work.finder.Find(10.0)) least = std::min(least, near.distance);
     return least;
   }
 
   Scene scene;
   Options options;
-  Problem problem;
+  Workspace work;
 };
 
 std::string World(const std::string& inside) {
@@ -62,7 +61,7 @@ TEST_F(SelectionTest, AFreeBodyIsCarriedAwayFromTheCentreByBothRadii) {
     const Vector3d axis = (k % 2 ? -1.0 : 1.0) * Vector3d::Unit(k / 2);
     EXPECT_LT((starts[1 + k].head<3>() - (o_A + radii * axis)).norm(), 1e-12) << k;
   }
-  for (const VectorXd& q : starts) EXPECT_EQ(q.tail<4>(), p.problem.q_in.tail<4>());
+  for (const VectorXd& q : starts) EXPECT_EQ(q.tail<4>(), p.work.problem().q_in.tail<4>());
 }
 
 TEST_F(SelectionTest, TheBodyThatCanBeCarriedAwayIsFoundInAnyOrderAndOnAStand) {
@@ -120,10 +119,10 @@ TEST_F(SelectionTest, ADirectionTheBaseDoesNotHaveLeavesTheFreeDirectionsAlone) 
   Selector p(kCartInCar, Eigen::Vector4d(0.4, -0.3, 0, 0));
   const std::vector<VectorXd> starts = p.Translations();
   ASSERT_EQ(starts.size(), 4u);
-  const double reach = (starts[0] - p.problem.q_in).norm();
+  const double reach = (starts[0] - p.work.problem().q_in).norm();
   EXPECT_GT(reach, 1.0);
   for (int k = 0; k < 4; ++k) {
-    const VectorXd moved = starts[k] - p.problem.q_in;
+    const VectorXd moved = starts[k] - p.work.problem().q_in;
     EXPECT_NEAR(moved[k / 2], k % 2 ? -reach : reach, 1e-12);
     EXPECT_NEAR(moved[1 - k / 2], 0.0, 1e-12);
   }
@@ -148,7 +147,7 @@ TEST_F(SelectionTest, TheTreeThatOverlapsMostMovesAndTheOthersStay) {
       <body pos="0 .2 0"><freejoint/><geom size=".1"/></body>)"));
   const std::vector<VectorXd> starts = p.Translations();
   ASSERT_EQ(starts.size(), 7u);
-  for (const VectorXd& q : starts) EXPECT_EQ(q.head<7>(), p.problem.q_in.head<7>());
+  for (const VectorXd& q : starts) EXPECT_EQ(q.head<7>(), p.work.problem().q_in.head<7>());
   EXPECT_GT(starts[0][8], 0.5);
   EXPECT_NEAR(starts[0][7], 0.0, 1e-12);
 }
@@ -170,14 +169,14 @@ TEST_F(SelectionTest, TheMirroredStartIsAsFarOnTheOtherSide) {
   Random rng(2);
   for (const std::string& xml : {BallChainXml(false), TwoTreesXml(), OffCentreXml()}) {
     Selector p(xml);
-    p.problem.q_in = RandomConfiguration(p.scene, rng);
+    p.work.Begin(RandomConfiguration(p.scene, rng));
     for (int k = 0; k < 10; ++k) {
       VectorXd there, back, q;
       const VectorXd dq = 0.5 * rng.Normals(p.scene.dof()).cwiseMin(2.0).cwiseMax(-2.0);
-      Integrate(p.scene.tables(), p.problem.q_in, dq, q);
-      Difference(p.scene.tables(), p.problem.q_in, q, there);
-      const VectorXd mirrored = MirroredStart(p.problem, q);
-      Difference(p.scene.tables(), p.problem.q_in, mirrored, back);
+      Integrate(p.scene.tables(), p.work.problem().q_in, dq, q);
+      Difference(p.scene.tables(), p.work.problem().q_in, q, there);
+      const VectorXd mirrored = MirroredStart(p.work, q);
+      Difference(p.scene.tables(), p.work.problem().q_in, mirrored, back);
       EXPECT_LT((there + back).norm(), 1e-9);
       EXPECT_GT(there.norm(), 0.1);
     }
@@ -192,11 +191,11 @@ TEST_F(SelectionTest, MirroredAndNoisyStartsStayInsideTheLimits) {
     Selector p(xml);
     const SceneTables& tables = p.scene.tables();
     for (int k = 0; k < 60; ++k) {
-      p.problem.q_in = RandomConfiguration(p.scene, rng);
-      p.problem.norm.SetReference(p.problem.q_in);
+      p.work.Begin(RandomConfiguration(p.scene, rng));
+      p.work.norm.SetReference(p.work.problem().q_in);
       const VectorXd q = RandomConfiguration(p.scene, rng);
-      EXPECT_LE(LimitExcess(tables, MirroredStart(p.problem, q)), 1e-12);
-      const VectorXd start = GaussianStart(p.problem, q, 0.1, 12.0, noise);
+      EXPECT_LE(LimitExcess(tables, MirroredStart(p.work, q)), 1e-12);
+      const VectorXd start = GaussianStart(p.work, q, 0.1, 12.0, noise);
       EXPECT_LE(LimitExcess(tables, start), 1e-12);
       for (const JointEntry& joint : tables.joints) {
         if (!joint.limited || joint.type == mjJNT_BALL) continue;
@@ -220,9 +219,9 @@ TEST_F(SelectionTest, NoiseIsAsLargeAsAskedInObjectNormUnits) {
     double sum = 0.0;
     int moved = 0;
     for (int k = 0; k < 2000; ++k) {
-      const VectorXd q = GaussianStart(p.problem, p.problem.q_in, 0.04, spread, noise);
-      sum += p.problem.norm.Sigma(q);
-      for (int i = 0; i < 3; ++i) moved += q[i] != p.problem.q_in[i];
+      const VectorXd q = GaussianStart(p.work, p.work.problem().q_in, 0.04, spread, noise);
+      sum += p.work.norm.Sigma(q);
+      for (int i = 0; i < 3; ++i) moved += q[i] != p.work.problem().q_in[i];
     }
     EXPECT_NEAR(sum / moved / (0.04 * spread * spread / 3), 1.0, 0.1);
     EXPECT_NEAR(moved / 6000.0, 0.75, 0.03);  // half of the dofs stay in half of the draws
@@ -234,10 +233,10 @@ TEST_F(SelectionTest, NoiseNeverTurnsAJointMoreThanHalfARound) {
   mjcf_pdg::Random noise(6);
   double most = 0.0;
   for (int k = 0; k < 100; ++k) {
-    const VectorXd q = GaussianStart(p.problem, p.problem.q_in, 100.0, 50.0, noise);
+    const VectorXd q = GaussianStart(p.work, p.work.problem().q_in, 100.0, 50.0, noise);
     for (const JointEntry& joint : p.scene.tables().joints) {
       if (joint.type != mjJNT_HINGE) continue;
-      most = std::max(most, std::abs(q[joint.qadr] - p.problem.q_in[joint.qadr]));
+      most = std::max(most, std::abs(q[joint.qadr] - p.work.problem().q_in[joint.qadr]));
     }
   }
   EXPECT_LE(most, M_PI + 1e-12);
@@ -248,7 +247,7 @@ TEST_F(SelectionTest, TheSameSeedGivesTheSameNoise) {
   Selector p(OffCentreXml());
   auto draw = [&p](std::uint64_t seed) {
     mjcf_pdg::Random noise(seed);
-    return GaussianStart(p.problem, p.problem.q_in, 0.1, 2.0, noise);
+    return GaussianStart(p.work, p.work.problem().q_in, 0.1, 2.0, noise);
   };
   EXPECT_EQ(draw(7), draw(7));
   EXPECT_NE(draw(7), draw(8));
@@ -270,20 +269,19 @@ const std::string kThreeThings = World(R"(<geom type="plane" size="0 0 1"/>
 constexpr int kFinger = 6, kBall = 8, kBob = 10, kDofs = 13;  // first dofs
 
 struct Hopper : Selector {
-  Hopper() : Selector(kThreeThings), best(problem.q_in) {
-    problem.required.setZero(static_cast<Eigen::Index>(scene.tables().pairs.size()));
-    VectorXd dq = VectorXd::Zero(kDofs);
+  Hopper() : Selector(kThreeThings), best(work.problem().q_in) {
+    VectorXd q_in, dq = VectorXd::Zero(kDofs);
     dq << 0.1, 0.2, -0.1, 0.1, -0.2, 0.3, 0.4, -0.1, 0.25, -0.05, 0.1, 0.2, 0.3;
-    Integrate(scene.tables(), best, dq, problem.q_in);
-    problem.norm.SetReference(problem.q_in);
-    Difference(scene.tables(), problem.q_in, best, to_best);
+    Integrate(scene.tables(), best, dq, q_in);
+    work.Begin(q_in);
+    Difference(scene.tables(), work.problem().q_in, best, to_best);
   }
   // The hop as a tangent at q_in.
   VectorXd Hopped(Hop hop, double sigma, mjcf_pdg::Random& noise) {
     VectorXd dq;
-    const VectorXd q = ContactHop(problem, best, sigma, hop, noise);
+    const VectorXd q = ContactHop(work, best, sigma, hop, noise);
     EXPECT_LE(LimitExcess(scene.tables(), q), 1e-12);
-    Difference(scene.tables(), problem.q_in, q, dq);
+    Difference(scene.tables(), work.problem().q_in, q, dq);
     return dq;
   }
 
@@ -298,10 +296,10 @@ TEST_F(SelectionTest, AHopLeavesFarTurnsOfOtherJointsAlone) {
       <body pos=".15 0 0"><joint type="slide" axis="1 0 0"/><joint axis="1 0 0"/>
         <geom size=".06"/></body>
       <body pos="2 0 0"><joint axis="0 0 1"/><geom size=".1"/></body>)"));
-  p.problem.required.setZero(static_cast<Eigen::Index>(p.scene.tables().pairs.size()));
-  p.problem.q_in[2] = -3.0;
-  p.problem.norm.SetReference(p.problem.q_in);
-  VectorXd best = p.problem.q_in;
+  VectorXd q_in = p.work.problem().q_in;
+  q_in[2] = -3.0;
+  p.work.Begin(q_in);
+  VectorXd best = p.work.problem().q_in;
   best[0] = 0.01;
   best[1] = 2.0;
   best[2] = 2.5;
@@ -309,7 +307,7 @@ TEST_F(SelectionTest, AHopLeavesFarTurnsOfOtherJointsAlone) {
   int mirrored = 0;
   for (const Hop hop : kAllHops) {
     for (int k = 0; k < 20; ++k) {
-      const VectorXd q = ContactHop(p.problem, best, 0.01, hop, noise);
+      const VectorXd q = ContactHop(p.work, best, 0.01, hop, noise);
       EXPECT_NEAR(q[2], 2.5, 1e-12);
       if (hop != Hop::kMirrored) continue;
       EXPECT_NEAR(std::abs(q[1]), 2.0, 1e-12);
@@ -322,13 +320,13 @@ TEST_F(SelectionTest, AHopLeavesFarTurnsOfOtherJointsAlone) {
 TEST_F(SelectionTest, AHopMovesNothingButTheJointsBetweenTheBodiesOfOneContact) {
   Hopper p;
   VectorXd q_unchanged;
-  Integrate(p.scene.tables(), p.problem.q_in, p.to_best, q_unchanged);
+  Integrate(p.scene.tables(), p.work.problem().q_in, p.to_best, q_unchanged);
   EXPECT_LT((q_unchanged - p.best).norm(), 1e-12);
   mjcf_pdg::Random noise(8);
   for (const Hop hop : kAllHops) {
     int fingers = 0, ball = 0;
     for (int k = 0; k < 200; ++k) {
-      const VectorXd q = ContactHop(p.problem, p.best, 0.1, hop, noise);
+      const VectorXd q = ContactHop(p.work, p.best, 0.1, hop, noise);
       EXPECT_EQ(q.head<7>(), q_unchanged.head<7>()) << "the palm carries both fingers";
       EXPECT_EQ(q.tail<4>(), q_unchanged.tail<4>()) << "the bob touches nothing";
       const bool finger_moved = q.segment<2>(7) != q_unchanged.segment<2>(7);
@@ -356,7 +354,7 @@ TEST_F(SelectionTest, HopsStartFromTheBestFromTheInputOrFromItsOtherSide) {
                             : hop == Hop::kFromInput ? 0.0
                                                      : -p.to_best[i];
         // The right finger's limit is nearer than its mirrored place.
-        const double limit = 5.0 * M_PI / 180.0 - p.problem.q_in[kFinger + 2];
+        const double limit = 5.0 * M_PI / 180.0 - p.work.problem().q_in[kFinger + 2];
         const double expected = i == kFinger + 1 ? std::min(from, limit) : from;
         EXPECT_NEAR(dq[i], expected, hop == Hop::kMirrored ? 1e-12 : 0.02) << i;
       }
@@ -371,7 +369,7 @@ TEST_F(SelectionTest, HopsStayInsideTheLimits) {
   int at_limit = 0;
   for (const Hop hop : kAllHops) {
     for (int k = 0; k < 100; ++k) {
-      const VectorXd q = ContactHop(p.problem, p.best, 10.0, hop, noise);
+      const VectorXd q = ContactHop(p.work, p.best, 10.0, hop, noise);
       EXPECT_LE(LimitExcess(p.scene.tables(), q), 1e-12);
       at_limit += std::abs(q[9]) == 0.5 || q[8] == p.scene.tables().joints[2].hi;
     }
@@ -383,7 +381,7 @@ TEST_F(SelectionTest, WhereNothingTouchesAHopMayMoveEveryJoint) {
   Hopper p;
   p.best[7] = -0.3;  // the fingers part, the ball rises
   p.best[10] = 0.2;
-  Difference(p.scene.tables(), p.problem.q_in, p.best, p.to_best);
+  Difference(p.scene.tables(), p.work.problem().q_in, p.best, p.to_best);
   mjcf_pdg::Random noise(11);
   std::vector<int> moved(kDofs, 0);
   for (int k = 0; k < 100; ++k) {
@@ -414,13 +412,12 @@ TEST_F(SelectionTest, TheFirstFreeConfigurationsOfSeveralRaysAreTheNearestOnThem
       <body><freejoint/><geom type="box" size=".1 .1 .1"/></body>)");
   };
   auto on_rays = [](Selector& p, double largest_sigma, std::vector<Vector3d> ends) {
-    p.problem.required = VectorXd::Zero(1);
     std::vector<VectorXd> far;
     for (const Vector3d& end : ends) {
-      far.push_back(p.problem.q_in);
+      far.push_back(p.work.problem().q_in);
       far.back().head<3>() = end;
     }
-    return FirstFree(p.problem, p.problem.q_in, far, largest_sigma);
+    return FirstFree(p.work, p.work.problem().q_in, far, largest_sigma);
   };
   const std::vector<Vector3d> ends = {{2, 0, 0}, {-2, 0, 0}, {0, 0, 2}, {0, 2, 0}};
   Selector p(box(".3 9 .2"));
@@ -429,8 +426,8 @@ TEST_F(SelectionTest, TheFirstFreeConfigurationsOfSeveralRaysAreTheNearestOnThem
   EXPECT_NEAR(all[0].q[2], 0.3, 0.3 * 0.05);
   for (int k : {1, 2}) EXPECT_NEAR(std::abs(all[k].q[0]), 0.4, 0.4 * 0.05);
   for (const FreeOnRay& free : all) {
-    EXPECT_TRUE(p.problem.Free(free.q));
-    EXPECT_EQ(free.sigma, p.problem.norm.Sigma(free.q));
+    EXPECT_TRUE(p.work.Free(free.q));
+    EXPECT_EQ(free.sigma, p.work.norm.Sigma(free.q));
     EXPECT_LT(free.q.head<3>().norm(), 0.45);
   }
   EXPECT_EQ(on_rays(p, 0.38 * 0.38, ends).size(), 1u) << "the others are beyond the largest σ";

@@ -9,32 +9,24 @@
 #include <string>
 #include <vector>
 
-#include "problem/problem.h"
+#include "problem/workspace.h"
 #include "tests/support/test_support.h"
 #include "verify/verify.h"
 
 namespace mjcf_pdg::test {
 
-// A scene with a Problem, set up as the solver does, and the independent check of it.
+// A scene with a Workspace, set up as the solver does, and the independent check of it.
 struct PosedProblem {
   explicit PosedProblem(const std::string& xml, const Options& user_options = {})
       : scene(Scene::FromString(xml)),
         options(user_options),
-        problem(scene.tables(), options),
+        work(scene.tables(), options),
         verifier(scene.tables(), options) {
     SetInput(ToEigen(scene.DefaultQpos()));
   }
   PosedProblem(const PosedProblem&) = delete;
 
-  void SetInput(const VectorXd& q_in) {
-    problem.q_in = Normalized(scene.tables(), q_in);
-    problem.norm.SetReference(problem.q_in);
-    problem.required.resize(static_cast<Eigen::Index>(scene.tables().pairs.size()));
-    for (std::size_t k = 0; k < scene.tables().pairs.size(); ++k) {
-      problem.required[static_cast<Eigen::Index>(k)] =
-          options.clearance - scene.tables().pairs[k].allowed;
-    }
-  }
+  void SetInput(const VectorXd& q_in) { work.Begin(q_in); }
 
   // Smallest signed distance less the clearance, at most 1 m. For models that allow no overlap.
   double Margin(const VectorXd& q) {
@@ -44,7 +36,7 @@ struct PosedProblem {
 
   Scene scene;
   Options options;
-  Problem problem;
+  Workspace work;
   Verifier verifier;
 };
 

@@ -1,0 +1,27 @@
+#include "problem/strategy.h"
+
+#include <algorithm>
+
+namespace mjcf_pdg {
+
+void Candidates::Insert(const VectorXd& q, double sigma, Component start) {
+  Candidate& added = slots_[count_];
+  added.q = q;
+  added.sigma = sigma;
+  added.start = start;
+  const auto end = slots_.begin() + static_cast<std::ptrdiff_t>(count_);
+  const auto place =
+      std::upper_bound(slots_.begin(), end, added,
+                       [](const Candidate& a, const Candidate& b) { return a.sigma < b.sigma; });
+  std::rotate(place, end, end + 1);
+  count_ = std::min(count_ + 1, kSlots);
+}
+
+void Outcome::Clear() {
+  free.Clear();
+  has_overlap = false;
+  least_overlap.start = Component::kNone;
+  starts = iterations = 0;
+}
+
+}  // namespace mjcf_pdg

@@ -1,0 +1,123 @@
+#include "problem/workspace.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace mjcf_pdg {
+namespace {
+
+// Distances of convex geoms repeat to about this share of the scene's size [1]: those to cylinders
+// and ellipsoids, which come from iterations, scattered by up to 5e-7 m in scenes of 0.1 m.
+constexpr double kDistanceJitter = 6e-6;
+// What the aim keeps away from the tolerance where jitter is small beside it [tolerances].
+constexpr double kAimInside = 0.2;
+constexpr double kMeshGap = 2e-6;  // Tolerances::mesh_gap [size]; of 1e-6 … 1e-5 the quickest
+// A contact as deep as Options::rest, but for rounding, still rests [tolerances].
+constexpr double kRestRounding = 1e-3;
+constexpr double kTouching = 10.0;  // Tolerances::touching [tolerances]
+
+double TypicalSize(const SceneTables& tables) {
+  const mjModel& m = *tables.model;
+  std::vector<double> radii;
+  for (int g = 0; g < m.ngeom; ++g) {
+    const bool collides = m.geom_contype[g] || m.geom_conaffinity[g];
+    if (collides && tables.body_moves[m.geom_bodyid[g]] && m.geom_rbound[g] > 0.0) {
+      radii.push_back(m.geom_rbound[g]);
+    }
+  }
+  if (radii.empty()) return 1.0;
+  const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
+  std::nth_element(radii.begin(), middle, radii.end());
+  return *middle;
+}
+
+}  // namespace
+
+Tolerances::Tolerances(double tolerance, double scene_size)
+    : user(tolerance),
+      aim(std::max(0.0,
+                   tolerance - std::max(kAimInside * tolerance, kDistanceJitter * scene_size))),
+      accept(0.5 * (user + aim)),
+      mesh_gap(kMeshGap * scene_size),
+      touching(kTouching * tolerance) {}
+
+Workspace::Workspace(const SceneTables& tables, const Options& options)
+    : norm(tables, options.metric),
+      finder(tables, options.clearance),
+      problem_{.tables = tables,
+               .options = options,
+               .size = TypicalSize(tables),
+               .tolerances = Tolerances(options.tolerance, TypicalSize(tables)),
+               .without = ComponentsNamed(options.without, options.method)} {
+  problem_.required.setZero(static_cast<Eigen::Index>(tables.pairs.size()));
+}
+
+void Workspace::Begin(const VectorXd& q_in, const MocapPoses& mocap) {
+  finder.Forget();
+  finder.SetMocap(mocap);
+  problem_.mocap = mocap;
+  problem_.q_in = Normalized(problem_.tables, q_in);
+  norm.SetReference(problem_.q_in, mocap);
+  SetRequired();
+}
+
+void Workspace::Begin(const Workspace& other) {
+  const Problem& same = other.problem();
+  finder.Forget();
+  finder.SetMocap(same.mocap);
+  problem_.mocap = same.mocap;
+  problem_.q_in = same.q_in;
+  problem_.required = same.required;
+  norm.SetReference(same.q_in, same.mocap);
+  budget = other.budget.For(finder.queries(), other.finder.queries());
+}
+
+void Workspace::SetRequired() {
+  const SceneTables& tables = problem_.tables;
+  for (std::size_t k = 0; k < tables.pairs.size(); ++k) {
+    const KeptPair& pair = tables.pairs[k];
+    double required = (pair.moves ? problem_.options.clearance : 0.0) - pair.allowed;
+    if (pair.exact && pair.moves)
+      required += problem_.tolerances.aim + problem_.tolerances.mesh_gap;
+    problem_.required[static_cast<Eigen::Index>(k)] = required;
+  }
+  if (problem_.options.rest > 0.0) LetContactsRest();
+}
+
+// A contact of q_in that is no deeper than `rest` may keep its depth.
+void Workspace::LetContactsRest() {
+  const double deepest_at_rest = -problem_.options.rest - kRestRounding * problem_.tolerances.user;
+  depths_.setZero(problem_.required.size());
+  finder.Pose(problem_.q_in);
+  for (const NearPair& near :
+       finder.Find(0.0)) {  // of several contacts of a pair the deepest counts
+    depths_[near.pair] = std::min(depths_[near.pair], near.distance);
+  }
+  for (Eigen::Index k = 0; k < depths_.size(); ++k) {
+    const bool rests = depths_[k] < 0.0 && depths_[k] >= deepest_at_rest;
+    if (rests) problem_.required[k] = std::min(problem_.required[k], depths_[k]);
+  }
+}
+
+bool Workspace::Free(const VectorXd& q) {
+  finder.Pose(q);
+  const std::vector<NearPair>& near = finder.Find(problem_.options.clearance, Depths::kSkipped);
+  return std::none_of(near.begin(), near.end(), [this](const NearPair& n) {
+    return problem_.Overlaps(n, problem_.tolerances.accept);
+  });
+}
+
+const std::vector<NearPair>& Workspace::OverlapsAtInput() {
+  overlaps_.clear();
+  finder.Pose(problem_.q_in);
+  for (const NearPair& near :
+       finder.Find(problem_.options.clearance + problem_.options.tolerance)) {
+    // What cannot be mended counts only if it cannot be accepted either.
+    const double accepted =
+        problem_.tables.pairs[near.pair].moves ? 0.0 : problem_.options.tolerance;
+    if (near.distance < problem_.required[near.pair] - accepted) overlaps_.push_back(near);
+  }
+  return overlaps_;
+}
+
+}  // namespace mjcf_pdg

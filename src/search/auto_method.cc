@@ -1,0 +1,44 @@
+#include "search/auto_method.h"
+
+namespace mjcf_pdg {
+
+AutoMethod::AutoMethod(Workspace& work) : problem_(work.problem()), work_(work), search_(work) {}
+
+Outcome& AutoMethod::Run(const StrategyInput& given) {
+  StrategyInput input = given;
+  Component hint_start = Component::kUserPose;
+  const bool coherent = problem_.options.trajectory && problem_.Uses(Component::kMotionCoherence);
+  if (!input.hint && coherent && !coherence_.empty()) {
+    hint_start = Component::kMotionCoherence;
+    recalled_ = coherence_.NearestFree(work_, 1).front();
+    input.hint = &recalled_;
+  }
+  const bool follows = search_.Begin(input, hint_start);
+  if (follows) return search_.trials().outcome();
+  const SceneTables& tables = problem_.tables;
+  if (problem_.Uses(Component::kHulls) && SomeExact(tables, input.overlaps) &&
+      !AllRigid(tables, input.overlaps)) {
+    if (const VectorXd* q = hulls_.Run(work_)) search_.Try(*q, Component::kHulls);
+  }
+  search_.Finish(input);
+  return search_.trials().outcome();
+}
+
+bool AutoMethod::Polish(Candidate& candidate) {
+  return search_.WorthPolishing() && search_.trials().Polish(candidate);
+}
+
+bool AutoMethod::Retreat(const Candidate& candidate, VectorXd& q) {
+  return search_.trials().Retreat(candidate, q);
+}
+
+void AutoMethod::Remember(const VectorXd& q, bool free) {
+  if (free) coherence_.AddFree(q);
+}
+
+void AutoMethod::Forget() {
+  coherence_.Clear();
+  search_.Forget();
+}
+
+}  // namespace mjcf_pdg

@@ -1,0 +1,123 @@
+#include "search/exact_mesh_starts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "start/selection.h"
+
+namespace mjcf_pdg {
+namespace {
+
+// The last basin is followed while √σ is below so many times its triangle-inequality bound, and for
+// so many frames in a row.
+constexpr double kFollowed = 2.0;
+constexpr int kFramesFollowed = 5;
+// Answers so many times as far as the meshes are deep in each other: there may be a nearer one.
+constexpr double kFar = 2.5, kVeryFar = 10.0;
+// Patient tries to come out of overlapping meshes the short way: so many, of so many steps, with
+// noise of so much about q_in [depths].
+constexpr int kWaysOut = 5, kPatientSteps = 120;
+constexpr double kNudge = 0.2;
+constexpr int kHintChances = 2;  // LocalOptions::last_chances of a start near its answer
+
+bool MovedByFreeJointsOnly(const SceneTables& tables, int pair) {
+  const mjModel& m = *tables.model;
+  for (const int geom : {tables.pairs[pair].geom1, tables.pairs[pair].geom2}) {
+    for (int body = m.geom_bodyid[geom]; body > 0; body = m.body_parentid[body]) {
+      for (int k = 0; k < m.body_jntnum[body]; ++k) {
+        if (m.jnt_type[m.body_jntadr[body] + k] != mjJNT_FREE) return false;
+      }
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+bool SomeExact(const SceneTables& tables, const std::vector<NearPair>& overlaps) {
+  return std::any_of(overlaps.begin(), overlaps.end(),
+                     [&](const NearPair& near) { return tables.pairs[near.pair].exact; });
+}
+
+bool AllRigid(const SceneTables& tables, const std::vector<NearPair>& overlaps) {
+  return std::all_of(overlaps.begin(), overlaps.end(), [&](const NearPair& near) {
+    return MovedByFreeJointsOnly(tables, near.pair);
+  });
+}
+
+LocalOptions ExactMeshStarts::FromHint() {
+  LocalOptions near = Coarse();
+  near.last_chances = kHintChances;
+  return near;
+}
+
+// A hint does not replace these.
+void ExactMeshStarts::Try(const StrategyInput& input, const VectorXd& center, double depth,
+                          Random& random) {
+  const bool rigid = AllRigid(problem_.tables, input.overlaps);
+  if (!rigid && problem_.Uses(Component::kPairByPair)) {
+    const std::optional<VectorXd> q = parting_.Start(center);
+    if (q) trials_.Try(*q, Component::kPairByPair, Coarse());
+  }
+  if (problem_.Uses(Component::kConstrainedTranslation)) TryRays(input.overlaps, center);
+  const bool found = trials_.outcome().free.size() > hinted_;
+  if (!problem_.Uses(Component::kDirect) || (found && trials_.Done())) return;
+  if (trials_.Exceeds(kFar)) {
+    TryFromWithin(center, depth, random);
+  } else if (!found || !rigid) {
+    trials_.Try(center, Component::kDirect, Coarse());
+  }
+}
+
+// The nearest free poses on the translations of Eq. 20, on the way out.
+void ExactMeshStarts::TryRays(const std::vector<NearPair>& overlaps, const VectorXd& center) {
+  const std::vector<VectorXd> far = ConstrainedTranslation(work_, overlaps, center);
+  const double any_sigma = std::numeric_limits<double>::infinity();
+  for (const FreeOnRay& free : FirstFree(work_, center, far, any_sigma)) {
+    trials_.Try(free.q, Component::kConstrainedTranslation, Coarse());
+  }
+}
+
+// A nut leaves its bolt along the axis only. Its own contacts lead it out, if all of them are seen
+// and no step is longer than the overlap. A try that leads to nothing better is given up early.
+void ExactMeshStarts::TryFromWithin(const VectorXd& center, double depth, Random& random) {
+  LocalOptions patient = Coarse();
+  patient.max_iterations = kPatientSteps;
+  patient.depths = Depths::kSearched;
+  patient.largest_step = depth;
+  for (int k = 0; k < kWaysOut && trials_.Exceeds(k == 0 ? kFar : kVeryFar); ++k) {
+    if (work_.Spent()) return;
+    const VectorXd q =
+        k == 0 ? center : GaussianStart(work_, center, depth * depth, kNudge, random);
+    if (!trials_.Try(q, Component::kDirect, patient)) return;
+  }
+}
+
+// The frames of a trajectory drag the answer along, in the end far from the nearest. Where only
+// free bodies move and nothing else has, √σ is a metric: the nearest is no nearer than the frame
+// last searched had it, less what q_in has moved since.
+bool ExactMeshStarts::Follows(const EffortPlan& plan) {
+  const SceneTables& tables = problem_.tables;
+  bool near = plan.follows && problem_.options.trajectory && searched_ && trials_.HasFree() &&
+              frames_followed_ < kFramesFollowed && searched_->mocap == problem_.mocap &&
+              WithMovable(tables, searched_->q_in, problem_.q_in) == problem_.q_in &&
+              std::all_of(
+                  tables.joints.begin(), tables.joints.end(),
+                  [](const JointEntry& joint) { return joint.type == mjJNT_FREE; });
+  if (near) {
+    const double least = searched_->rms - std::sqrt(work_.norm.Sigma(searched_->q_in));
+    near = std::sqrt(trials_.BestSigma()) < kFollowed * least;
+  }
+  if (near) ++frames_followed_;
+  return near;
+}
+
+void ExactMeshStarts::FrameSearched(double best_sigma) {
+  searched_.reset();
+  frames_followed_ = 0;
+  if (!problem_.options.trajectory || !std::isfinite(best_sigma)) return;
+  searched_ = {problem_.q_in, problem_.mocap, std::sqrt(best_sigma)};
+}
+
+}  // namespace mjcf_pdg

@@ -1,0 +1,72 @@
+#include "search/trials.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace mjcf_pdg {
+namespace {
+
+constexpr double kGiveUp = 1.15;  // a start whose prediction is this ratio worse in σ is dropped
+
+}  // namespace
+
+LocalOptions Coarse() {
+  LocalOptions options;
+  options.max_iterations = 40;
+  options.convergence = 1e-3;
+  return options;
+}
+
+void Trials::Begin(const EffortPlan& plan, const StrategyInput& input, double depth, bool exact) {
+  outcome_.Clear();
+  rule_.Begin(plan, input, depth, exact);
+}
+
+bool Trials::Try(const VectorXd& q, Component start, const LocalOptions& options) {
+  if (Spent() && outcome_.starts > 0) return false;
+  ++outcome_.starts;
+  LocalOptions bounded = options;
+  if (HasFree() && problem_.Uses(Component::kEarlyExit)) {
+    bounded.give_up_sigma = kGiveUp * BestSigma();
+    bounded.known = &Best();
+    bounded.known_sigma = BestSigma();
+  }
+  const LocalResult result = local_.Run(q, bounded);
+  outcome_.iterations += result.iterations;
+  rule_.Count(result, start, BestSigma());
+  if (result.free && !HasFree()) rule_.FirstFree(local_.lcp_steps());
+  Keep(result, start);
+  return !result.hopeless;
+}
+
+void Trials::Keep(const LocalResult& result, Component start) {
+  if (result.free) {
+    outcome_.free.Insert(result.q, result.sigma, start);
+  } else if (!outcome_.has_overlap || result.violation < outcome_.least_violation) {
+    outcome_.has_overlap = true;
+    outcome_.least_violation = result.violation;
+    outcome_.least_overlap.q = result.q;
+    outcome_.least_overlap.sigma = result.sigma;
+    outcome_.least_overlap.start = start;
+  }
+}
+
+bool Trials::Polish(Candidate& candidate) {
+  LocalResult polished = local_.Run(candidate.q, LocalOptions::Polishing());
+  outcome_.iterations += polished.iterations;
+  const bool nearer = polished.free && polished.sigma < candidate.sigma;
+  if (nearer) {
+    candidate.q = std::move(polished.q);
+    candidate.sigma = polished.sigma;
+  }
+  return nearer;
+}
+
+bool Trials::Retreat(const Candidate& candidate, VectorXd& q) {
+  LocalResult retreated = local_.Run(candidate.q, LocalOptions::Retreating());
+  outcome_.iterations += retreated.iterations;
+  q = std::move(retreated.q);
+  return retreated.free;
+}
+
+}  // namespace mjcf_pdg

@@ -1,0 +1,58 @@
+// The trials of one search: each start goes through local optimization, and what is free joins the
+// candidates. No start is trusted; the best free answer wins.
+#ifndef MJCF_PDG_SRC_SEARCH_TRIALS_H_
+#define MJCF_PDG_SRC_SEARCH_TRIALS_H_
+
+#include <cstdint>
+#include <limits>
+
+#include "optimize/local_optimization.h"
+#include "problem/strategy.h"
+#include "problem/workspace.h"
+#include "search/stopping_rule.h"
+
+namespace mjcf_pdg {
+
+class Trials {
+ public:
+  explicit Trials(Workspace& work)
+      : problem_(work.problem()), work_(work), rule_(work), local_(work) {}
+
+  void Begin(const EffortPlan& plan, const StrategyInput& input, double depth, bool exact);
+
+  // Descends from q. False if that was given up because it led to nothing better.
+  bool Try(const VectorXd& q, Component start, const LocalOptions& options);
+  // The same to full precision, for a candidate: true if it became nearer.
+  bool Polish(Candidate& candidate);
+  bool Retreat(const Candidate& candidate, VectorXd& q);
+
+  bool HasFree() const { return !outcome_.free.empty(); }
+  const VectorXd& Best() const { return outcome_.free.front().q; }  // HasFree
+  double BestSigma() const {
+    return HasFree() ? outcome_.free.front().sigma : std::numeric_limits<double>::infinity();
+  }
+  bool Done() const { return HasFree() && rule_.Done(BestSigma(), local_.lcp_steps()); }
+  bool Exceeds(double depths) const { return rule_.Exceeds(depths, BestSigma()); }
+  // The budget of the whole solve is spent.
+  bool Spent() const { return work_.Spent(); }
+  void RenewQueries() { rule_.RenewQueries(); }
+
+  Outcome& outcome() { return outcome_; }
+  std::int64_t lcp_steps() const { return local_.lcp_steps(); }
+
+ private:
+  void Keep(const LocalResult& result, Component start);
+
+  const Problem& problem_;
+  Workspace& work_;
+  StoppingRule rule_;
+  LocalOptimization local_;
+  Outcome outcome_;
+};
+
+// For starts: whether one leads to something better shows early, full precision is for the best.
+LocalOptions Coarse();
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_SEARCH_TRIALS_H_

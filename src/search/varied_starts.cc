@@ -1,0 +1,100 @@
+#include "search/varied_starts.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mjcf_pdg {
+namespace {
+
+// Spreads of the noisy starts, in turn, since how far the nearest answer's basin reaches is not
+// known [√σ of the best answer].
+constexpr double kNoise[] = {5.0, 2.0, 3.0, 8.0};
+constexpr double kWiderWhenBlind = 0.5;  // while nothing is free the scale is a guess: per try more
+constexpr double kLeastNoise = 0.01;     // √σ that noise assumes at least [size]
+constexpr Hop kHops[] = {Hop::kFromBest, Hop::kFromInput, Hop::kMirrored};
+constexpr int kHopEvery = 3;     // of the varied starts every third is a hop
+constexpr double kRayEnd = 4.0;  // a ray ends so many times as far as its start
+// A ray is left where its first free configuration would cost more than so many times the best σ.
+constexpr double kWorthADescent = 5.0;
+
+}  // namespace
+
+void VariedStarts::Begin(const EffortPlan& plan, const VectorXd& center, bool on_rays) {
+  plan_ = plan;
+  center_ = center;
+  on_rays_ = on_rays;
+  random_ = Random(problem_.options.seed);
+}
+
+void VariedStarts::TryMirror() {
+  TryOnRay(MirroredStart(work_, trials_.Best()), Component::kMirror);
+}
+
+// The hop comes early: noisy starts agree on a wrong answer sooner than it finds a better one.
+void VariedStarts::TryUntilDone() {
+  const bool noise = problem_.Uses(Component::kNoise), hops = problem_.Uses(Component::kHop);
+  for (int k = 0; !trials_.Done() && !work_.Spent(); ++k) {
+    if (hops && trials_.HasFree() && (k % kHopEvery == 1 || !noise)) {
+      TryHop(kHops[(noise ? k / kHopEvery : k) % 3]);
+    } else {
+      if (!noise) return;
+      const double widened = trials_.HasFree() ? 1.0 : 1.0 + kWiderWhenBlind * k;
+      TryNoise(widened * kNoise[k % 4]);
+    }
+    if (!trials_.HasFree() && k + 1 == plan_.blind) return;
+  }
+}
+
+void VariedStarts::TryNoise(double spread) {
+  double sigma = trials_.BestSigma();
+  if (!trials_.HasFree()) {
+    const double least = kLeastNoise * problem_.size;
+    sigma = trials_.outcome().has_overlap
+                ? std::max(trials_.outcome().least_overlap.sigma, least * least)
+                : problem_.size * problem_.size;
+  }
+  TryOnRay(GaussianStart(work_, center_, sigma, spread, random_), Component::kNoise);
+}
+
+void VariedStarts::TryHop(Hop hop) {
+  const VectorXd best = trials_.Best();
+  TryOnRay(ContactHop(work_, best, trials_.BestSigma(), hop, random_), Component::kHop);
+}
+
+void VariedStarts::TryOnRay(const VectorXd& q, Component start) {
+  if (!on_rays_) {
+    trials_.Try(q, start, Coarse());
+    return;
+  }
+  const VectorXd far = Beyond(work_, center_, q, kRayEnd);
+  const double largest_sigma = kWorthADescent * trials_.BestSigma();
+  for (const FreeOnRay& free : FirstFree(work_, center_, {far}, largest_sigma)) {
+    trials_.Try(free.q, start, Coarse());
+  }
+}
+
+// The paper's way: a pose that may be free goes through contact-space projection and iteration, for
+// motions that no local step from q_in can find; local optimization finishes, or tries if it is
+// not.
+void VariedStarts::TryFreePose(const VectorXd& q_f, Component start) {
+  if (work_.Spent() && trials_.outcome().starts > 0) return;
+  const IterationResult result = iteration_.Run(q_f);
+  trials_.outcome().iterations += result.iterations;
+  trials_.Try(result.q, start, LocalOptions{});
+}
+
+void VariedStarts::TryTranslations(const std::vector<NearPair>& overlaps) {
+  for (const VectorXd& q_f : ConstrainedTranslation(work_, overlaps, problem_.q_in)) {
+    TryFreePose(q_f, Component::kConstrainedTranslation);
+    if (trials_.HasFree()) return;
+  }
+}
+
+void VariedStarts::TryAnywhere() {
+  for (int k = 0; k < plan_.blind && !trials_.HasFree() && !work_.Spent(); ++k) {
+    trials_.Try(UniformStart(work_, center_, random_), Component::kAnywhere, LocalOptions{});
+  }
+  if (trials_.HasFree()) TryFreePose(VectorXd(trials_.Best()), Component::kAnywhere);
+}
+
+}  // namespace mjcf_pdg

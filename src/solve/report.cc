@@ -1,0 +1,110 @@
+#include "solve/report.h"
+
+#include <algorithm>
+
+#include "solve/inseparable.h"
+
+namespace mjcf_pdg {
+namespace {
+
+void Assign(const VectorXd& q, std::vector<double>& out) {
+  out.assign(q.data(), q.data() + q.size());
+}
+
+// Long enough for every Result::start, so that warm results do not allocate.
+constexpr std::size_t kLongestStart = 32;
+
+}  // namespace
+
+void Reporter::Clear(Result& result) {
+  result.status = Status::kUnsolved;
+  result.cause = Cause::kNone;
+  result.sigma = result.sigma_lower_bound = 0.0;
+  result.depth_in = result.min_distance = result.limit_excess_in = 0.0;
+  result.certified = false;
+  result.start.reserve(kLongestStart);
+  result.start.clear();
+  result.reason.clear();
+  result.contacts_in.clear();
+  result.contacts.clear();
+  result.stats = {};
+}
+
+bool Reporter::Input(const std::vector<double>& q_in, Result& result) {
+  const Depths depths = Reports() ? Depths::kMeasured : Depths::kSkipped;
+  const Verdict& verdict = verifier_.Check(q_in, &q_in, depths);
+  result.depth_in = verdict.min_distance;
+  result.limit_excess_in = verdict.limit_excess;
+  if (problem_.options.report_contacts) result.contacts_in = verdict.contacts;
+  if (!verdict.free) return false;
+  result.status = Status::kAlreadyFree;
+  result.q = q_in;
+  result.start = NameOf(Component::kNone);
+  Answer(verdict, result);
+  return true;
+}
+
+void Reporter::Solved(const std::vector<double>& q_in, const std::vector<double>& q,
+                      Component start, Result& result) {
+  result.status = Status::kSolved;
+  result.q = q;
+  result.sigma = work_.norm.Sigma(ToEigen(q));
+  result.start = NameOf(start);
+  Answer(Reports() ? verifier_.Check(q, &q_in) : verifier_.verdict(), result);
+}
+
+void Reporter::Answer(const Verdict& verdict, Result& result) const {
+  result.min_distance = verdict.min_distance;
+  result.certified = verdict.certified;
+  if (problem_.options.report_contacts) result.contacts = verdict.contacts;
+}
+
+void Reporter::Unsolved(const std::vector<double>& q_in, const Outcome* outcome, bool frozen,
+                        Result& result) {
+  VectorXd inside = problem_.q_in;
+  TurnInsideLimits(problem_.tables, inside);
+  const Candidate* candidate = nullptr;
+  if (outcome && !outcome->free.empty()) {  // but for the verifier
+    candidate = &outcome->free.front();
+  } else if (outcome && outcome->has_overlap) {
+    candidate = &outcome->least_overlap;
+  }
+  Assign(candidate ? candidate->q : inside, result.q);
+  result.start = NameOf(candidate ? candidate->start : Component::kNone);
+  Verdict verdict = verifier_.Check(result.q, &q_in);
+  if (candidate && verdict.min_distance < result.depth_in) {
+    std::vector<double> q_inside;
+    Assign(inside, q_inside);
+    const Verdict& at_start = verifier_.Check(q_inside, &q_in);
+    if (at_start.min_distance > verdict.min_distance) {
+      verdict = at_start;
+      result.q = q_inside;
+      result.start = NameOf(Component::kNone);
+    }
+  }
+  result.status = Status::kUnsolved;
+  result.sigma = work_.norm.Sigma(ToEigen(result.q));
+  Answer(verdict, result);
+  SayWhy(outcome, frozen, verdict, result);
+}
+
+void Reporter::SayWhy(const Outcome* outcome, bool frozen, const Verdict& verdict, Result& result) {
+  const std::string inseparable = DescribeInseparable(work_, ToEigen(result.q));
+  const bool spent = work_.Spent();
+  if (frozen) {
+    result.cause = Cause::kFrozen;
+  } else if (!inseparable.empty()) {
+    result.cause = Cause::kPermanent;
+  } else if (spent) {
+    result.cause = Cause::kBudget;
+  } else {
+    result.cause = outcome && !outcome->free.empty() ? Cause::kNotVerified : Cause::kNotFound;
+  }
+  if (spent)
+    result.reason = problem_.options.time_limit < 1e9 ? "time limit reached; " : "budget spent; ";
+  result.reason += "no free configuration found from " +
+                   std::to_string(outcome ? outcome->starts : 0) + " starts: " + verdict.reason +
+                   inseparable;
+}
+
+}  // namespace mjcf_pdg
