@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "start/selection.h"
-
 namespace mjcf_pdg {
 namespace {
 
@@ -46,6 +44,7 @@ std::vector<VectorXd> ConfigurationCache::NearestFirst(Problem& problem) const {
 FreeConfigurationSelection::FreeConfigurationSelection(Problem& problem)
     : problem_(problem),
       perturbation_(problem),
+      starts_(problem),
       free_(kCacheSize),
       self_collision_free_(kCacheSize),
       random_(0) {}
@@ -144,7 +143,8 @@ std::optional<VectorXd> FreeConfigurationSelection::MaximallyClear() {
     Selected clearest;
     double largest = 0.0;
     for (int k = 0; k < kClearSamples && !problem_.Expired(); ++k) {
-      const VectorXd q = GaussianStart(problem_, problem_.q_in, reach * reach, 1.0, random_);
+      VectorXd q;
+      starts_.Gaussian(problem_.q_in, reach * reach, 1.0, random_, q);
       if (!problem_.Free(q)) continue;
       const double clearance = Clearance(q, reach);
       if (clearest && clearance <= largest) continue;
@@ -163,7 +163,7 @@ bool FreeConfigurationSelection::IsRigid() const {
 }
 
 std::optional<VectorXd> FreeConfigurationSelection::FirstFree(
-    const std::vector<VectorXd>& configurations) {
+    std::span<const VectorXd> configurations) {
   for (const VectorXd& q : configurations) {
     if (LimitExcess(problem_.tables, q) == 0.0 && problem_.Free(q)) return q;
   }
@@ -176,7 +176,7 @@ std::optional<VectorXd> FreeConfigurationSelection::TranslateFrom(VectorXd q) {
   ClampToLimits(problem_.tables, q);
   for (int k = 0; k < kTranslations; ++k) {
     if (problem_.Free(q)) return q;
-    const std::vector<VectorXd> candidates = ConstrainedTranslation(problem_, Overlaps(q), q);
+    const auto candidates = starts_.ConstrainedTranslation(Overlaps(q), q);
     if (candidates.empty()) return std::nullopt;
     if (Selected translated = FirstFree(candidates)) return translated;
     q = candidates.front();

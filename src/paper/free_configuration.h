@@ -15,12 +15,14 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "base/random.h"
 #include "paper/successive_perturbation.h"
 #include "problem/problem.h"
+#include "start/selection.h"
 
 namespace mjcf_pdg {
 
@@ -83,7 +85,7 @@ class FreeConfigurationSelection {
   Selected MaximallyClear();
 
   bool IsRigid() const;  // one link, free to go anywhere
-  Selected FirstFree(const std::vector<VectorXd>& configurations);
+  Selected FirstFree(std::span<const VectorXd> configurations);
   Selected TranslateFrom(VectorXd q);
   std::vector<NearPair> Overlaps(const VectorXd& q);
   std::vector<VectorXd> UserPoses();
@@ -93,6 +95,7 @@ class FreeConfigurationSelection {
 
   Problem& problem_;
   SuccessivePerturbation perturbation_;
+  StartSelection starts_;
   ConfigurationCache free_, self_collision_free_;
   std::optional<VectorXd> hint_;
   Random random_;

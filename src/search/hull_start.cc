@@ -19,6 +19,7 @@ struct HullStart::Hulls {
 
   const SceneTables tables;
   Problem problem;
+  LowerBound bound;
   Search search;
 };
 
@@ -38,7 +39,7 @@ std::optional<VectorXd> HullStart::Start() {
   problem.finder.SetMocap(problem.mocap);
   problem.finder.Forget();
   const std::vector<NearPair> overlaps = problem.OverlapsAtInput();
-  problem.sigma_lower_bound = SigmaLowerBound(problem, overlaps);
+  problem.sigma_lower_bound = hulls_->bound.Sigma(problem, overlaps);
   SearchOutcome outcome = hulls_->search.Run(overlaps, std::nullopt);
   if (outcome.free.empty()) return std::nullopt;
   return std::move(outcome.free.front().q);

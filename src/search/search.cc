@@ -73,6 +73,7 @@ Search::Search(Problem& problem)
       iteration_(problem),
       hulls_(problem),
       parting_(problem),
+      starts_(problem),
       random_(0) {}
 
 Search::Plan Search::PlanFor(Effort effort) {
@@ -171,7 +172,7 @@ void Search::TryFreePose(const VectorXd& q_f, const std::string& start) {
 }
 
 void Search::TryTranslations(const std::vector<NearPair>& overlaps) {
-  for (const VectorXd& q_f : ConstrainedTranslation(problem_, overlaps, problem_.q_in)) {
+  for (const VectorXd& q_f : starts_.ConstrainedTranslation(overlaps, problem_.q_in)) {
     TryFreePose(q_f, kTranslation);
     if (HasFree()) return;
   }
@@ -179,8 +180,8 @@ void Search::TryTranslations(const std::vector<NearPair>& overlaps) {
 
 // Exact meshes: the nearest free poses on the translations of Eq. 20, on the way out.
 void Search::TryRays(const std::vector<NearPair>& overlaps) {
-  const std::vector<VectorXd> far = ConstrainedTranslation(problem_, overlaps, center_);
-  for (const FreeOnRay& free : FirstFree(problem_, center_, far, kInfinity)) {
+  const std::span<const VectorXd> far = starts_.ConstrainedTranslation(overlaps, center_);
+  for (const FreeOnRay& free : starts_.FirstFree(center_, far, kInfinity)) {
     Try(free.q, kTranslation, Coarse());
   }
 }
@@ -211,8 +212,8 @@ void Search::TryOnRay(const VectorXd& q, const std::string& start) {
     Try(q, start, Coarse());
     return;
   }
-  const VectorXd far = Beyond(problem_, center_, q, kFarthest);
-  for (const FreeOnRay& free : FirstFree(problem_, center_, {far}, kWorthARun * BestSigma())) {
+  starts_.Beyond(center_, q, kFarthest, far_);
+  for (const FreeOnRay& free : starts_.FirstFree(center_, {&far_, 1}, kWorthARun * BestSigma())) {
     Try(free.q, start, Coarse());
   }
 }
@@ -240,18 +241,20 @@ void Search::TryNoise(double spread) {
     sigma = std::max(outcome_.least_overlap.sigma, 1e-6);
     if (!std::isfinite(sigma)) sigma = problem_.size * problem_.size;
   }
-  TryOnRay(GaussianStart(problem_, center_, sigma, spread, random_), kNoiseStart);
+  starts_.Gaussian(center_, sigma, spread, random_, start_);
+  TryOnRay(start_, kNoiseStart);
 }
 
 void Search::TryHop(Hop hop) {
-  const VectorXd best = outcome_.free.front().q;
-  TryOnRay(ContactHop(problem_, best, BestSigma(), hop, random_), kHop);
+  starts_.ContactHop(outcome_.free.front().q, BestSigma(), hop, random_, start_);
+  TryOnRay(start_, kHop);
 }
 
 // Nothing near q_in worked: anywhere inside the limits, and home from there.
 void Search::TryAnywhere(const Plan& plan) {
   for (int k = 0; k < plan.blind && !HasFree() && !problem_.Expired(); ++k) {
-    Try(UniformStart(problem_, center_, random_), kAnywhereStart, LocalOptions{});
+    starts_.Uniform(center_, random_, start_);
+    Try(start_, kAnywhereStart, LocalOptions{});
   }
   if (!HasFree()) return;
   TryFreePose(outcome_.free.front().q, kAnywhereStart);
@@ -290,9 +293,9 @@ void Search::TryFromWithin() {
   patient.depths = Depths::kSearched;
   patient.largest_step = depth_;
   for (int k = 0; k < kWaysOut && Exceeds(k == 0 ? kFar : kVeryFar) && !problem_.Expired(); ++k) {
-    const VectorXd q =
-        k == 0 ? center_ : GaussianStart(problem_, center_, depth_ * depth_, kNudge, random_);
-    if (!Try(q, kDirect, patient)) return;
+    start_ = center_;
+    if (k > 0) starts_.Gaussian(center_, depth_ * depth_, kNudge, random_, start_);
+    if (!Try(start_, kDirect, patient)) return;
   }
 }
 
@@ -326,7 +329,8 @@ SearchOutcome Search::Run(const std::vector<NearPair>& overlaps,
     if (hint) Try(hint->q, hint->start, LocalOptions{});
   }
   if (HasFree() && !Done(plan) && problem_.Uses(kMirror)) {
-    TryOnRay(MirroredStart(problem_, outcome_.free.front().q), kMirror);
+    starts_.Mirrored(outcome_.free.front().q, start_);
+    TryOnRay(start_, kMirror);
   }
   TryVaried(plan);
   if (!HasFree()) {

@@ -88,15 +88,17 @@ class Search {
   ContactSpaceIteration iteration_;
   HullStart hulls_;
   PairByPair parting_;
+  StartSelection starts_;
   Random random_;
   SearchOutcome outcome_;
   int agreeing_ = 0;  // independent starts that ended at the best candidate, or at its door
   std::int64_t first_query_ = 0, first_box_test_ = 0;  // the finder's counts as the search begins
   // ... and as the first answer is free.
   std::int64_t free_query_ = 0, free_distance_ = 0, free_lcp_step_ = 0;
-  VectorXd center_;     // q_in inside its limits
-  bool exact_ = false;  // some exact mesh overlaps
-  double depth_ = 0.0;  // that q_in must be parted by [m]
+  VectorXd start_, far_;  // scratch
+  VectorXd center_;       // q_in inside its limits
+  bool exact_ = false;    // some exact mesh overlaps
+  double depth_ = 0.0;    // that q_in must be parted by [m]
   // The last frame that was searched and solved.
   struct Searched {
     VectorXd q_in;

@@ -28,11 +28,13 @@ std::vector<int> OverlappingPairs(Problem& problem, const VectorXd& q) {
 
 std::vector<int> InseparablePairs(Problem& problem, const VectorXd& q) {
   Random random(problem.options.seed);
+  StartSelection starts(problem);
+  VectorXd start;
   std::vector<int> pairs = OverlappingPairs(problem, q);
   for (int k = 0; k < kTried && !pairs.empty(); ++k) {
     if (problem.Expired()) return {};
-    const std::vector<int> here =
-        OverlappingPairs(problem, UniformStart(problem, problem.q_in, random));
+    starts.Uniform(problem.q_in, random, start);
+    const std::vector<int> here = OverlappingPairs(problem, start);
     std::erase_if(
         pairs, [&here](int pair) { return !std::binary_search(here.begin(), here.end(), pair); });
   }

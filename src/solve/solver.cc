@@ -66,6 +66,7 @@ struct Solver::Impl {
       : scene(s),
         options(o),
         problem(scene.tables(), options),
+        starts(problem),
         search(problem),
         paper(problem),
         verifier(scene.tables(), options) {
@@ -95,6 +96,8 @@ struct Solver::Impl {
   Scene scene;
   Options options;
   Problem problem;
+  LowerBound bound;
+  StartSelection starts;
   Search search;
   PaperMethod paper;
   Verifier verifier;
@@ -193,7 +196,8 @@ bool Solver::Impl::AcceptBest(SearchOutcome& outcome, const std::vector<double>&
     outcome.iterations += retreated.iterations;
     if (retreated.free && Accept({retreated.q, 0.0, candidate.start}, q_in, result)) return true;
     for (double beyond = kFirstBeyond; beyond < kLastBeyond; beyond *= 2.0) {
-      const VectorXd q = Beyond(problem, problem.q_in, candidate.q, 1.0 + beyond);
+      VectorXd q;
+      starts.Beyond(problem.q_in, candidate.q, 1.0 + beyond, q);
       if (Accept({q, 0.0, candidate.start}, q_in, result)) return true;
     }
   }
@@ -246,7 +250,7 @@ void Solver::Impl::Repair(const std::vector<double>& q_in, std::optional<VectorX
                           Result& result) {
   const std::vector<NearPair> overlaps = problem.OverlapsAtInput();
   DeepenContactsIn(overlaps, result);
-  problem.sigma_lower_bound = SigmaLowerBound(problem, overlaps);
+  problem.sigma_lower_bound = bound.Sigma(problem, overlaps);
   result.sigma_lower_bound = problem.sigma_lower_bound;
   SearchOutcome outcome;
   if (SomeMove(overlaps)) outcome = Run(overlaps, std::move(hint));
@@ -281,8 +285,8 @@ double Solver::Impl::NearestExact(double least) {
   }
   std::sort(order.begin(), order.end());
   NearPair near;
-  for (const auto& [bound, pair] : order) {
-    if (bound < least && problem.finder.Distance(pair, least, near)) least = near.distance;
+  for (const auto& [nearest, pair] : order) {
+    if (nearest < least && problem.finder.Distance(pair, least, near)) least = near.distance;
   }
   return least;
 }

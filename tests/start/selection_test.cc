@@ -26,7 +26,23 @@ struct Selector {
       if (near.distance < 0.0) overlaps.push_back(near);
     }
     EXPECT_FALSE(overlaps.empty());
-    return ConstrainedTranslation(problem, overlaps, problem.q_in);
+    const auto found = starts.ConstrainedTranslation(overlaps, problem.q_in);
+    return {found.begin(), found.end()};
+  }
+  VectorXd Mirrored(const VectorXd& q) {
+    VectorXd start;
+    starts.Mirrored(q, start);
+    return start;
+  }
+  VectorXd Gaussian(const VectorXd& center, double sigma, double spread, mjcf_pdg::Random& noise) {
+    VectorXd start;
+    starts.Gaussian(center, sigma, spread, noise, start);
+    return start;
+  }
+  VectorXd ContactHop(const VectorXd& best, double sigma, Hop hop, mjcf_pdg::Random& noise) {
+    VectorXd start;
+    starts.ContactHop(best, sigma, hop, noise, start);
+    return start;
   }
   double Nearest(const VectorXd& q) {  // at most 10 m
     problem.finder.Pose(q);
@@ -38,6 +54,7 @@ struct Selector {
   Scene scene;
   Options options;
   Problem problem;
+  StartSelection starts{problem};
 };
 
 std::string World(const std::string& inside) {
@@ -176,7 +193,7 @@ TEST_F(SelectionTest, TheMirroredStartIsAsFarOnTheOtherSide) {
       const VectorXd dq = 0.5 * rng.Normals(p.scene.dof()).cwiseMin(2.0).cwiseMax(-2.0);
       Integrate(p.scene.tables(), p.problem.q_in, dq, q);
       Difference(p.scene.tables(), p.problem.q_in, q, there);
-      const VectorXd mirrored = MirroredStart(p.problem, q);
+      const VectorXd mirrored = p.Mirrored(q);
       Difference(p.scene.tables(), p.problem.q_in, mirrored, back);
       EXPECT_LT((there + back).norm(), 1e-9);
       EXPECT_GT(there.norm(), 0.1);
@@ -195,8 +212,8 @@ TEST_F(SelectionTest, MirroredAndNoisyStartsStayInsideTheLimits) {
       p.problem.q_in = RandomConfiguration(p.scene, rng);
       p.problem.norm.SetReference(p.problem.q_in);
       const VectorXd q = RandomConfiguration(p.scene, rng);
-      EXPECT_LE(LimitExcess(tables, MirroredStart(p.problem, q)), 1e-12);
-      const VectorXd start = GaussianStart(p.problem, q, 0.1, 12.0, noise);
+      EXPECT_LE(LimitExcess(tables, p.Mirrored(q)), 1e-12);
+      const VectorXd start = p.Gaussian(q, 0.1, 12.0, noise);
       EXPECT_LE(LimitExcess(tables, start), 1e-12);
       for (const JointEntry& joint : tables.joints) {
         if (!joint.limited || joint.type == mjJNT_BALL) continue;
@@ -220,7 +237,7 @@ TEST_F(SelectionTest, NoiseIsAsLargeAsAskedInObjectNormUnits) {
     double sum = 0.0;
     int moved = 0;
     for (int k = 0; k < 2000; ++k) {
-      const VectorXd q = GaussianStart(p.problem, p.problem.q_in, 0.04, spread, noise);
+      const VectorXd q = p.Gaussian(p.problem.q_in, 0.04, spread, noise);
       sum += p.problem.norm.Sigma(q);
       for (int i = 0; i < 3; ++i) moved += q[i] != p.problem.q_in[i];
     }
@@ -234,7 +251,7 @@ TEST_F(SelectionTest, NoiseNeverTurnsAJointMoreThanHalfARound) {
   mjcf_pdg::Random noise(6);
   double most = 0.0;
   for (int k = 0; k < 100; ++k) {
-    const VectorXd q = GaussianStart(p.problem, p.problem.q_in, 100.0, 50.0, noise);
+    const VectorXd q = p.Gaussian(p.problem.q_in, 100.0, 50.0, noise);
     for (const JointEntry& joint : p.scene.tables().joints) {
       if (joint.type != mjJNT_HINGE) continue;
       most = std::max(most, std::abs(q[joint.qadr] - p.problem.q_in[joint.qadr]));
@@ -248,7 +265,7 @@ TEST_F(SelectionTest, TheSameSeedGivesTheSameNoise) {
   Selector p(OffCentreXml());
   auto draw = [&p](std::uint64_t seed) {
     mjcf_pdg::Random noise(seed);
-    return GaussianStart(p.problem, p.problem.q_in, 0.1, 2.0, noise);
+    return p.Gaussian(p.problem.q_in, 0.1, 2.0, noise);
   };
   EXPECT_EQ(draw(7), draw(7));
   EXPECT_NE(draw(7), draw(8));
@@ -281,7 +298,7 @@ struct Hopper : Selector {
   // The hop as a tangent at q_in.
   VectorXd Hopped(Hop hop, double sigma, mjcf_pdg::Random& noise) {
     VectorXd dq;
-    const VectorXd q = ContactHop(problem, best, sigma, hop, noise);
+    const VectorXd q = ContactHop(best, sigma, hop, noise);
     EXPECT_LE(LimitExcess(scene.tables(), q), 1e-12);
     Difference(scene.tables(), problem.q_in, q, dq);
     return dq;
@@ -309,7 +326,7 @@ TEST_F(SelectionTest, AHopLeavesFarTurnsOfOtherJointsAlone) {
   int mirrored = 0;
   for (const Hop hop : kAllHops) {
     for (int k = 0; k < 20; ++k) {
-      const VectorXd q = ContactHop(p.problem, best, 0.01, hop, noise);
+      const VectorXd q = p.ContactHop(best, 0.01, hop, noise);
       EXPECT_NEAR(q[2], 2.5, 1e-12);
       if (hop != Hop::kMirrored) continue;
       EXPECT_NEAR(std::abs(q[1]), 2.0, 1e-12);
@@ -328,7 +345,7 @@ TEST_F(SelectionTest, AHopMovesNothingButTheJointsBetweenTheBodiesOfOneContact) 
   for (const Hop hop : kAllHops) {
     int fingers = 0, ball = 0;
     for (int k = 0; k < 200; ++k) {
-      const VectorXd q = ContactHop(p.problem, p.best, 0.1, hop, noise);
+      const VectorXd q = p.ContactHop(p.best, 0.1, hop, noise);
       EXPECT_EQ(q.head<7>(), q_unchanged.head<7>()) << "the palm carries both fingers";
       EXPECT_EQ(q.tail<4>(), q_unchanged.tail<4>()) << "the bob touches nothing";
       const bool finger_moved = q.segment<2>(7) != q_unchanged.segment<2>(7);
@@ -371,7 +388,7 @@ TEST_F(SelectionTest, HopsStayInsideTheLimits) {
   int at_limit = 0;
   for (const Hop hop : kAllHops) {
     for (int k = 0; k < 100; ++k) {
-      const VectorXd q = ContactHop(p.problem, p.best, 10.0, hop, noise);
+      const VectorXd q = p.ContactHop(p.best, 10.0, hop, noise);
       EXPECT_LE(LimitExcess(p.scene.tables(), q), 1e-12);
       at_limit += std::abs(q[9]) == 0.5 || q[8] == p.scene.tables().joints[2].hi;
     }
@@ -420,7 +437,8 @@ TEST_F(SelectionTest, TheFirstFreeConfigurationsOfSeveralRaysAreTheNearestOnThem
       far.push_back(p.problem.q_in);
       far.back().head<3>() = end;
     }
-    return FirstFree(p.problem, p.problem.q_in, far, largest_sigma);
+    const auto found = p.starts.FirstFree(p.problem.q_in, far, largest_sigma);
+    return std::vector<FreeOnRay>(found.begin(), found.end());
   };
   const std::vector<Vector3d> ends = {{2, 0, 0}, {-2, 0, 0}, {0, 0, 2}, {0, 2, 0}};
   Selector p(box(".3 9 .2"));
