@@ -33,52 +33,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
-#include <utility>
-
-#include "bound/lower_bound_chain.h"
-#include "bound/lower_bound_pair.h"
+#include <numeric>
 
 namespace mjcf_pdg {
 namespace {
 
 constexpr double kLimitTolerance = 1e-6;  // joint limits count as held up to this [rad or m]
 constexpr double kRounding = 1e-9;        // of distances and depths, taken off what we claim [m]
-
-// What is proven of one pair or joint, and the movers it concerns.
-struct Claim {
-  double S = 0.0;  // [kg m²]
-  std::vector<int> movers;
-};
-
-std::optional<PairProblem> MakePair(const LowerBoundInput& in, const Chains& chains,
-                                    const NearPair& near) {
-  const KeptPair& kept = in.tables.pairs[near.pair];
-  if (!kept.has_distance || !kept.moves || kept.exact) return std::nullopt;  // convex geoms only
-  PairProblem pair;
-  pair.required = in.required[near.pair] - in.tolerance - kRounding;
-  pair.needed = pair.required - near.distance;
-  if (!(pair.needed > 0.0)) return std::nullopt;
-  const mjModel& m = *in.posed.model();
-  std::vector<int> path1 = chains.Path(m.geom_bodyid[kept.geom1]);
-  std::vector<int> path2 = chains.Path(m.geom_bodyid[kept.geom2]);
-  const auto common = std::mismatch(path1.begin(), path1.end(), path2.begin(), path2.end());
-  path1.erase(path1.begin(), common.first);
-  path2.erase(path2.begin(), common.second);
-  pair.chain[0] = chains.Along(path1);
-  pair.chain[1] = chains.Along(path2);
-  if (!Finite(pair.chain[0]) || !Finite(pair.chain[1])) return std::nullopt;
-  pair.plane = m.geom_type[kept.geom1] == mjGEOM_PLANE;
-  if (pair.plane && !pair.chain[0].empty()) return std::nullopt;
-  pair.movers = path1;
-  pair.movers.insert(pair.movers.end(), path2.begin(), path2.end());
-  pair.geom[0] = ConvexGeomOf(in.posed, *in.tables.support, kept.geom1);
-  pair.geom[1] = ConvexGeomOf(in.posed, *in.tables.support, kept.geom2);
-  pair.hope = pair.plane ? pair.RootForPlane() : pair.RootFor(near.n_W, 0.0);
-  return pair;
-}
-
-// ---- Joint limits ----
 
 // The least sin²(Δ/2) over Δ in [low, high].
 double LeastChord(double low, double high) {
@@ -102,64 +63,126 @@ double LimitS(const JointEntry& joint, const NormTerm& term, const VectorXd& q_i
   return term.mass * std::pow(low > 0.0 ? low : high, 2);
 }
 
-bool SharesMover(const std::vector<int>& a, const std::vector<int>& b) {
+bool Share(std::span<const int> a, std::span<const int> b) {
   return std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
 }
 
-// Adds up, largest first, what concerns different movers.
-double SumOfDisjoint(std::vector<Claim>& claims) {
-  std::stable_sort(claims.begin(), claims.end(),
-                   [](const Claim& a, const Claim& b) { return a.S > b.S; });
-  std::vector<int> used;
-  double sum = 0.0;
-  for (const Claim& claim : claims) {
-    if (SharesMover(claim.movers, used)) continue;
-    used.insert(used.end(), claim.movers.begin(), claim.movers.end());
-    sum += claim.S;
-  }
-  return sum;
-}
-
-// Pair by pair, the most promising first. Those that hardly raise the sum are passed over.
-void ClaimPairs(const LowerBoundInput& in, std::vector<Claim>& claims) {
-  const Chains chains(in);
-  std::vector<PairProblem> pairs;
-  for (const NearPair& near : in.overlaps) {
-    if (auto pair = MakePair(in, chains, near)) pairs.push_back(std::move(*pair));
-  }
-  std::stable_sort(pairs.begin(), pairs.end(),
-                   [](const PairProblem& a, const PairProblem& b) { return a.hope > b.hope; });
-  double floor = 0.0;  // √S
-  int cells_left = in.max_cells;
-  for (const PairProblem& pair : pairs) {
-    if (pair.hope <= floor && SharesMover(pair.movers, pairs[0].movers)) continue;
-    double root = pair.plane ? pair.hope : 0.0;
-    if (!pair.plane && pair.hope > floor && cells_left > 0) {
-      root = SearchDirections(pair, floor, cells_left);
-    }
-    const double S = pair.LeverS(root * root);
-    floor = std::max(floor, std::sqrt(S));
-    claims.push_back({S, pair.movers});
-  }
-}
-
-void ClaimLimits(const LowerBoundInput& in, std::vector<Claim>& claims) {
-  const std::vector<NormTerm>& terms = in.norm.terms();
-  for (int i = 0; i < static_cast<int>(terms.size()); ++i) {
-    if (terms[i].joint < 0) continue;
-    const double S = LimitS(in.tables.joints[terms[i].joint], terms[i], in.norm.q_in());
-    if (S > 0.0) claims.push_back({S, {i}});
-  }
+// 0 to size - 1 so that value(order[k]) falls; equal ones in their order.
+template <typename Value>
+void OrderFalling(int size, Value value, std::vector<int>& order) {
+  order.resize(size);
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](int a, int b) { return value(a) > value(b) || (value(a) == value(b) && a < b); });
 }
 
 }  // namespace
 
-double SigmaLowerBound(const LowerBoundInput& in) {
+LowerBound::LowerBound() {
+  // Room for so many overlaps that more at once are rare.
+  constexpr int kOverlaps = 64, kMoversPerOverlap = 16;
+  overlaps_.reserve(kOverlaps);
+  claims_.reserve(kOverlaps);
+  order_.reserve(kOverlaps);
+  pool_.reserve(kOverlaps * kMoversPerOverlap);
+  concerned_.reserve(kOverlaps * kMoversPerOverlap);
+  used_.reserve(kOverlaps * kMoversPerOverlap);
+}
+
+// Nothing if the pair proves nothing.
+void LowerBound::AddOverlap(const LowerBoundInput& in, const NearPair& near) {
+  const KeptPair& kept = in.tables.pairs[near.pair];
+  if (!kept.has_distance || !kept.moves || kept.exact) return;  // convex geoms only
+  Overlap& added = overlaps_.emplace_back();
+  PairProblem& pair = added.problem;
+  pair.required = in.required[near.pair] - in.tolerance - kRounding;
+  pair.needed = pair.required - near.distance;
+  const mjModel& m = *in.posed.model();
+  pair.plane = m.geom_type[kept.geom1] == mjGEOM_PLANE;
+  chains_.Path(m.geom_bodyid[kept.geom1], path1_);
+  chains_.Path(m.geom_bodyid[kept.geom2], path2_);
+  const auto common = std::mismatch(path1_.begin(), path1_.end(), path2_.begin(), path2_.end());
+  const std::span<const int> own1(common.first, path1_.end()), own2(common.second, path2_.end());
+  pair.pool = &pool_;
+  pair.first[0] = static_cast<int>(pool_.size());
+  chains_.AppendAlong(own1, pool_);
+  pair.first[1] = static_cast<int>(pool_.size());
+  chains_.AppendAlong(own2, pool_);
+  pair.first[2] = static_cast<int>(pool_.size());
+  const bool proves = pair.needed > 0.0 && Finite(pair.ChainOf(0)) && Finite(pair.ChainOf(1)) &&
+                      !(pair.plane && !own1.empty());
+  if (!proves) {
+    pool_.resize(pair.first[0]);
+    overlaps_.pop_back();
+    return;
+  }
+  added.movers.begin = static_cast<int>(concerned_.size());
+  for (const std::span<const int> own : {own1, own2}) {
+    concerned_.insert(concerned_.end(), own.begin(), own.end());
+  }
+  added.movers.end = static_cast<int>(concerned_.size());
+  pair.geom[0].Fill(in.posed, *in.tables.support, kept.geom1);
+  pair.geom[1].Fill(in.posed, *in.tables.support, kept.geom2);
+  pair.hope = pair.plane ? pair.RootForPlane() : pair.RootFor(near.n_W, 0.0);
+}
+
+// Pair by pair, the most promising first. Those that hardly raise the sum are passed over.
+void LowerBound::ClaimOverlaps(const LowerBoundInput& in) {
+  chains_.Fill(in);
+  for (const NearPair& near : in.overlaps) AddOverlap(in, near);
+  OrderFalling(
+      static_cast<int>(overlaps_.size()), [this](int k) { return overlaps_[k].problem.hope; },
+      order_);
+  double floor = 0.0;  // √S
+  int cells_left = in.max_cells;
+  for (const int k : order_) {
+    const auto& [pair, movers] = overlaps_[k];
+    if (pair.hope <= floor && Share(In(movers), In(overlaps_[order_[0]].movers))) continue;
+    double root = pair.plane ? pair.hope : 0.0;
+    if (!pair.plane && pair.hope > floor && cells_left > 0) {
+      root = SearchDirections(pair, floor, cells_left, heap_);
+    }
+    const double S = pair.LeverS(root * root);
+    floor = std::max(floor, std::sqrt(S));
+    claims_.push_back({S, movers});
+  }
+}
+
+void LowerBound::ClaimLimits(const LowerBoundInput& in) {
+  const std::vector<NormTerm>& terms = in.norm.terms();
+  for (int i = 0; i < static_cast<int>(terms.size()); ++i) {
+    if (terms[i].joint < 0) continue;
+    const double S = LimitS(in.tables.joints[terms[i].joint], terms[i], in.norm.q_in());
+    if (!(S > 0.0)) continue;
+    const int at = static_cast<int>(concerned_.size());
+    concerned_.push_back(i);
+    claims_.push_back({S, {at, at + 1}});
+  }
+}
+
+// Adds up, largest first, what concerns different movers.
+double LowerBound::SumOfDisjoint() {
+  OrderFalling(static_cast<int>(claims_.size()), [this](int k) { return claims_[k].S; }, order_);
+  used_.clear();
+  double sum = 0.0;
+  for (const int k : order_) {
+    const std::span<const int> movers = In(claims_[k].movers);
+    if (Share(movers, used_)) continue;
+    used_.insert(used_.end(), movers.begin(), movers.end());
+    sum += claims_[k].S;
+  }
+  return sum;
+}
+
+double LowerBound::Sigma(const LowerBoundInput& in) {
   if (!(in.norm.total_mass() > 0.0)) return 0.0;
-  std::vector<Claim> claims;
-  ClaimPairs(in, claims);
-  if (in.metric == Metric::kSequential) ClaimLimits(in, claims);
-  return SumOfDisjoint(claims) / in.norm.total_mass();
+  pool_.clear();
+  overlaps_.clear();
+  claims_.clear();
+  concerned_.clear();
+  ClaimOverlaps(in);
+  if (in.metric == Metric::kSequential) ClaimLimits(in);
+  return SumOfDisjoint() / in.norm.total_mass();
 }
 
 }  // namespace mjcf_pdg

@@ -5,38 +5,63 @@
 #ifndef MJCF_PDG_SRC_BOUND_LOWER_BOUND_H_
 #define MJCF_PDG_SRC_BOUND_LOWER_BOUND_H_
 
+#include <span>
 #include <vector>
 
-#include "collide/contacts.h"
-#include "model/kinematics.h"
-#include "norm/norm_evaluator.h"
+#include "bound/lower_bound_chain.h"
+#include "bound/lower_bound_input.h"
+#include "bound/lower_bound_pair.h"
 #include "problem/workspace.h"
 
 namespace mjcf_pdg {
 
-struct LowerBoundInput {
-  const SceneTables& tables;
-  const NormEvaluator& norm;  // reference q_in
-  const PosedModel& posed;    // posed at q_in
-  // At q_in. A pair left out costs tightness, never truth; pairs that are free already are skipped.
-  const std::vector<NearPair>& overlaps;
-  const VectorXd& required;  // per kept pair: smallest distance that counts as free [m]
-  Metric metric = Metric::kSequential;
-  double tolerance = 1e-6;  // overlap beyond `required` that still counts as free [m]
-  int max_cells = 200;      // effort: pieces of the sphere of directions; 0: levers alone
+// Keeps its memory between calls.
+class LowerBound {
+ public:
+  LowerBound();
+
+  // A lower bound of σ over all free configurations [m²], >= 0.
+  double Sigma(const LowerBoundInput& input);
+
+  // The same for the workspace's problem; its finder is posed at q_in. `cells`: as max_cells.
+  double Sigma(const Workspace& work, const std::vector<NearPair>& overlaps, int cells) {
+    const Problem& problem = work.problem();
+    return Sigma({problem.tables, work.norm, work.finder.posed(), overlaps, problem.required,
+                  problem.options.metric, problem.options.tolerance, cells});
+  }
+
+ private:
+  // A part of concerned_.
+  struct Range {
+    int begin = 0, end = 0;
+  };
+  struct Overlap {
+    PairProblem problem;
+    Range movers;  // of both chains
+  };
+  // What is proven of one pair or joint, and the movers it concerns.
+  struct Claim {
+    double S = 0.0;  // [kg m²]
+    Range movers;
+  };
+
+  void AddOverlap(const LowerBoundInput& in, const NearPair& near);
+  void ClaimOverlaps(const LowerBoundInput& in);
+  void ClaimLimits(const LowerBoundInput& in);
+  double SumOfDisjoint();
+  std::span<const int> In(Range range) const {
+    return std::span(concerned_).subspan(range.begin, range.end - range.begin);
+  }
+
+  Chains chains_;
+  MoverPool pool_;  // of the chains of all overlaps
+  std::vector<Overlap> overlaps_;
+  std::vector<Claim> claims_;
+  std::vector<int> concerned_;      // movers, range after range
+  std::vector<int> path1_, path2_;  // of the bodies of one pair
+  std::vector<int> order_, used_;
+  std::vector<DirectionCell> heap_;
 };
-
-// A lower bound of σ over all free configurations [m²], >= 0.
-double SigmaLowerBound(const LowerBoundInput& input);
-
-// The same for the workspace's problem; its finder is posed at q_in. `cells`: as max_cells.
-inline double SigmaLowerBound(const Workspace& work, const std::vector<NearPair>& overlaps,
-                              int cells) {
-  const Problem& problem = work.problem();
-  return SigmaLowerBound({problem.tables, work.norm, work.finder.posed(), overlaps,
-                          problem.required, problem.options.metric, problem.options.tolerance,
-                          cells});
-}
 
 }  // namespace mjcf_pdg
 

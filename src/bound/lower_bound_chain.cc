@@ -50,36 +50,42 @@ double ReachSquared(const Mover& mover, const Vector3d& x, double radius) {
   return mover.slide * mover.slide + turn * turn;
 }
 
-bool Finite(const Chain& chain) {
+bool Finite(Chain chain) {
   return std::all_of(chain.begin(), chain.end(), [](const Mover& mover) {
     return std::isfinite(mover.slide) && std::isfinite(mover.turn);
   });
 }
 
-Chains::Chains(const LowerBoundInput& in) : in_(in), m_(*in.posed.model()) {
+void Chains::Fill(const LowerBoundInput& in) {
+  in_ = &in;
+  m_ = in.posed.model();
+  movers_.clear();
   for (const NormTerm& term : in.norm.terms()) movers_.push_back(MoverOf(term));
   if (in.metric == Metric::kDisplacement) MergeRigidPieces();
 }
 
-std::vector<int> Chains::Path(int body) const {
-  if (!in_.tables.body_moves[body]) return {};
-  if (in_.metric == Metric::kDisplacement) return {Piece(body)};
-  return JointPath(body);
+void Chains::Path(int body, std::vector<int>& path) {
+  path.clear();
+  if (!in_->tables.body_moves[body]) return;
+  if (in_->metric == Metric::kDisplacement) {
+    path.push_back(Piece(body));
+  } else {
+    JointPath(body, path);
+  }
 }
 
-Chain Chains::Along(const std::vector<int>& path) const {
-  Chain chain;
+void Chains::AppendAlong(std::span<const int> path, MoverPool& pool) const {
+  const std::size_t begin = pool.size();
   for (const int i : path) {
     const Mover& mover = movers_[i];
-    if (!chain.empty() && mover.turn == 0.0 && chain.back().turn == 0.0) {
-      chain.back().T += mover.T;
-      const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(chain.back().T);
-      chain.back().slide = std::sqrt(eigen.eigenvalues()[2]);
+    if (pool.size() > begin && mover.turn == 0.0 && pool.back().turn == 0.0) {
+      pool.back().T += mover.T;
+      const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(pool.back().T);
+      pool.back().slide = std::sqrt(eigen.eigenvalues()[2]);
     } else {
-      chain.push_back(mover);
+      pool.push_back(mover);
     }
   }
-  return chain;
 }
 
 Mover Chains::MoverOf(const NormTerm& term) const {
@@ -87,9 +93,9 @@ Mover Chains::MoverOf(const NormTerm& term) const {
   if (term.kind == Kind::kFree || term.kind == Kind::kBodyPose) {
     return PoseMover(term.mass, term.com_W, term.inertia_W);
   }
-  const int id = in_.tables.joints[term.joint].id;
-  const Vector3d anchor = AsVector(in_.posed.data()->xanchor + 3 * id);
-  const Vector3d axis = AsVector(in_.posed.data()->xaxis + 3 * id);
+  const int id = in_->tables.joints[term.joint].id;
+  const Vector3d anchor = AsVector(in_->posed.data()->xanchor + 3 * id);
+  const Vector3d axis = AsVector(in_->posed.data()->xaxis + 3 * id);
   Mover mover;
   if (term.kind == Kind::kBall) {
     mover = PoseMover(term.mass, anchor, term.inertia_W);
@@ -107,19 +113,19 @@ Mover Chains::MoverOf(const NormTerm& term) const {
 }
 
 int Chains::Piece(int body) const {
-  while (body != 0 && !HasJoint(body)) body = m_.body_parentid[body];
+  while (body != 0 && !HasJoint(body)) body = m_->body_parentid[body];
   return body;
 }
 
 bool Chains::HasJoint(int body) const {
-  return std::any_of(in_.tables.joints.begin(), in_.tables.joints.end(),
+  return std::any_of(in_->tables.joints.begin(), in_->tables.joints.end(),
                      [body](const JointEntry& joint) { return joint.body == body; });
 }
 
 void Chains::MergeRigidPieces() {
-  std::vector<NormTerm> pieces(m_.nbody);
-  for (const NormTerm& term : in_.norm.terms()) {
-    NormTerm& piece = pieces[Piece(term.body)];
+  pieces_.assign(m_->nbody, NormTerm());
+  for (const NormTerm& term : in_->norm.terms()) {
+    NormTerm& piece = pieces_[Piece(term.body)];
     const double mass = piece.mass + term.mass;
     const Vector3d com = (piece.mass * piece.com_W + term.mass * term.com_W) / mass;
     const Matrix3d s1 = Skew(piece.com_W - com), s2 = Skew(term.com_W - com);
@@ -128,42 +134,40 @@ void Chains::MergeRigidPieces() {
     piece.com_W = com;
   }
   movers_.clear();
-  for (const NormTerm& piece : pieces) {
+  for (const NormTerm& piece : pieces_) {
     movers_.push_back(PoseMover(piece.mass, piece.com_W, piece.inertia_W));
   }
 }
 
-std::vector<int> Chains::JointPath(int body) const {
-  const int root = in_.tables.root_body;
+void Chains::JointPath(int body, std::vector<int>& path) {
+  const int root = in_->tables.root_body;
   const int root_term = RootTerm();  // none if the root link is its tree's top body
-  const bool rerooted = root_term >= 0 && m_.body_treeid[body] == m_.body_treeid[root];
-  std::vector<int> above;  // bodies from `body` up
-  for (int b = body; b != 0; b = m_.body_parentid[b]) above.push_back(b);
-  std::vector<int> path;
+  const bool rerooted = root_term >= 0 && m_->body_treeid[body] == m_->body_treeid[root];
+  above_.clear();
+  for (int b = body; b != 0; b = m_->body_parentid[b]) above_.push_back(b);
   if (rerooted) {
     path.push_back(root_term);
     int b = root;
-    for (; std::find(above.begin(), above.end(), b) == above.end(); b = m_.body_parentid[b]) {
+    for (; std::find(above_.begin(), above_.end(), b) == above_.end(); b = m_->body_parentid[b]) {
       AppendJoints(b, true, path);
     }
-    while (above.back() != b) above.pop_back();
-    above.pop_back();
+    while (above_.back() != b) above_.pop_back();
+    above_.pop_back();
   }
-  for (auto it = above.rbegin(); it != above.rend(); ++it) AppendJoints(*it, false, path);
-  return path;
+  for (auto it = above_.rbegin(); it != above_.rend(); ++it) AppendJoints(*it, false, path);
 }
 
 void Chains::AppendJoints(int body, bool reversed, std::vector<int>& path) const {
   const std::size_t begin = path.size();
-  const std::vector<NormTerm>& terms = in_.norm.terms();
+  const std::vector<NormTerm>& terms = in_->norm.terms();
   for (int i = 0; i < static_cast<int>(terms.size()); ++i) {
-    if (terms[i].joint >= 0 && in_.tables.joints[terms[i].joint].body == body) path.push_back(i);
+    if (terms[i].joint >= 0 && in_->tables.joints[terms[i].joint].body == body) path.push_back(i);
   }
   if (reversed) std::reverse(path.begin() + static_cast<std::ptrdiff_t>(begin), path.end());
 }
 
 int Chains::RootTerm() const {
-  const std::vector<NormTerm>& terms = in_.norm.terms();
+  const std::vector<NormTerm>& terms = in_->norm.terms();
   for (int i = 0; i < static_cast<int>(terms.size()); ++i) {
     if (terms[i].kind == NormTerm::Kind::kBodyPose) return i;
   }

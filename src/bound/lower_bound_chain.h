@@ -4,9 +4,10 @@
 #ifndef MJCF_PDG_SRC_BOUND_LOWER_BOUND_CHAIN_H_
 #define MJCF_PDG_SRC_BOUND_LOWER_BOUND_CHAIN_H_
 
+#include <span>
 #include <vector>
 
-#include "bound/lower_bound.h"
+#include "bound/lower_bound_input.h"
 #include "model/kinematics.h"
 #include "norm/norm_evaluator.h"
 
@@ -21,8 +22,10 @@ struct Mover {
   double slide = 0.0;  // √λmax(T): farthest slide per √S
   double turn = 0.0;   // √λmax(C): largest |w| per √S
 };
+// The movers of one or more chains, one chain after the other.
+using MoverPool = std::vector<Mover>;
 // Base to terminal.
-using Chain = std::vector<Mover>;
+using Chain = std::span<const Mover>;
 
 // [r] C [r]ᵀ of the point x.
 Matrix3d TurnCompliance(const Mover& mover, const Vector3d& x);
@@ -31,19 +34,20 @@ Matrix3d TurnCompliance(const Mover& mover, const Vector3d& x);
 double ReachSquared(const Mover& mover, const Vector3d& x, double radius);
 
 // False if something in the chain moves for free: then nothing is proven.
-bool Finite(const Chain& chain);
+bool Finite(Chain chain);
 
-// All movers of a scene at q_in. `in` must outlive this object.
+// All movers of a scene at q_in.
 class Chains {
  public:
-  explicit Chains(const LowerBoundInput& in);
+  // `in` must stay while paths are asked for.
+  void Fill(const LowerBoundInput& in);
 
   // Indices of the movers between the world, or the root link, and a body, base to terminal.
-  std::vector<int> Path(int body) const;
+  void Path(int body, std::vector<int>& path);
 
-  // The movers of (a part of) a path. Consecutive slides become one mover: no rotation lies between
-  // them.
-  Chain Along(const std::vector<int>& path) const;
+  // Appends the movers of (a part of) a path. Consecutive slides become one mover: no rotation lies
+  // between them.
+  void AppendAlong(std::span<const int> path, MoverPool& pool) const;
 
  private:
   Mover MoverOf(const NormTerm& term) const;
@@ -53,13 +57,15 @@ class Chains {
   // The displacement metric of bodies that are welded together is that of one rigid body.
   void MergeRigidPieces();
   // Joints of the bodies on the way.
-  std::vector<int> JointPath(int body) const;
+  void JointPath(int body, std::vector<int>& path);
   void AppendJoints(int body, bool reversed, std::vector<int>& path) const;
   int RootTerm() const;  // -1: none
 
-  const LowerBoundInput& in_;
-  const mjModel& m_;
-  std::vector<Mover> movers_;  // per term of the norm; per body for the displacement metric
+  const LowerBoundInput* in_ = nullptr;
+  const mjModel* m_ = nullptr;
+  std::vector<Mover> movers_;     // per term of the norm; per body for the displacement metric
+  std::vector<NormTerm> pieces_;  // scratch: per body
+  std::vector<int> above_;        // scratch: bodies on the way up
 };
 
 }  // namespace mjcf_pdg

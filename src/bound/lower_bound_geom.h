@@ -6,7 +6,8 @@
 
 #include <mujoco/mujoco.h>
 
-#include <vector>
+#include <array>
+#include <span>
 
 #include "collide/convex/support_points.h"
 #include "model/kinematics.h"
@@ -20,17 +21,30 @@ struct ConvexGeom {
   double core_radius = 0.0;  // by which it exceeds its support points [m]
   Vector3d center;
   Matrix3d R;
-  // The geom is the hull of the points, grown by the radius; a round geom is inside that.
-  std::vector<Vector3d> points;
+  // The geom is the hull of its points, grown by the radius; a round geom is inside that.
   double radius = 0.0;
   bool round = false;  // a cylinder or ellipsoid, whose points are not its own
 
+  // Any geom with a signed distance; of a plane, nothing but center and R is of use.
+  void Fill(const PosedModel& posed, const SupportPoints& support_points, int geom_id);
+
+  int num_points() const { return num_points_; }
+  Vector3d Point(int k) const {
+    return center + R * (hull_.empty() ? points_G_[k] : hull_[k].cast<double>());
+  }
   // The geom's farthest point along n.
   Vector3d Support(const Vector3d& n) const;
-};
 
-// Any geom with a signed distance; of a plane, nothing but center and R is of use.
-ConvexGeom ConvexGeomOf(const PosedModel& posed, const SupportPoints& support, int geom);
+ private:
+  static constexpr int kSides = 12;  // of a prism about a cylinder
+
+  void AddPoint(double x, double y, double z) { points_G_[num_points_++] = Vector3d(x, y, z); }
+
+  // In the geom's frame: a mesh's are those of the hull, the others' a few of our own.
+  std::span<const Eigen::Vector3f> hull_;
+  std::array<Vector3d, 2 * kSides> points_G_;
+  int num_points_ = 0;
+};
 
 }  // namespace mjcf_pdg
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <queue>
 
 namespace mjcf_pdg {
 namespace {
@@ -18,10 +17,11 @@ double LambdaMax(const Matrix3d& A) {
 }
 
 // g²: the maximum over the geom of Σ_j ρ_j², or some value beyond `enough`.
-double LeverSquared(const Chain& chain, const ConvexGeom& geom, double enough) {
+double LeverSquared(Chain chain, const ConvexGeom& geom, double enough) {
   double most = 0.0;
   if (chain.empty()) return most;
-  for (const Vector3d& p : geom.points) {
+  for (int k = 0; k < geom.num_points(); ++k) {
+    const Vector3d p = geom.Point(k);
     double sum = 0.0;
     for (const Mover& mover : chain) sum += ReachSquared(mover, p, geom.radius);
     most = std::max(most, sum);
@@ -32,7 +32,7 @@ double LeverSquared(const Chain& chain, const ConvexGeom& geom, double enough) {
 
 // At least the largest eigenvalue of the quadratic form that holds what (2) leaves out, for point x
 // and the unit vectors within eps of n; n points the way in which x is to move.
-double Kappa(const Chain& chain, const Vector3d& x, const Vector3d& n, double eps) {
+double Kappa(Chain chain, const Vector3d& x, const Vector3d& n, double eps) {
   const int k = static_cast<int>(chain.size());
   if (k == 0) return 0.0;
   constexpr int kStack = 64;
@@ -67,36 +67,13 @@ double Kappa(const Chain& chain, const Vector3d& x, const Vector3d& n, double ep
   return best;
 }
 
-// A piece of a cube's face seen from its centre, as a part of the sphere of directions.
-struct Cell {
-  double root = 0.0;  // √S proven for all directions in it
-  int face = 0;
-  double u = 0.0, v = 0.0, half = 1.0;
-
-  Vector3d Direction(double du, double dv) const {
-    Vector3d n;
-    n[face % 3] = face < 3 ? 1.0 : -1.0;
-    n[(face + 1) % 3] = u + du * half;
-    n[(face + 2) % 3] = v + dv * half;
-    return n.normalized();
-  }
-  double Radius(const Vector3d& n) const {
-    double least = 1.0;
-    for (const double du : {-1.0, 1.0}) {
-      for (const double dv : {-1.0, 1.0}) least = std::min(least, n.dot(Direction(du, dv)));
-    }
-    return std::acos(least) + 1e-12;
-  }
-  bool operator<(const Cell& other) const { return root > other.root; }  // least on top of a heap
-};
-
 }  // namespace
 
 double PairProblem::LeverS(double floor) const {
   if (!(needed > 0.0)) return floor;
   const double enough = floor > 0.0 ? needed * needed / floor : kInfinity;
-  double g = LeverSquared(chain[0], geom[0], enough);
-  g += LeverSquared(chain[1], geom[1], enough - g);
+  double g = LeverSquared(ChainOf(0), geom[0], enough);
+  g += LeverSquared(ChainOf(1), geom[1], enough - g);
   return g > 0.0 ? std::max(floor, needed * needed / g) : floor;
 }
 
@@ -107,12 +84,12 @@ double PairProblem::RootAt(const Vector3d& a, const Vector3d& b, const Vector3d&
   const double t = required + std::min(along, along * std::cos(eps)) - across * std::sin(eps);
   if (!(t > 0.0)) return floor;
   Matrix3d G = Matrix3d::Zero();
-  for (const Mover& mover : chain[0]) G += mover.T + TurnCompliance(mover, a);
-  for (const Mover& mover : chain[1]) G += mover.T + TurnCompliance(mover, b);
+  for (const Mover& mover : ChainOf(0)) G += mover.T + TurnCompliance(mover, a);
+  for (const Mover& mover : ChainOf(1)) G += mover.T + TurnCompliance(mover, b);
   double gamma = std::sqrt(std::max(0.0, n.dot(G * n)));
   if (eps > 0.0) gamma += std::sin(eps) * std::sqrt(LambdaMax(G));
   if (t <= floor * gamma) return floor;
-  const double kappa = std::max(Kappa(chain[0], a, -n, eps), Kappa(chain[1], b, n, eps));
+  const double kappa = std::max(Kappa(ChainOf(0), a, -n, eps), Kappa(ChainOf(1), b, n, eps));
   const double divisor = gamma + std::sqrt(gamma * gamma + 4.0 * kappa * t);
   if (!(divisor > 0.0)) return kInfinity;  // nothing moves it that way
   return std::max(floor, 2.0 * t / divisor);
@@ -155,18 +132,36 @@ double PairProblem::RootForPlane() const {
   };
   look_at(geom[1].Support(-n));
   if (geom[1].round) return best;
-  for (const Vector3d& p : geom[1].points) look_at(p - geom[1].radius * n);
+  for (int k = 0; k < geom[1].num_points(); ++k) look_at(geom[1].Point(k) - geom[1].radius * n);
   return best;
 }
 
-double SearchDirections(const PairProblem& pair, double floor, int& cells_left) {
-  std::priority_queue<Cell> heap;
+Vector3d DirectionCell::Direction(double du, double dv) const {
+  Vector3d n;
+  n[face % 3] = face < 3 ? 1.0 : -1.0;
+  n[(face + 1) % 3] = u + du * half;
+  n[(face + 2) % 3] = v + dv * half;
+  return n.normalized();
+}
+
+double DirectionCell::Radius(const Vector3d& n) const {
+  double least = 1.0;
+  for (const double du : {-1.0, 1.0}) {
+    for (const double dv : {-1.0, 1.0}) least = std::min(least, n.dot(Direction(du, dv)));
+  }
+  return std::acos(least) + 1e-12;
+}
+
+double SearchDirections(const PairProblem& pair, double floor, int& cells_left,
+                        std::vector<DirectionCell>& heap) {
+  heap.clear();
   double reachable = pair.hope;  // nothing above this will be proven
-  auto push = [&](Cell cell) {
+  auto push = [&](DirectionCell cell) {
     const Vector3d n = cell.Direction(0, 0);
     cell.root = pair.RootFor(n, cell.Radius(n), cell.root);
     reachable = std::min(reachable, pair.RootFor(n, 0.0));
-    heap.push(cell);
+    heap.push_back(cell);
+    std::push_heap(heap.begin(), heap.end());
     --cells_left;
   };
   for (int face = 0; face < 6; ++face) {
@@ -174,9 +169,10 @@ double SearchDirections(const PairProblem& pair, double floor, int& cells_left) 
       for (const int v : {-1, 0, 1}) push({0.0, face, u * 2.0 / 3.0, v * 2.0 / 3.0, 1.0 / 3.0});
     }
   }
-  while (cells_left > 0 && reachable > floor && heap.top().root < kGoodEnough * reachable) {
-    const Cell cell = heap.top();
-    heap.pop();
+  while (cells_left > 0 && reachable > floor && heap.front().root < kGoodEnough * reachable) {
+    const DirectionCell cell = heap.front();
+    std::pop_heap(heap.begin(), heap.end());
+    heap.pop_back();
     for (const double du : {-0.5, 0.5}) {
       for (const double dv : {-0.5, 0.5}) {
         push({cell.root, cell.face, cell.u + du * cell.half, cell.v + dv * cell.half,
@@ -184,7 +180,7 @@ double SearchDirections(const PairProblem& pair, double floor, int& cells_left) 
       }
     }
   }
-  return heap.top().root;
+  return heap.front().root;
 }
 
 }  // namespace mjcf_pdg

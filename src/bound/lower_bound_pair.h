@@ -13,13 +13,17 @@
 namespace mjcf_pdg {
 
 struct PairProblem {
-  std::array<Chain, 2> chain;  // what carries geom 1 and geom 2 relative to each other; all finite
+  // What carries geom 1 and geom 2 relative to each other, all finite: first[i] to first[i + 1] of
+  // the pool.
+  const MoverPool* pool = nullptr;
+  std::array<int, 3> first = {};
   std::array<ConvexGeom, 2> geom;
-  double required = 0.0;    // ρ [m]
-  double needed = 0.0;      // ρ - d [m]
-  bool plane = false;       // geom 1 is a plane that does not move relative to geom 2's base
-  std::vector<int> movers;  // of both chains
-  double hope = 0.0;        // √S along one direction: more will not be proven, levers aside
+  double required = 0.0;  // ρ [m]
+  double needed = 0.0;    // ρ - d [m]
+  bool plane = false;     // geom 1 is a plane that does not move relative to geom 2's base
+  double hope = 0.0;      // √S along one direction: more will not be proven, levers aside
+
+  Chain ChainOf(int i) const { return std::span(*pool).subspan(first[i], first[i + 1] - first[i]); }
 
   // By levers, S; `floor` if that is more.
   double LeverS(double floor) const;
@@ -35,9 +39,23 @@ struct PairProblem {
                 double floor) const;
 };
 
+// A piece of a cube's face seen from its centre, as a part of the sphere of directions.
+struct DirectionCell {
+  double root = 0.0;  // √S proven for all directions in it
+  int face = 0;
+  double u = 0.0, v = 0.0, half = 1.0;
+
+  Vector3d Direction(double du, double dv) const;
+  double Radius(const Vector3d& n) const;
+  bool operator<(const DirectionCell& other) const {
+    return root > other.root;
+  }  // heap: least on top
+};
+
 // √S for all directions, by branch and bound. Gives up once the pair cannot beat `floor` (√S) or no
-// cells are left.
-double SearchDirections(const PairProblem& pair, double floor, int& cells_left);
+// cells are left. `heap` is scratch.
+double SearchDirections(const PairProblem& pair, double floor, int& cells_left,
+                        std::vector<DirectionCell>& heap);
 
 }  // namespace mjcf_pdg
 

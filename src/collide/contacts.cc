@@ -51,7 +51,7 @@ ContactFinder::ContactFinder(const SceneTables& tables, double clearance)
       exact_(tables, clearance),
       convex_(tables),
       centers_W_(tables.body_spheres.size()) {
-  near_.reserve(64);
+  near_.reserve(tables.pairs.size());
 }
 
 const std::vector<NearPair>& ContactFinder::Find(double margin, Depths depths) {

@@ -36,7 +36,7 @@ class ContactFinder {
   explicit ContactFinder(const SceneTables& tables, double clearance = 0.0);
 
   void SetMocap(const MocapPoses& poses) { posed_.SetMocap(poses); }
-  void Pose(const VectorXd& q) { posed_.Pose(q); }
+  void Pose(const Eigen::Ref<const VectorXd>& q) { posed_.Pose(q); }
   const PosedModel& posed() const { return posed_; }
   // What follows does not depend on the queries before ...
   void Forget() {

@@ -90,7 +90,8 @@ class ComponentBoxes {
 
 // Points of the solid just under some of its triangles, so that a neighbour that touches there does
 // not have them on its surface.
-std::vector<Vector3d> PointsInside(const Eigen::Matrix3Xd& vertices, const MeshComponent& component) {
+std::vector<Vector3d> PointsInside(const Eigen::Matrix3Xd& vertices,
+                                   const MeshComponent& component) {
   constexpr double kDepth = 1e-5;  // of the triangle's size
   constexpr Index kMost = 16;
   const double inwards = component.volume < 0.0 ? 1.0 : -1.0;

@@ -48,12 +48,16 @@ void Difference(const SceneTables& tables, const VectorXd& from, const VectorXd&
   }
 }
 
-VectorXd WithMovable(const SceneTables& tables, const VectorXd& base, const VectorXd& pose) {
-  VectorXd q = base;
+void SetMovable(const SceneTables& tables, const VectorXd& pose, VectorXd& q) {
   for (const JointEntry& joint : tables.joints) {
     q.segment(joint.qadr, QposEntries(joint)) = pose.segment(joint.qadr, QposEntries(joint));
     if (Rotates3d(joint)) mju_normalize4(q.data() + QuatAddress(joint));
   }
+}
+
+VectorXd WithMovable(const SceneTables& tables, const VectorXd& base, const VectorXd& pose) {
+  VectorXd q = base;
+  SetMovable(tables, pose, q);
   return q;
 }
 
@@ -132,25 +136,26 @@ void PosedModel::SetMocap(const MocapPoses& poses) {
   if (!poses.quat.empty()) mju_copy(data_->mocap_quat, poses.quat.data(), 4 * model_->nmocap);
 }
 
-void PosedModel::Pose(const VectorXd& q) {
+void PosedModel::Pose(const Eigen::Ref<const VectorXd>& q) {
   mju_copy(data_->qpos, q.data(), static_cast<int>(q.size()));
   mj_kinematics(model_, data_.get());
   mj_comPos(model_, data_.get());
 }
 
-void BodyJacobians(const SceneTables& tables, const PosedModel& posed, int body,
-                   const Vector3d& p_W, MatrixXd& jac_p, MatrixXd& jac_r) {
-  using RowMajor = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
+void BodyJacobians::Fill(const SceneTables& tables, const PosedModel& posed, int body,
+                         const Vector3d& p_W) {
   const int nv = static_cast<int>(posed.model()->nv);
-  RowMajor full_p(3, nv), full_r(3, nv);
-  mj_jac(posed.model(), posed.data(), full_p.data(), full_r.data(), p_W.data(), body);
-  jac_p.resize(3, tables.n);
-  jac_r.resize(3, tables.n);
+  point_of_all_.resize(3, nv);
+  rotation_of_all_.resize(3, nv);
+  mj_jac(posed.model(), posed.data(), point_of_all_.data(), rotation_of_all_.data(), p_W.data(),
+         body);
+  point.resize(3, tables.n);
+  rotation.resize(3, tables.n);
   for (int dof = 0; dof < nv; ++dof) {
     const int col = tables.column_of_dof[dof];
     if (col < 0) continue;
-    jac_p.col(col) = full_p.col(dof);
-    jac_r.col(col) = full_r.col(dof);
+    point.col(col) = point_of_all_.col(dof);
+    rotation.col(col) = rotation_of_all_.col(dof);
   }
 }
 

@@ -26,6 +26,8 @@ void Integrate(const SceneTables& tables, const VectorXd& q, const VectorXd& dq,
 // dq = to ⊖ from: from ⊕ dq = to, rotations the short way round. Frozen joints are not compared.
 void Difference(const SceneTables& tables, const VectorXd& from, const VectorXd& to, VectorXd& dq);
 
+// The movable joints of q become those of `pose`, their quaternions normalized.
+void SetMovable(const SceneTables& tables, const VectorXd& pose, VectorXd& q);
 // `base` with the movable joints as in `pose`, those quaternions normalized.
 VectorXd WithMovable(const SceneTables& tables, const VectorXd& base, const VectorXd& pose);
 inline VectorXd Normalized(const SceneTables& tables, const VectorXd& q) {
@@ -62,7 +64,7 @@ class PosedModel {
 
   void SetMocap(const MocapPoses& poses);
   // Kinematics of the whole model at q, motion axes of all dofs (cdof) included.
-  void Pose(const VectorXd& q);
+  void Pose(const Eigen::Ref<const VectorXd>& q);
 
   const mjModel* model() const { return model_; }
   mjData* data() { return data_.get(); }
@@ -76,9 +78,16 @@ class PosedModel {
   std::unique_ptr<mjData, Deleter> data_;
 };
 
-// Jacobians (3 × n each) of the point p_W fixed to `body` and of the body's rotation, world axes.
-void BodyJacobians(const SceneTables& tables, const PosedModel& posed, int body,
-                   const Vector3d& p_W, MatrixXd& jac_p, MatrixXd& jac_r);
+// Jacobians of a point fixed to a body and of the body's rotation, world axes. Keeps its memory.
+struct BodyJacobians {
+  MatrixXd point, rotation;  // 3 × n each
+
+  void Fill(const SceneTables& tables, const PosedModel& posed, int body, const Vector3d& p_W);
+
+ private:
+  using AllDofs = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;  // 3 × nv
+  AllDofs point_of_all_, rotation_of_all_;
+};
 
 // Where the rotation of a ball or a free joint begins, in qpos and in dq.
 inline int QuatAddress(const JointEntry& joint) {

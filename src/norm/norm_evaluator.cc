@@ -69,11 +69,21 @@ struct NormEvaluator::Piece {
 };
 
 NormEvaluator::NormEvaluator(const SceneTables& tables, Metric metric)
-    : tables_(tables), metric_(metric), posed_(&tables.query_model) {
+    : tables_(tables),
+      metric_(metric),
+      posed_(&tables.query_model),
+      all_moving_(Moving(tables.body_moves)) {
   if (NeedsPose()) {
     blocks_.push_back({0, tables.n});
   } else {
     for (const JointEntry& joint : tables.joints) blocks_.push_back({joint.col, joint.ndof});
+  }
+  if (metric_ == Metric::kDisplacement) {
+    ListDisplacements();
+  } else if (tables_.root_body >= 0) {
+    ListWithRoot(tables_.root_body);
+  } else {
+    ListSequential();
   }
 }
 
@@ -83,30 +93,28 @@ void NormEvaluator::SetReference(const VectorXd& q_in, const MocapPoses& mocap) 
   posed_.Pose(q_in);
   terms_.clear();
   rows_ = 0;
-  total_mass_ = RigidPiece(tables_.body_moves).mass;
+  total_mass_ = RigidPiece(all_moving_).mass;
   scale_ = 1.0 / std::sqrt(total_mass_);
-  if (metric_ == Metric::kDisplacement) {
-    AddDisplacementTerms();
-  } else if (tables_.root_body >= 0) {
-    AddRootTerms(tables_.root_body);
-  } else {
-    AddSequentialTerms();
+  for (const Moved& moved : moved_) {
+    if (moved.joint >= 0) {
+      AddTerm(JointTerm(moved.joint, moved.bodies));
+    } else if (metric_ != Metric::kDisplacement || tables_.model->body_mass[moved.body] > 0.0) {
+      AddTerm(PoseTerm(moved.body, moved.bodies));
+    }
   }
 }
 
-// The marked bodies that can move, as one rigid piece at q_in.
-NormEvaluator::Piece NormEvaluator::RigidPiece(const std::vector<char>& bodies) const {
+// Bodies as one rigid piece at q_in.
+NormEvaluator::Piece NormEvaluator::RigidPiece(const std::vector<int>& bodies) const {
   const mjModel& m = *posed_.model();
   const mjData& d = *posed_.data();
   Piece piece;
-  for (int b = 1; b < m.nbody; ++b) {
-    if (!bodies[b] || !tables_.body_moves[b]) continue;
+  for (const int b : bodies) {
     piece.mass += m.body_mass[b];
     piece.com_W += m.body_mass[b] * AsVector(d.xipos + 3 * b);
   }
   if (piece.mass > 0.0) piece.com_W /= piece.mass;
-  for (int b = 1; b < m.nbody; ++b) {
-    if (!bodies[b] || !tables_.body_moves[b]) continue;
+  for (const int b : bodies) {
     const Matrix3d R = AsMatrix(d.ximat + 9 * b);
     const Matrix3d s = Skew(AsVector(d.xipos + 3 * b) - piece.com_W);
     piece.inertia_W += R * AsVector(m.body_inertia + 3 * b).asDiagonal() * R.transpose();
@@ -123,6 +131,15 @@ std::vector<char> NormEvaluator::Outboard(int body) const {
   return outboard;
 }
 
+// The marked bodies that can move.
+std::vector<int> NormEvaluator::Moving(const std::vector<char>& marked) const {
+  std::vector<int> bodies;
+  for (int b = 1; b < tables_.model->nbody; ++b) {
+    if (marked[b] && tables_.body_moves[b]) bodies.push_back(b);
+  }
+  return bodies;
+}
+
 void NormEvaluator::AddTerm(NormTerm term) {
   term.row = rows_;
   rows_ += TermRows(term.kind);
@@ -131,7 +148,7 @@ void NormEvaluator::AddTerm(NormTerm term) {
 }
 
 // Eq. 14-18 for one joint and the bodies it moves.
-NormTerm NormEvaluator::JointTerm(int joint_index, const std::vector<char>& bodies) const {
+NormTerm NormEvaluator::JointTerm(int joint_index, const std::vector<int>& bodies) const {
   const JointEntry& joint = tables_.joints[joint_index];
   const mjData& d = *posed_.data();
   if (joint.type == mjJNT_FREE) {
@@ -157,7 +174,7 @@ NormTerm NormEvaluator::JointTerm(int joint_index, const std::vector<char>& bodi
 }
 
 // Eq. 1 for bodies carried rigidly by the pose of `body`.
-NormTerm NormEvaluator::PoseTerm(int body, const std::vector<char>& bodies) const {
+NormTerm NormEvaluator::PoseTerm(int body, const std::vector<int>& bodies) const {
   const mjData& d = *posed_.data();
   const Piece piece = RigidPiece(bodies);
   NormTerm term;
@@ -171,40 +188,34 @@ NormTerm NormEvaluator::PoseTerm(int body, const std::vector<char>& bodies) cons
   return term;
 }
 
-void NormEvaluator::AddSequentialTerms() {
+void NormEvaluator::ListSequential() {
   for (int i = 0; i < static_cast<int>(tables_.joints.size()); ++i) {
-    AddTerm(JointTerm(i, Outboard(tables_.joints[i].body)));
+    moved_.push_back({.joint = i, .bodies = Moving(Outboard(tables_.joints[i].body))});
   }
 }
 
 // Another root link: its pose moves the whole tree; a joint on the path to it moves the other side.
-void NormEvaluator::AddRootTerms(int root_body) {
+void NormEvaluator::ListWithRoot(int root_body) {
   const mjModel& m = *tables_.model;
   const int top = TopBody(m, root_body);
-  if (root_body == top) return AddSequentialTerms();
+  if (root_body == top) return ListSequential();
   const std::vector<char> tree = Outboard(top);
   std::vector<char> on_path(m.nbody, 0);
   for (int b = root_body; b != 0; b = m.body_parentid[b]) on_path[b] = 1;
-  AddTerm(PoseTerm(root_body, tree));
+  moved_.push_back({.body = root_body, .bodies = Moving(tree)});
   for (int i = 0; i < static_cast<int>(tables_.joints.size()); ++i) {
     const int body = tables_.joints[i].body;
     if (body == top) continue;
-    std::vector<char> moved = Outboard(body);
+    std::vector<char> outboard = Outboard(body);
     if (on_path[body]) {
-      for (int b = 0; b < m.nbody; ++b) moved[b] = tree[b] && !moved[b];
+      for (int b = 0; b < m.nbody; ++b) outboard[b] = tree[b] && !outboard[b];
     }
-    AddTerm(JointTerm(i, moved));
+    moved_.push_back({.joint = i, .bodies = Moving(outboard)});
   }
 }
 
-void NormEvaluator::AddDisplacementTerms() {
-  const mjModel& m = *tables_.model;
-  for (int b = 1; b < m.nbody; ++b) {
-    if (!tables_.body_moves[b] || m.body_mass[b] == 0.0) continue;
-    std::vector<char> alone(m.nbody, 0);
-    alone[b] = 1;
-    AddTerm(PoseTerm(b, alone));
-  }
+void NormEvaluator::ListDisplacements() {
+  for (const int b : all_moving_) moved_.push_back({.body = b, .bodies = {b}});
 }
 
 bool NormEvaluator::NeedsPose() const {
@@ -296,11 +307,12 @@ void NormEvaluator::FillBodyPose(const NormTerm& term, VectorXd& r, MatrixXd* J)
   r.segment<3>(term.row) = weight * (com_W - term.com_W);
   r.segment<3>(term.row + 3) = scale_ * 2.0 * term.sqrt_inertia_W * (term.R_in * p.vec());
   if (!J) return;
-  BodyJacobians(tables_, posed_, term.body, com_W, jac_com_, jac_rot_);
+  jacobians_.Fill(tables_, posed_, term.body, com_W);
   // World-axes rotations here: w = Rᵀ ω.
   const Matrix3d dQ = QuatVectorJacobian(term.R_in, p) * R.transpose();
-  J->middleRows<3>(term.row) = weight * jac_com_;
-  J->middleRows<3>(term.row + 3) = scale_ * 2.0 * term.sqrt_inertia_W * dQ * jac_rot_;
+  J->middleRows<3>(term.row) = weight * jacobians_.point;
+  const Matrix3d turn = scale_ * 2.0 * term.sqrt_inertia_W * dQ;
+  J->middleRows<3>(term.row + 3).noalias() = turn * jacobians_.rotation;
 }
 
 void NormEvaluator::InnerProduct(const MatrixXd& J, MatrixXd& H) const {

@@ -64,14 +64,21 @@ class NormEvaluator {
 
  private:
   struct Piece;
-  void AddSequentialTerms();
-  void AddRootTerms(int root_body);
-  void AddDisplacementTerms();
+  // What a term is about, whatever q_in: a joint or a body's pose, and the bodies that move with
+  // it, parents first.
+  struct Moved {
+    int joint = -1, body = -1;
+    std::vector<int> bodies;
+  };
+  void ListSequential();
+  void ListWithRoot(int root_body);
+  void ListDisplacements();
   void AddTerm(NormTerm term);
-  NormTerm JointTerm(int joint_index, const std::vector<char>& bodies) const;
-  NormTerm PoseTerm(int body, const std::vector<char>& bodies) const;
-  Piece RigidPiece(const std::vector<char>& bodies) const;
+  NormTerm JointTerm(int joint_index, const std::vector<int>& bodies) const;
+  NormTerm PoseTerm(int body, const std::vector<int>& bodies) const;
+  Piece RigidPiece(const std::vector<int>& bodies) const;
   std::vector<char> Outboard(int body) const;
+  std::vector<int> Moving(const std::vector<char>& marked) const;
   bool NeedsPose() const;
   void Fill(const VectorXd& q, VectorXd& r, MatrixXd* J);
   void FillScalar(const NormTerm& term, const VectorXd& q, VectorXd& r, MatrixXd* J) const;
@@ -87,13 +94,15 @@ class NormEvaluator {
   Metric metric_;
   PosedModel posed_;
   VectorXd q_in_;
+  std::vector<Moved> moved_;     // per term, but for massless ones
+  std::vector<int> all_moving_;  // bodies
   double total_mass_ = 0.0;
   double scale_ = 0.0;  // 1/√M
   int rows_ = 0;
   std::vector<NormTerm> terms_;
   std::vector<ColumnRange> blocks_;
   VectorXd r_;  // scratch
-  MatrixXd jac_com_, jac_rot_;
+  BodyJacobians jacobians_;
 };
 
 }  // namespace mjcf_pdg

@@ -36,6 +36,12 @@ void ContactRows::Clear(int n) {
   m = 0;
 }
 
+void ContactRows::Reserve(int rows, int n) {
+  C.resize(rows, n);
+  gap.resize(rows);
+  m = 0;
+}
+
 int ContactRows::Append(double gap_value) {
   if (m == C.rows()) {
     const Eigen::Index capacity = std::max<Eigen::Index>(32, 2 * C.rows());

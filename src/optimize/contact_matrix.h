@@ -18,6 +18,8 @@ struct ContactRows {
   int m = 0;
 
   void Clear(int n);
+  // Room for so many rows of n entries; forgets those that were.
+  void Reserve(int rows, int n);
   // Appends a zero row and returns its index.
   int Append(double gap_value);
 };

@@ -6,7 +6,10 @@ namespace mjcf_pdg {
 
 void FeatureMemory::Clear(std::size_t pairs) {
   known_.resize(pairs);
-  for (const int pair : pairs_) known_[pair] = Known();
+  for (const int pair : pairs_) {
+    known_[pair].planes.clear();
+    known_[pair].learnt.clear();
+  }
   pairs_.clear();
 }
 

@@ -4,32 +4,33 @@
 #include <cmath>
 #include <limits>
 
+#include "base/grow.h"
+
 namespace mjcf_pdg {
 namespace {
-
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 // A row whose part independent of the free rows is below this share counts as dependent.
 constexpr double kDependent = 1e-9;
 
 }  // namespace
 
-LcpOutcome SolveProjectedGaussSeidel(const Eigen::Ref<const MatrixXd>& G, const VectorXd& b,
-                                     const VectorXd& mu, const LcpOptions& options,
-                                     VectorXd& lambda) {
-  const VectorXd diagonal = G.colwise().squaredNorm();
-  VectorXd x = G * lambda;
+LcpOutcome GaussSeidelLcp::Solve(const ConstMatrixRef& G, const ConstVectorRef& b,
+                                 const ConstVectorRef& mu, const LcpOptions& options,
+                                 VectorRef lambda) {
+  GrowTo(b.size(), diagonal_);
+  diagonal_.head(b.size()) = G.colwise().squaredNorm();
+  x_.resize(G.rows());
+  x_.noalias() = G * lambda;
   LcpOutcome outcome;
   while (outcome.steps < options.max_steps && !outcome.converged) {
     double residual = 0.0;
     for (Eigen::Index i = 0; i < b.size(); ++i) {
-      if (diagonal[i] <= 0.0) continue;
+      if (diagonal_[i] <= 0.0) continue;
       const double next =
-          std::clamp(lambda[i] + (b[i] - G.col(i).dot(x)) / diagonal[i], 0.0, mu[i]);
+          std::clamp(lambda[i] + (b[i] - G.col(i).dot(x_)) / diagonal_[i], 0.0, mu[i]);
       const double change = next - lambda[i];
-      residual = std::max(residual, std::abs(change) * diagonal[i]);
-      x += change * G.col(i);
+      residual = std::max(residual, std::abs(change) * diagonal_[i]);
+      x_ += change * G.col(i);
       lambda[i] = next;
     }
     ++outcome.steps;
@@ -38,13 +39,29 @@ LcpOutcome SolveProjectedGaussSeidel(const Eigen::Ref<const MatrixXd>& G, const 
   return outcome;
 }
 
-LcpOutcome ActiveSetLcp::Solve(const ConstMatrix& G, const VectorXd& b, const VectorXd& mu,
-                               const LcpOptions& options, VectorXd& lambda) {
-  lambda.setZero(b.size());
-  side_.setConstant(b.size(), kLow);
+void ActiveSetLcp::Reserve(int n, int m) {
+  GrowTo(m, side_);
+  GrowTo(m, norms_);
+  GrowTo(m, inverse_norms_);
+  GrowTo(m, slack_);
+  x_.resize(n);
+  // No more than n rows are independent, but for rounding.
+  free_.reserve(n + 1);
+  GrowTo(n + 1, forward_);
+  GrowTo(n + 1, direction_);
+  if (factor_.rows() <= n) factor_.resize(n + 1, n + 1);
+}
+
+LcpOutcome ActiveSetLcp::Solve(const ConstMatrixRef& G, const ConstVectorRef& b,
+                               const ConstVectorRef& mu, const LcpOptions& options,
+                               VectorRef lambda) {
+  m_ = static_cast<int>(b.size());
+  Reserve(static_cast<int>(G.rows()), m_);
+  lambda.setZero();
+  side_.head(m_).setConstant(kLow);
   free_.clear();
-  norms_ = G.colwise().norm().transpose();
-  inverse_norms_ = (norms_ > 0.0).select(norms_.inverse(), 0.0);
+  norms_.head(m_) = G.colwise().norm().transpose();
+  inverse_norms_.head(m_) = (norms_.head(m_) > 0.0).select(norms_.head(m_).inverse(), 0.0);
   UpdateSlack(G, b, lambda);
   LcpOutcome outcome;
   while (outcome.steps < options.max_steps) {
@@ -60,20 +77,22 @@ LcpOutcome ActiveSetLcp::Solve(const ConstMatrix& G, const VectorXd& b, const Ve
   return outcome;
 }
 
-void ActiveSetLcp::UpdateSlack(const ConstMatrix& G, const VectorXd& b, const VectorXd& lambda) {
+void ActiveSetLcp::UpdateSlack(const ConstMatrixRef& G, const ConstVectorRef& b,
+                               const VectorRef& lambda) {
   x_.setZero(G.rows());
   for (Eigen::Index i = 0; i < lambda.size(); ++i) {
     if (lambda[i] != 0.0) x_ += lambda[i] * G.col(i);
   }
-  slack_ = b;
-  slack_.noalias() -= G.transpose() * x_;
+  auto slack = slack_.head(m_);
+  slack = b;
+  slack.noalias() -= G.transpose() * x_;
 }
 
 // By its distance in z; -1 if no row is beyond `tolerance`.
 int ActiveSetLcp::MostViolated(double tolerance) const {
   int worst = -1;
   double farthest = 0.0;
-  for (int i = 0; i < static_cast<int>(side_.size()); ++i) {
+  for (int i = 0; i < m_; ++i) {
     const double violation = side_[i] * slack_[i];
     if (violation > tolerance && violation * inverse_norms_[i] > farthest) {
       farthest = violation * inverse_norms_[i];
@@ -87,7 +106,7 @@ int ActiveSetLcp::MostViolated(double tolerance) const {
 void ActiveSetLcp::AddFree(int row) {
   const int f = static_cast<int>(free_.size());
   if (factor_.rows() <= f) factor_.conservativeResize(2 * f + 8, 2 * f + 8);
-  factor_.row(f).head(f) = forward_.transpose();
+  factor_.row(f).head(f) = forward_.head(f).transpose();
   factor_(f, f) = std::sqrt(schur_);
   free_.push_back(row);
 }
@@ -105,7 +124,7 @@ void ActiveSetLcp::RemoveFree(int k) {
 }
 
 // x becomes L⁻ᵀ x.
-void ActiveSetLcp::SolveBackward(VectorXd& x) const {
+void ActiveSetLcp::SolveBackward(VectorRef x) const {
   for (int i = static_cast<int>(free_.size()) - 1; i >= 0; --i) {
     x[i] /= factor_(i, i);
     x.head(i) -= x[i] * factor_.row(i).head(i).transpose();
@@ -113,26 +132,29 @@ void ActiveSetLcp::SolveBackward(VectorXd& x) const {
 }
 
 // x becomes L⁻¹ x.
-void ActiveSetLcp::SolveForward(VectorXd& x) const {
+void ActiveSetLcp::SolveForward(VectorRef x) const {
   for (int i = 0; i < static_cast<int>(free_.size()); ++i) {
     x[i] = (x[i] - factor_.row(i).head(i).dot(x.head(i))) / factor_(i, i);
   }
 }
 
 // direction_ = (G_FᵀG_F)⁻¹ G_Fᵀ g for the free set F and g = G_row, and schur_.
-void ActiveSetLcp::SolveFree(const ConstMatrix& G, int row) {
+void ActiveSetLcp::SolveFree(const ConstMatrixRef& G, int row) {
   const int f = static_cast<int>(free_.size());
-  forward_.resize(f);
-  for (int k = 0; k < f; ++k) forward_[k] = G.col(free_[k]).dot(G.col(row));
-  SolveForward(forward_);
-  schur_ = std::max(0.0, norms_[row] * norms_[row] - forward_.squaredNorm());
-  direction_ = forward_;
-  SolveBackward(direction_);
+  GrowTo(f, forward_);
+  GrowTo(f, direction_);
+  auto forward = forward_.head(f), direction = direction_.head(f);
+  for (int k = 0; k < f; ++k) forward[k] = G.col(free_[k]).dot(G.col(row));
+  SolveForward(forward);
+  schur_ = std::max(0.0, norms_[row] * norms_[row] - forward.squaredNorm());
+  direction = forward;
+  SolveBackward(direction);
 }
 
 // Moves λ_row off its bound while the free rows keep their slack at zero, until its own slack is
 // zero or it reaches the other bound; free multipliers that reach a bound leave the free set.
-void ActiveSetLcp::Enter(const ConstMatrix& G, const VectorXd& mu, int row, VectorXd& lambda) {
+void ActiveSetLcp::Enter(const ConstMatrixRef& G, const ConstVectorRef& mu, int row,
+                         VectorRef& lambda) {
   const double sign = side_[row];
   while (true) {
     SolveFree(G, row);

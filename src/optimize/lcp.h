@@ -32,32 +32,48 @@ struct LcpOutcome {
   int steps = 0;
 };
 
-// Projected Gauss-Seidel from the given λ (m, warm start). G (n × m), one column per row of C;
-// zero columns keep λ = 0.
-LcpOutcome SolveProjectedGaussSeidel(const Eigen::Ref<const Eigen::MatrixXd>& G,
-                                     const Eigen::VectorXd& b, const Eigen::VectorXd& mu,
-                                     const LcpOptions& options, Eigen::VectorXd& lambda);
+using ConstMatrixRef = Eigen::Ref<const Eigen::MatrixXd>;
+using ConstVectorRef = Eigen::Ref<const Eigen::VectorXd>;
+using VectorRef = Eigen::Ref<Eigen::VectorXd>;
 
-// Active-set method. Keeps scratch between calls. μ must be finite.
+// In both, G is n × m, one column per row of C, and b, μ and λ have m entries. Both keep scratch
+// between calls, which grows only.
+
+// Projected Gauss-Seidel from the given λ (warm start); zero columns keep λ = 0.
+class GaussSeidelLcp {
+ public:
+  LcpOutcome Solve(const ConstMatrixRef& G, const ConstVectorRef& b, const ConstVectorRef& mu,
+                   const LcpOptions& options, VectorRef lambda);
+
+ private:
+  Eigen::VectorXd diagonal_;  // of GᵀG, in the first m entries
+  Eigen::VectorXd x_;         // G λ
+};
+
+// Active-set method; what λ was is ignored. μ must be finite.
 class ActiveSetLcp {
  public:
-  LcpOutcome Solve(const Eigen::Ref<const Eigen::MatrixXd>& G, const Eigen::VectorXd& b,
-                   const Eigen::VectorXd& mu, const LcpOptions& options, Eigen::VectorXd& lambda);
+  // Room for problems up to n × m.
+  void Reserve(int n, int m);
+
+  LcpOutcome Solve(const ConstMatrixRef& G, const ConstVectorRef& b, const ConstVectorRef& mu,
+                   const LcpOptions& options, VectorRef lambda);
 
  private:
   // Where a multiplier is: which sign its row's slack must not have.
   static constexpr double kLow = 1.0, kFree = 0.0, kHigh = -1.0;
-  using ConstMatrix = Eigen::Ref<const Eigen::MatrixXd>;
 
-  void UpdateSlack(const ConstMatrix& G, const Eigen::VectorXd& b, const Eigen::VectorXd& lambda);
+  void UpdateSlack(const ConstMatrixRef& G, const ConstVectorRef& b, const VectorRef& lambda);
   int MostViolated(double tolerance) const;
-  void Enter(const ConstMatrix& G, const Eigen::VectorXd& mu, int row, Eigen::VectorXd& lambda);
+  void Enter(const ConstMatrixRef& G, const ConstVectorRef& mu, int row, VectorRef& lambda);
   void AddFree(int row);
   void RemoveFree(int k);
-  void SolveForward(Eigen::VectorXd& x) const;
-  void SolveBackward(Eigen::VectorXd& x) const;
-  void SolveFree(const ConstMatrix& G, int row);
+  void SolveForward(VectorRef x) const;
+  void SolveBackward(VectorRef x) const;
+  void SolveFree(const ConstMatrixRef& G, int row);
 
+  // Of arrays per row the first m_ entries are in use, of those per free row as many as free_ has.
+  int m_ = 0;
   Eigen::ArrayXd side_;    // kLow, kFree or kHigh of each row
   std::vector<int> free_;  // rows strictly between their bounds
   Eigen::ArrayXd norms_;   // of G's columns

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "base/grow.h"
+
 namespace mjcf_pdg {
 namespace {
 
@@ -55,7 +57,19 @@ LocalOptions LocalOptions::Retreating() {
   return options;
 }
 
-LocalOptimization::LocalOptimization(Workspace& work) : problem_(work.problem()), work_(work) {}
+// Rooms for the most rows there can be, so that no later run needs more.
+LocalOptimization::LocalOptimization(Workspace& work) : problem_(work.problem()), work_(work) {
+  const std::size_t pairs = work.problem().tables.pairs.size();
+  const int n = work.problem().tables.n,
+            limits = 2 * static_cast<int>(work.problem().tables.joints.size());
+  const int rows = kMaxContactRows * (1 + WitnessMemory::kPerPair) + limits;
+  rows_.Reserve(rows, n);
+  lcp_.Reserve(n, rows);
+  GrowTo(n, rows, G_);
+  for (VectorXd* per_row : {&lambda_, &b_, &bounds_, &slack_}) GrowTo(rows, *per_row);
+  nearest_.reserve(pairs);
+  for (Iterate* it : {&descent_.best, &descent_.current, &descent_.trial}) it->near.reserve(pairs);
+}
 
 void LocalOptimization::Look(const VectorXd& q, double margin, Iterate& out) {
   out.q = q;
@@ -90,28 +104,28 @@ void LocalOptimization::Evaluate(double margin, Iterate& out) {
 // that cross, or else measured. Not free, however little these see of it.
 void LocalOptimization::MeasureOverlap(std::size_t k, double margin, Iterate& out) {
   NearPair crossing = out.near[k];
-  std::vector<NearPair> measured;
-  features_.Append(problem_.tables, work_.finder.posed(), crossing.pair, measured);
-  const bool by_planes = !measured.empty();
+  measured_.clear();
+  features_.Append(problem_.tables, work_.finder.posed(), crossing.pair, measured_);
+  const bool by_planes = !measured_.empty();
   if (!by_planes) {
-    work_.finder.AppendFeatures(crossing.pair, margin, depths_, measured);
+    work_.finder.AppendFeatures(crossing.pair, margin, depths_, measured_);
   }
   const bool allowed = problem_.required[crossing.pair] < 0.0;
-  if (!allowed || by_planes || measured.empty()) {
+  if (!allowed || by_planes || measured_.empty()) {
     out.worst = std::max(out.worst, problem_.tolerances.user);
   }
-  if (by_planes || measured.empty()) {
+  if (by_planes || measured_.empty()) {
     crossing.distance = crossing.n_W.dot(crossing.p2_W - crossing.p1_W);
     if (crossing.distance < 0.0) {
-      measured.push_back(crossing);
+      measured_.push_back(crossing);
       if (by_planes) features_.Learn(problem_.tables, work_.finder.posed(), crossing);
     } else {
       out.violation += kUnseenOverlap * problem_.size;
     }
   }
-  if (measured.empty()) measured.push_back(crossing);
+  if (measured_.empty()) measured_.push_back(crossing);
   const auto at = out.near.begin() + static_cast<std::ptrdiff_t>(k);
-  out.near.insert(out.near.erase(at), measured.begin(), measured.end());
+  out.near.insert(out.near.erase(at), measured_.begin(), measured_.end());
 }
 
 // Rows at the posed configuration, the nearest if there are too many; joint limits after them.
@@ -119,18 +133,18 @@ void LocalOptimization::Linearize(const Iterate& at, double margin) {
   const SceneTables& tables = problem_.tables;
   const PosedModel& posed = work_.finder.posed();
   const double merge = 1e-3 * problem_.size;
-  std::vector<const NearPair*> nearest;
-  for (const NearPair& near : at.near) nearest.push_back(&near);
+  nearest_.clear();
+  for (const NearPair& near : at.near) nearest_.push_back(&near);
   auto slack = [this](const NearPair& near) {
     return near.distance - problem_.required[near.pair];
   };
-  if (nearest.size() > kMaxContactRows) {
-    std::nth_element(nearest.begin(), nearest.begin() + kMaxContactRows, nearest.end(),
+  if (nearest_.size() > kMaxContactRows) {
+    std::nth_element(nearest_.begin(), nearest_.begin() + kMaxContactRows, nearest_.end(),
                      [&](const NearPair* a, const NearPair* b) { return slack(*a) < slack(*b); });
-    nearest.resize(kMaxContactRows);
+    nearest_.resize(kMaxContactRows);
   }
   rows_.Clear(tables.n);
-  for (const NearPair* near : nearest) {
+  for (const NearPair* near : nearest_) {
     double offset = aim_ - problem_.required[near->pair];
     if (tables.pairs[near->pair].exact) offset -= stand_off_;
     const int row = rows_.Append(near->distance + offset);
@@ -152,38 +166,54 @@ void LocalOptimization::Linearize(const Iterate& at, double margin) {
 }
 
 double LocalOptimization::SolveStep(double trust_radius) {
-  const int n = problem_.tables.n, m = rows_.m;
   // H = JᵀJ = L Lᵀ; z = Lᵀ dq; y = L⁻¹ Jᵀ r; G = L⁻¹ Cᵀ.
   work_.norm.InnerProduct(J_, H_);
   if (damps_) AddDamping();
   whitening_.Factor(H_, work_.norm.blocks());
   y_.noalias() = J_.transpose() * r_;
   whitening_.SolveLower(y_);
-  G_ = rows_.C.topRows(m).transpose();  // n × m
-  whitening_.SolveLower(G_);
-  b_ = -rows_.gap.head(m);
-  b_.noalias() += G_.transpose() * y_;
-  bounds_.setConstant(m, mu_);
-  bounds_.tail(m - contact_rows_).setConstant(kLimitPrice * scale_);
-  LcpOptions options;
-  options.max_steps = 10 * (n + m);
-  options.tolerance = 0.01 * problem_.tolerances.user;
-  lcp_steps_ += lcp_.Solve(G_, b_, bounds_, options, lambda_).steps;
-  z_ = -y_;
-  z_.noalias() += G_ * lambda_;
+  SolveLcp();
   dq_ = z_;
   whitening_.SolveUpper(dq_);
-  moved_ = J_ * dq_;
+  moved_.noalias() = J_ * dq_;
   promised_sigma_ = (r_ + moved_).squaredNorm();
   const double length = moved_.norm();
   const double scale = std::min({1.0, trust_radius / length, kLargestTurn / LargestTurn()});
   dq_ *= scale;
   moved_ *= scale;
-  predicted_.sigma = (r_ + moved_).squaredNorm();
-  slack_ = rows_.gap.head(contact_rows_);
-  slack_.noalias() += rows_.C.topRows(contact_rows_) * dq_;
-  predicted_.violation = -slack_.cwiseMin(0.0).sum();
+  PredictStep();
   return scale * length;
+}
+
+// λ_ and the whitened step z_ = G λ - y.
+void LocalOptimization::SolveLcp() {
+  const int n = problem_.tables.n, m = rows_.m;
+  GrowTo(n, m, G_);
+  for (VectorXd* per_row : {&lambda_, &b_, &bounds_}) GrowTo(m, *per_row);
+  auto G = G_.leftCols(m);
+  auto lambda = lambda_.head(m), b = b_.head(m), bounds = bounds_.head(m);
+  G = rows_.C.topRows(m).transpose();
+  whitening_.SolveLower(G);
+  b = -rows_.gap.head(m);
+  b.noalias() += G.transpose() * y_;
+  bounds.setConstant(mu_);
+  bounds.tail(m - contact_rows_).setConstant(kLimitPrice * scale_);
+  LcpOptions options;
+  options.max_steps = 10 * (n + m);
+  options.tolerance = 0.01 * problem_.tolerances.user;
+  lcp_steps_ += lcp_.Solve(G, b, bounds, options, lambda).steps;
+  z_ = -y_;
+  z_.noalias() += G * lambda;
+}
+
+// What the linearization says of where dq_ leads.
+void LocalOptimization::PredictStep() {
+  predicted_.sigma = (r_ + moved_).squaredNorm();
+  GrowTo(contact_rows_, slack_);
+  auto slack = slack_.head(contact_rows_);
+  slack = rows_.gap.head(contact_rows_);
+  slack.noalias() += rows_.C.topRows(contact_rows_) * dq_;
+  predicted_.violation = -slack.cwiseMin(0.0).sum();
 }
 
 double LocalOptimization::LargestTurn() const {
@@ -276,7 +306,8 @@ void LocalOptimization::AdaptDamping(const Iterate& current, const Iterate& tria
 bool LocalOptimization::NearKnown(const VectorXd& q, const LocalOptions& options) {
   if (!options.known || predicted_.sigma < kBeatsKnown * options.known_sigma) return false;
   Difference(problem_.tables, q, *options.known, apart_);
-  return (J_ * apart_).squaredNorm() < kNearKnown * kNearKnown * options.known_sigma;
+  to_known_.noalias() = J_ * apart_;
+  return to_known_.squaredNorm() < kNearKnown * kNearKnown * options.known_sigma;
 }
 
 // The trial promises nothing better than is known, or nears the known optimum, or idles.
@@ -335,14 +366,17 @@ bool LocalOptimization::ReturnToBest(Descent& d) {
   return d.radius >= kLeastRadius;
 }
 
-void LocalOptimization::Begin(const VectorXd& q, Descent& d) {
+void LocalOptimization::Begin(const VectorXd& q, const LocalOptions& options, Descent& d) {
+  static_cast<Progress&>(d) = {};
+  static_cast<LocalOutcome&>(d.result) = {};
+  d.options = options;
   memory_.Clear(problem_.tables.pairs.size());
   features_.Clear(problem_.tables.pairs.size());
   work_.finder.ForgetConvex();
   remembers_ = problem_.Uses(Component::kWitnessMemory);
   damps_ = problem_.Uses(Component::kDamping);
-  aim_ = d.options.retreats ? -problem_.tolerances.user : problem_.tolerances.aim;
-  accept_ = d.options.retreats ? 0.0 : problem_.tolerances.accept;
+  aim_ = options.retreats ? -problem_.tolerances.user : problem_.tolerances.aim;
+  accept_ = options.retreats ? 0.0 : problem_.tolerances.accept;
   merit_price_ = 0.0;
   damping_ = kFirstDamping;
   stand_off_ = 0.0;
@@ -357,9 +391,9 @@ void LocalOptimization::Begin(const VectorXd& q, Descent& d) {
   d.best = d.current;
 }
 
-LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& options) {
-  Descent d{options};
-  Begin(q, d);
+const LocalResult& LocalOptimization::Run(const VectorXd& q, const LocalOptions& options) {
+  Descent& d = descent_;
+  Begin(q, options, d);
   Keep(d.current, d.result);
   while (d.result.iterations < options.max_iterations && !work_.Spent()) {
     ++d.result.iterations;
@@ -381,7 +415,7 @@ LocalResult LocalOptimization::Run(const VectorXd& q, const LocalOptions& option
     d.result.sigma = d.best.sigma;
     d.result.violation = d.best.violation;
   }
-  return std::move(d.result);
+  return d.result;
 }
 
 }  // namespace mjcf_pdg

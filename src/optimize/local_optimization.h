@@ -44,8 +44,8 @@ struct LocalOptions {
   static LocalOptions Retreating();
 };
 
-struct LocalResult {
-  VectorXd q;
+// How one local optimization ended.
+struct LocalOutcome {
   double sigma = std::numeric_limits<double>::infinity();  // [m²]
   bool reached_known = false;                              // ended close to LocalOptions::known
   bool hopeless = false;                                   // ended by LocalOptions::give_up_sigma
@@ -55,12 +55,18 @@ struct LocalResult {
   int iterations = 0;
 };
 
+struct LocalResult : LocalOutcome {
+  VectorXd q;
+};
+
+// Keeps its memory between runs.
 class LocalOptimization {
  public:
   explicit LocalOptimization(Workspace& work);
 
-  // From `q` moved inside its limits; overlaps may be deep. Bounded by options.max_iterations.
-  LocalResult Run(const VectorXd& q, const LocalOptions& options);
+  // From `q` moved inside its limits; overlaps may be deep. Bounded by options.max_iterations. The
+  // result is valid until the next run.
+  const LocalResult& Run(const VectorXd& q, const LocalOptions& options);
 
   std::int64_t lcp_steps() const { return lcp_steps_; }
 
@@ -77,11 +83,8 @@ class LocalOptimization {
     std::size_t found = 0;  // the first of `near`; the others are planes learnt before
   };
 
-  // One Run.
-  struct Descent {
-    const LocalOptions& options;
-    LocalResult result = {};
-    Iterate best = {}, current = {}, trial = {};
+  // How far one Run has come.
+  struct Progress {
     bool finder_at_current = true;
     double radius = 0.0, largest_radius = 0.0;  // of trust [m]
     double length = 0.0, first_length = 0.0;    // of the last step, of the first since the best [m]
@@ -90,8 +93,14 @@ class LocalOptimization {
     int retreats = 0;                           // since a step was taken
     int settled = 0, hopeless = 0, idle = 0;    // steps in a row that were so
   };
+  // One Run.
+  struct Descent : Progress {
+    LocalOptions options;
+    LocalResult result;
+    Iterate best, current, trial;
+  };
 
-  void Begin(const VectorXd& q, Descent& d);
+  void Begin(const VectorXd& q, const LocalOptions& options, Descent& d);
   void Step(Descent& d);
   bool GivesUp(Descent& d);
   void Advance(Descent& d);
@@ -111,6 +120,8 @@ class LocalOptimization {
   double LargestTurn() const;  // of dq_ [rad]
   // Solves for the step at the current linearization; returns its length ‖J dq‖ [m].
   double SolveStep(double trust_radius);
+  void SolveLcp();
+  void PredictStep();
   void Keep(const Iterate& it, LocalResult& result) const;
   double Merit(const Cost& cost) const { return 0.5 * cost.sigma + merit_price_ * cost.violation; }
   bool Free(const Iterate& it) const { return it.worst <= 0.0; }
@@ -134,7 +145,12 @@ class LocalOptimization {
   Depths depths_ = Depths::kMeasured;
   bool remembers_ = true, damps_ = true;  // false: left out (Options::without)
 
-  VectorXd apart_, moved_, next_, r_, z_, dq_, y_, lambda_, b_, bounds_, slack_;
+  // Scratch; entries per row, or columns of G_, that are beyond the rows in use mean nothing.
+  Descent descent_;
+  std::vector<const NearPair*> nearest_;
+  std::vector<NearPair> measured_;
+  VectorXd apart_, to_known_, moved_, next_, r_, z_, dq_, y_;
+  VectorXd lambda_, b_, bounds_, slack_;  // per row
   MatrixXd J_, H_, G_;
   BlockCholesky whitening_;
 };

@@ -4,6 +4,7 @@ namespace mjcf_pdg {
 
 void WitnessMemory::Clear(std::size_t pairs) {
   if (slot_.size() != pairs) slot_.assign(pairs, -1);
+  entries_.reserve(pairs);
   for (const Entry& entry : entries_) slot_[entry.pair] = -1;
   entries_.clear();
 }

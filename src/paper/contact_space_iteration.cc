@@ -58,7 +58,7 @@ VectorXd ContactSpaceIteration::Minimize(const VectorXd& q_c, const IterationOpt
   lambda_.setZero(rows_.m);
   LcpOptions lcp;
   lcp.max_steps = options.max_sweeps;
-  sweeps += SolveProjectedGaussSeidel(G_, b_, mu_, lcp, lambda_).steps;
+  sweeps += lcp_.Solve(G_, b_, mu_, lcp, lambda_).steps;
   dq_ = G_ * lambda_ - y;
   whitening_.SolveUpper(dq_);
   VectorXd q;

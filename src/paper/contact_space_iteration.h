@@ -78,6 +78,7 @@ class ContactSpaceIteration {
   ProjectionOptions projection_options_;
   ContactRows rows_;
   BlockCholesky whitening_;
+  GaussSeidelLcp lcp_;
   VectorXd r_, dq_, b_, mu_, lambda_;
   MatrixXd J_, H_, G_;
 };

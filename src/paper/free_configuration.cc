@@ -20,6 +20,7 @@ FreeConfigurationSelection::FreeConfigurationSelection(Workspace& work,
     : problem_(work.problem()),
       work_(work),
       perturbation_(work),
+      starts_(work),
       coherence_(coherence),
       random_(0) {}
 
@@ -89,7 +90,8 @@ std::optional<VectorXd> FreeConfigurationSelection::MaximallyClear() {
     Selected clearest;
     double largest = 0.0;
     for (int k = 0; k < kClearSamples && !work_.Spent(); ++k) {
-      const VectorXd q = GaussianStart(work_, problem_.q_in, reach * reach, 1.0, random_);
+      VectorXd q;
+      starts_.Gaussian(problem_.q_in, reach * reach, 1.0, random_, q);
       if (!work_.Free(q)) continue;
       const double clearance = Clearance(q, reach);
       if (clearest && clearance <= largest) continue;
@@ -108,7 +110,7 @@ bool FreeConfigurationSelection::IsRigid() const {
 }
 
 std::optional<VectorXd> FreeConfigurationSelection::FirstFree(
-    const std::vector<VectorXd>& configurations) {
+    std::span<const VectorXd> configurations) {
   for (const VectorXd& q : configurations) {
     if (LimitExcess(problem_.tables, q) == 0.0 && work_.Free(q)) return q;
   }
@@ -121,7 +123,7 @@ std::optional<VectorXd> FreeConfigurationSelection::TranslateFrom(VectorXd q) {
   ClampToLimits(problem_.tables, q);
   for (int k = 0; k < kTranslations; ++k) {
     if (work_.Free(q)) return q;
-    const std::vector<VectorXd> candidates = ConstrainedTranslation(work_, Overlaps(q), q);
+    const auto candidates = starts_.ConstrainedTranslation(Overlaps(q), q);
     if (candidates.empty()) return std::nullopt;
     if (Selected translated = FirstFree(candidates)) return translated;
     q = candidates.front();

@@ -15,12 +15,14 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "base/random.h"
 #include "paper/successive_perturbation.h"
 #include "problem/workspace.h"
 #include "start/motion_coherence.h"
+#include "start/selection.h"
 
 namespace mjcf_pdg {
 
@@ -62,7 +64,7 @@ class FreeConfigurationSelection {
   Selected MaximallyClear();
 
   bool IsRigid() const;  // one link, free to go anywhere
-  Selected FirstFree(const std::vector<VectorXd>& configurations);
+  Selected FirstFree(std::span<const VectorXd> configurations);
   Selected TranslateFrom(VectorXd q);
   std::vector<NearPair> Overlaps(const VectorXd& q);
   std::vector<VectorXd> UserPoses();
@@ -73,6 +75,7 @@ class FreeConfigurationSelection {
   const Problem& problem_;
   Workspace& work_;
   SuccessivePerturbation perturbation_;
+  StartSelection starts_;
   const MotionCoherence& coherence_;
   const VectorXd* hint_ = nullptr;
   Random random_;

@@ -50,9 +50,9 @@ Outcome& PaperMethod::Run(const StrategyInput& input) {
 }
 
 bool PaperMethod::Retreat(const Candidate& candidate, VectorXd& q) {
-  LocalResult retreated = local_.Run(candidate.q, LocalOptions::Retreating());
+  const LocalResult& retreated = local_.Run(candidate.q, LocalOptions::Retreating());
   outcome_.iterations += retreated.iterations;
-  q = std::move(retreated.q);
+  q = retreated.q;
   return retreated.free;
 }
 

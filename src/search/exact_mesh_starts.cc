@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include "start/selection.h"
+#include <span>
 
 namespace mjcf_pdg {
 namespace {
@@ -72,9 +71,9 @@ void ExactMeshStarts::Try(const StrategyInput& input, const VectorXd& center, do
 
 // The nearest free poses on the translations of Eq. 20, on the way out.
 void ExactMeshStarts::TryRays(const std::vector<NearPair>& overlaps, const VectorXd& center) {
-  const std::vector<VectorXd> far = ConstrainedTranslation(work_, overlaps, center);
+  const std::span<const VectorXd> far = starts_.ConstrainedTranslation(overlaps, center);
   const double any_sigma = std::numeric_limits<double>::infinity();
-  for (const FreeOnRay& free : FirstFree(work_, center, far, any_sigma)) {
+  for (const FreeOnRay& free : starts_.FirstFree(center, far, any_sigma)) {
     trials_.Try(free.q, Component::kConstrainedTranslation, Coarse());
   }
 }
@@ -88,9 +87,9 @@ void ExactMeshStarts::TryFromWithin(const VectorXd& center, double depth, Random
   patient.largest_step = depth;
   for (int k = 0; k < kWaysOut && trials_.Exceeds(k == 0 ? kFar : kVeryFar); ++k) {
     if (work_.Spent()) return;
-    const VectorXd q =
-        k == 0 ? center : GaussianStart(work_, center, depth * depth, kNudge, random);
-    if (!trials_.Try(q, Component::kDirect, patient)) return;
+    start_ = center;
+    if (k > 0) starts_.Gaussian(center, depth * depth, kNudge, random, start_);
+    if (!trials_.Try(start_, Component::kDirect, patient)) return;
   }
 }
 

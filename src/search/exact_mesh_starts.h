@@ -17,6 +17,7 @@
 #include "search/trials.h"
 #include "search/varied_starts.h"
 #include "start/pair_by_pair.h"
+#include "start/selection.h"
 
 namespace mjcf_pdg {
 
@@ -28,7 +29,7 @@ bool AllRigid(const SceneTables& tables, const std::vector<NearPair>& overlaps);
 class ExactMeshStarts {
  public:
   ExactMeshStarts(Workspace& work, Trials& trials)
-      : problem_(work.problem()), work_(work), trials_(trials), parting_(work) {}
+      : problem_(work.problem()), work_(work), trials_(trials), parting_(work), starts_(work) {}
 
   // A search begins whose first starts have been made.
   void Begin() { hinted_ = trials_.outcome().free.size(); }
@@ -55,6 +56,8 @@ class ExactMeshStarts {
   Workspace& work_;
   Trials& trials_;
   PairByPair parting_;
+  StartSelection starts_;
+  VectorXd start_;          // scratch
   std::size_t hinted_ = 0;  // candidates that a hint led to
   struct Searched {
     VectorXd q_in;

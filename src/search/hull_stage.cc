@@ -22,6 +22,7 @@ struct HullStage::Hulls {
 
   const SceneTables tables;
   Workspace work;
+  LowerBound bound;
   Search search;
 };
 
@@ -36,7 +37,7 @@ const VectorXd* HullStage::Run(const Workspace& work) {
   StrategyInput input{.overlaps = own.OverlapsAtInput()};
   input.distances_at_input = static_cast<int>(own.finder.distances() - before);
   const int cells = PlanFor(own.problem().options.effort).bound_cells;
-  input.sigma_lower_bound = SigmaLowerBound(own, input.overlaps, cells);
+  input.sigma_lower_bound = hulls_->bound.Sigma(own, input.overlaps, cells);
   hulls_->search.Begin(input);
   hulls_->search.Finish(input);
   const Trials& trials = hulls_->search.trials();

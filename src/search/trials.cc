@@ -31,7 +31,7 @@ bool Trials::Try(const VectorXd& q, Component start, const LocalOptions& options
     bounded.known = &Best();
     bounded.known_sigma = BestSigma();
   }
-  const LocalResult result = local_.Run(q, bounded);
+  const LocalResult& result = local_.Run(q, bounded);
   outcome_.iterations += result.iterations;
   rule_.Count(result, start, BestSigma());
   if (result.free && !HasFree()) rule_.FirstFree(local_.lcp_steps());
@@ -52,20 +52,20 @@ void Trials::Keep(const LocalResult& result, Component start) {
 }
 
 bool Trials::Polish(Candidate& candidate) {
-  LocalResult polished = local_.Run(candidate.q, LocalOptions::Polishing());
+  const LocalResult& polished = local_.Run(candidate.q, LocalOptions::Polishing());
   outcome_.iterations += polished.iterations;
   const bool nearer = polished.free && polished.sigma < candidate.sigma;
   if (nearer) {
-    candidate.q = std::move(polished.q);
+    candidate.q = polished.q;
     candidate.sigma = polished.sigma;
   }
   return nearer;
 }
 
 bool Trials::Retreat(const Candidate& candidate, VectorXd& q) {
-  LocalResult retreated = local_.Run(candidate.q, LocalOptions::Retreating());
+  const LocalResult& retreated = local_.Run(candidate.q, LocalOptions::Retreating());
   outcome_.iterations += retreated.iterations;
-  q = std::move(retreated.q);
+  q = retreated.q;
   return retreated.free;
 }
 

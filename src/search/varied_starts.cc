@@ -27,7 +27,8 @@ void VariedStarts::Begin(const EffortPlan& plan, const VectorXd& center, bool on
 }
 
 void VariedStarts::TryMirror() {
-  TryOnRay(MirroredStart(work_, trials_.Best()), Component::kMirror);
+  starts_.Mirrored(trials_.Best(), start_);
+  TryOnRay(start_, Component::kMirror);
 }
 
 // The hop comes early: noisy starts agree on a wrong answer sooner than it finds a better one.
@@ -53,12 +54,13 @@ void VariedStarts::TryNoise(double spread) {
                 ? std::max(trials_.outcome().least_overlap.sigma, least * least)
                 : problem_.size * problem_.size;
   }
-  TryOnRay(GaussianStart(work_, center_, sigma, spread, random_), Component::kNoise);
+  starts_.Gaussian(center_, sigma, spread, random_, start_);
+  TryOnRay(start_, Component::kNoise);
 }
 
 void VariedStarts::TryHop(Hop hop) {
-  const VectorXd best = trials_.Best();
-  TryOnRay(ContactHop(work_, best, trials_.BestSigma(), hop, random_), Component::kHop);
+  starts_.ContactHop(trials_.Best(), trials_.BestSigma(), hop, random_, start_);
+  TryOnRay(start_, Component::kHop);
 }
 
 void VariedStarts::TryOnRay(const VectorXd& q, Component start) {
@@ -66,9 +68,9 @@ void VariedStarts::TryOnRay(const VectorXd& q, Component start) {
     trials_.Try(q, start, Coarse());
     return;
   }
-  const VectorXd far = Beyond(work_, center_, q, kRayEnd);
+  starts_.Beyond(center_, q, kRayEnd, far_);
   const double largest_sigma = kWorthADescent * trials_.BestSigma();
-  for (const FreeOnRay& free : FirstFree(work_, center_, {far}, largest_sigma)) {
+  for (const FreeOnRay& free : starts_.FirstFree(center_, {&far_, 1}, largest_sigma)) {
     trials_.Try(free.q, start, Coarse());
   }
 }
@@ -84,7 +86,7 @@ void VariedStarts::TryFreePose(const VectorXd& q_f, Component start) {
 }
 
 void VariedStarts::TryTranslations(const std::vector<NearPair>& overlaps) {
-  for (const VectorXd& q_f : ConstrainedTranslation(work_, overlaps, problem_.q_in)) {
+  for (const VectorXd& q_f : starts_.ConstrainedTranslation(overlaps, problem_.q_in)) {
     TryFreePose(q_f, Component::kConstrainedTranslation);
     if (trials_.HasFree()) return;
   }
@@ -92,7 +94,8 @@ void VariedStarts::TryTranslations(const std::vector<NearPair>& overlaps) {
 
 void VariedStarts::TryAnywhere() {
   for (int k = 0; k < plan_.blind && !trials_.HasFree() && !work_.Spent(); ++k) {
-    trials_.Try(UniformStart(work_, center_, random_), Component::kAnywhere, LocalOptions{});
+    starts_.Uniform(center_, random_, start_);
+    trials_.Try(start_, Component::kAnywhere, LocalOptions{});
   }
   if (trials_.HasFree()) TryFreePose(VectorXd(trials_.Best()), Component::kAnywhere);
 }

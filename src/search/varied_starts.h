@@ -21,7 +21,12 @@ namespace mjcf_pdg {
 class VariedStarts {
  public:
   VariedStarts(Workspace& work, Trials& trials)
-      : problem_(work.problem()), work_(work), trials_(trials), iteration_(work), random_(0) {}
+      : problem_(work.problem()),
+        work_(work),
+        trials_(trials),
+        starts_(work),
+        iteration_(work),
+        random_(0) {}
 
   // A search about `center` begins; `on_rays`: triangle meshes overlap.
   void Begin(const EffortPlan& plan, const VectorXd& center, bool on_rays);
@@ -46,10 +51,12 @@ class VariedStarts {
   const Problem& problem_;
   Workspace& work_;
   Trials& trials_;
+  StartSelection starts_;
   ContactSpaceIteration iteration_;
   Random random_;
   EffortPlan plan_;
   VectorXd center_;
+  VectorXd start_, far_;  // scratch
   bool on_rays_ = false;
 };
 

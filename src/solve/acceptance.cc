@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "start/selection.h"
-
 namespace mjcf_pdg {
 namespace {
 
@@ -30,8 +28,8 @@ bool Acceptance::AcceptCandidate(Candidate& candidate) {
   const bool retreated = strategy_.Retreat(candidate, trial_);
   if (retreated && IsFree(trial_, candidate.start)) return true;
   for (double beyond = kFirstBeyond; beyond < kLastBeyond && !work_.Spent(); beyond *= 2.0) {
-    const VectorXd farther = Beyond(work_, problem_.q_in, candidate.q, 1.0 + beyond);
-    if (IsFree(farther, candidate.start)) return true;
+    starts_.Beyond(problem_.q_in, candidate.q, 1.0 + beyond, trial_);
+    if (IsFree(trial_, candidate.start)) return true;
   }
   return false;
 }

@@ -6,6 +6,7 @@
 
 #include "problem/strategy.h"
 #include "problem/workspace.h"
+#include "start/selection.h"
 #include "verify/verify.h"
 
 namespace mjcf_pdg {
@@ -13,7 +14,11 @@ namespace mjcf_pdg {
 class Acceptance {
  public:
   Acceptance(Workspace& work, Strategy& strategy, Verifier& verifier)
-      : problem_(work.problem()), work_(work), strategy_(strategy), verifier_(verifier) {}
+      : problem_(work.problem()),
+        work_(work),
+        strategy_(strategy),
+        verifier_(verifier),
+        starts_(work) {}
 
   // The verifier's word on what `q_in`, as the user gave it, may rest.
   void Begin(const std::vector<double>& q_in) { q_in_ = &q_in; }
@@ -35,6 +40,7 @@ class Acceptance {
   Strategy& strategy_;
   Verifier& verifier_;
   const std::vector<double>* q_in_ = nullptr;
+  StartSelection starts_;
   VectorXd trial_;
   std::vector<double> q_;
   Component start_ = Component::kNone;

@@ -30,11 +30,13 @@ std::vector<int> OverlappingPairs(Workspace& work, const VectorXd& q) {
 
 std::vector<int> InseparablePairs(Workspace& work, const VectorXd& q) {
   Random random(work.problem().options.seed);
+  StartSelection starts(work);
+  VectorXd start;
   std::vector<int> pairs = OverlappingPairs(work, q);
   for (int k = 0; k < kTried && !pairs.empty(); ++k) {
     if (work.Spent()) return {};
-    const std::vector<int> here =
-        OverlappingPairs(work, UniformStart(work, work.problem().q_in, random));
+    starts.Uniform(work.problem().q_in, random, start);
+    const std::vector<int> here = OverlappingPairs(work, start);
     std::erase_if(
         pairs, [&here](int pair) { return !std::binary_search(here.begin(), here.end(), pair); });
   }

@@ -56,6 +56,7 @@ struct Solver::Impl {
   const Scene scene;
   const Options options;
   Workspace work;
+  LowerBound bound;
   std::unique_ptr<Strategy> strategy;
   Verifier verifier;
   Acceptance acceptance;
@@ -110,8 +111,7 @@ bool Solver::Impl::Search(Result& result) {
   const std::int64_t distances_before = work.finder.distances();
   StrategyInput input{.overlaps = work.OverlapsAtInput()};
   input.distances_at_input = static_cast<int>(work.finder.distances() - distances_before);
-  input.sigma_lower_bound =
-      SigmaLowerBound(work, input.overlaps, PlanFor(options.effort).bound_cells);
+  input.sigma_lower_bound = bound.Sigma(work, input.overlaps, PlanFor(options.effort).bound_cells);
   result.sigma_lower_bound = input.sigma_lower_bound;
   if (!hint.empty() && work.problem().Uses(Component::kUserPose)) {
     q_hint = WithMovable(scene.tables(), work.problem().q_in, AsEigen(hint));

@@ -12,7 +12,7 @@ constexpr double kFirstOnRay = 1.0 / 256.0;  // share of the way
 constexpr double kNextOnRay = 1.2;           // times the share before
 constexpr int kRayHalvings = 2;
 constexpr double kWorthARay = 2.0;                 // σ over that of the nearest found
-constexpr double kHopSpreads[] = {3.0, 7.5, 1.5};  // as in GaussianStart, one at random
+constexpr double kHopSpreads[] = {3.0, 7.5, 1.5};  // as in Gaussian, one at random
 
 struct Sphere {
   Vector3d center_W = Vector3d::Zero();
@@ -42,46 +42,11 @@ Sphere Enclose(const PosedModel& posed, const std::vector<int>& geoms, const Vec
   return sphere;
 }
 
-// A direction in which a tree's base may be translated, and the tangent that does it.
-struct FreeDirection {
-  Vector3d a_W;
-  int col = 0;
-};
-
 int TreeOf(const mjModel& m, int geom) { return m.body_treeid[m.geom_bodyid[geom]]; }
 
 bool MovesBaseOf(const SceneTables& tables, int tree, const JointEntry& joint) {
   return tree >= 0 && joint.body == tables.model->tree_bodyadr[tree] &&
          (joint.type == mjJNT_SLIDE || joint.type == mjJNT_FREE);
-}
-
-std::vector<FreeDirection> BaseDirections(Workspace& work, int tree) {
-  std::vector<FreeDirection> directions;
-  for (const JointEntry& joint : work.problem().tables.joints) {
-    if (!MovesBaseOf(work.problem().tables, tree, joint)) continue;
-    if (joint.type == mjJNT_SLIDE) {
-      const double* axis = work.finder.posed().data()->xaxis + 3 * joint.id;
-      directions.push_back({AsVector(axis), joint.col});
-    } else {
-      for (int i = 0; i < 3; ++i) directions.push_back({Vector3d::Unit(i), joint.col + i});
-    }
-  }
-  return directions;
-}
-
-// Geoms of the tree, and the geoms of other trees or the world that it overlaps.
-void SplitGeoms(const SceneTables& tables, int tree, const std::vector<NearPair>& overlaps,
-                std::vector<int>& own, std::vector<int>& others) {
-  const mjModel& m = *tables.model;
-  auto in_tree = [&](int geom) { return TreeOf(m, geom) == tree; };
-  for (int g = 0; g < m.ngeom; ++g) {
-    if (in_tree(g) && (m.geom_contype[g] || m.geom_conaffinity[g])) own.push_back(g);
-  }
-  for (const NearPair& near : overlaps) {
-    const KeptPair& pair = tables.pairs[near.pair];
-    if (in_tree(pair.geom1) == in_tree(pair.geom2)) continue;
-    others.push_back(in_tree(pair.geom1) ? pair.geom2 : pair.geom1);
-  }
 }
 
 // The tree with a base that can be translated in the deepest overlap with another one or the world,
@@ -105,16 +70,6 @@ int DeepestTree(const SceneTables& tables, const std::vector<NearPair>& overlaps
   return deepest_tree;
 }
 
-// How far each dof moves for a step of `length` [m] in object-norm units; dofs that the norm hardly
-// sees are held back.
-VectorXd DofSteps(Workspace& work, const VectorXd& at, double length) {
-  VectorXd r;
-  MatrixXd J;
-  work.norm.Linearize(at, r, J);
-  const double floor = 1e-3 * J.norm() / std::sqrt(J.cols());
-  return length * J.colwise().norm().cwiseMax(floor).cwiseInverse().transpose();
-}
-
 // No start needs more than half a turn.
 void ShortenTurns(const SceneTables& tables, VectorXd& dq) {
   for (const JointEntry& joint : tables.joints) {
@@ -125,188 +80,236 @@ void ShortenTurns(const SceneTables& tables, VectorXd& dq) {
   }
 }
 
-// Marks (n) the dofs between the two bodies of a touching pair picked at random; all of them where
+template <typename Item>
+Item& Next(std::vector<Item>& items, int& used) {
+  if (static_cast<int>(items.size()) == used) items.emplace_back();
+  return items[used++];
+}
+
+}  // namespace
+
+// steps_: how far each dof moves for a step of `length` [m] in object-norm units; dofs that the
+// norm hardly sees are held back.
+void StartSelection::FindDofSteps(const VectorXd& at, double length) {
+  work_.norm.Linearize(at, r_, J_);
+  const double floor = 1e-3 * J_.norm() / std::sqrt(J_.cols());
+  steps_ = length * J_.colwise().norm().cwiseMax(floor).cwiseInverse().transpose();
+}
+
+// between_: the dofs between the two bodies of a touching pair picked at random; all of them where
 // nothing touches.
-std::vector<char> DofsOfSomeContact(Workspace& work, const VectorXd& q, Random& random) {
-  const SceneTables& tables = work.problem().tables;
+void StartSelection::MarkDofsOfSomeContact(const VectorXd& q, Random& random) {
+  const SceneTables& tables = problem_.tables;
   const mjModel& m = *tables.model;
-  const double reach = kTouching * work.problem().tolerances.user;
-  std::vector<int> touching;
-  work.finder.Pose(q);
+  const double reach = kTouching * problem_.tolerances.user;
+  touching_.clear();
+  work_.finder.Pose(q);
   for (const NearPair& near :
-       work.finder.Find(work.problem().options.clearance + reach, Depths::kSkipped)) {
-    const bool touches = near.distance < work.problem().required[near.pair] + reach;
-    if (touches && tables.pairs[near.pair].moves) touching.push_back(near.pair);
+       work_.finder.Find(problem_.options.clearance + reach, Depths::kSkipped)) {
+    const bool touches = near.distance < problem_.required[near.pair] + reach;
+    if (touches && tables.pairs[near.pair].moves) touching_.push_back(near.pair);
   }
-  if (touching.empty()) return std::vector<char>(tables.n, 1);
-  std::vector<char> between(tables.n, 0);
-  const KeptPair& pair = tables.pairs[touching[random.Bits() % touching.size()]];
+  between_.assign(tables.n, touching_.empty());
+  if (touching_.empty()) return;
+  const KeptPair& pair = tables.pairs[touching_[random.Bits() % touching_.size()]];
   int body1 = m.geom_bodyid[pair.geom1], body2 = m.geom_bodyid[pair.geom2];
   while (body1 != body2) {  // up to the common ancestor; parents have smaller ids
     int& body = body1 > body2 ? body1 : body2;
     for (const JointEntry& joint : tables.joints) {
       if (joint.body != body) continue;
-      std::fill_n(between.begin() + joint.col, joint.ndof, 1);
+      std::fill_n(between_.begin() + joint.col, joint.ndof, 1);
     }
     body = m.body_parentid[body];
   }
-  return between;
 }
 
-// Configurations in a straight line from one through another, inside the limits.
-class Ray {
- public:
-  Ray(Workspace& work, const VectorXd& from, const VectorXd& through)
-      : tables_(&work.problem().tables), from_(from) {
-    Difference(*tables_, from, through, dq_);
-  }
-  VectorXd At(double t) const {
-    VectorXd q;
-    Integrate(*tables_, from_, t * dq_, q);
-    ClampToLimits(*tables_, q);
-    return q;
-  }
-
- private:
-  const SceneTables* tables_;
-  VectorXd from_;
-  VectorXd dq_;
-};
-
-}  // namespace
-
-VectorXd MirroredStart(Workspace& work, const VectorXd& q) {
-  return Ray(work, work.problem().q_in, q).At(-1.0);
+// from ⊕ t dq inside the limits.
+void StartSelection::MoveTo(const VectorXd& from, const VectorXd& dq, double t, VectorXd& out) {
+  scaled_ = t * dq;
+  Integrate(problem_.tables, from, scaled_, out);
+  ClampToLimits(problem_.tables, out);
 }
 
-VectorXd GaussianStart(Workspace& work, const VectorXd& center, double sigma, double spread,
-                       Random& random) {
-  const VectorXd steps =
-      DofSteps(work, center, spread * std::sqrt(sigma / work.problem().tables.n));
-  VectorXd dq(work.problem().tables.n), out;
+void StartSelection::Mirrored(const VectorXd& q, VectorXd& start) {
+  Beyond(problem_.q_in, q, -1.0, start);
+}
+
+void StartSelection::Gaussian(const VectorXd& center, double sigma, double spread, Random& random,
+                              VectorXd& start) {
+  const int n = problem_.tables.n;
+  FindDofSteps(center, spread * std::sqrt(sigma / n));
+  dq_.resize(n);
   const double share = random.Uniform() < 0.5 ? 0.5 : 1.0;
-  for (int i = 0; i < work.problem().tables.n; ++i) {
+  for (int i = 0; i < n; ++i) {
     const bool stays = random.Uniform() >= share;
-    dq[i] = stays ? 0.0 : random.Normal() * steps[i];
+    dq_[i] = stays ? 0.0 : random.Normal() * steps_[i];
   }
-  ShortenTurns(work.problem().tables, dq);
-  Integrate(work.problem().tables, center, dq, out);
-  ClampToLimits(work.problem().tables, out);
-  return out;
+  ShortenTurns(problem_.tables, dq_);
+  Integrate(problem_.tables, center, dq_, start);
+  ClampToLimits(problem_.tables, start);
 }
 
-VectorXd ContactHop(Workspace& work, const VectorXd& best, double sigma, Hop hop, Random& random) {
-  const SceneTables& tables = work.problem().tables;
-  const std::vector<char> between = DofsOfSomeContact(work, best, random);
+void StartSelection::ContactHop(const VectorXd& best, double sigma, Hop hop, Random& random,
+                                VectorXd& start) {
+  const SceneTables& tables = problem_.tables;
+  MarkDofsOfSomeContact(best, random);
   const double spread = kHopSpreads[random.Bits() % std::size(kHopSpreads)];
-  const VectorXd steps = DofSteps(work, work.problem().q_in, spread * std::sqrt(sigma / tables.n));
+  FindDofSteps(problem_.q_in, spread * std::sqrt(sigma / tables.n));
   const double share = random.Uniform() < 0.5 ? 0.5 : 1.0;
-  VectorXd dq, out;
-  Difference(tables, work.problem().q_in, best, dq);
-  VectorXd hopped = dq;
+  Difference(tables, problem_.q_in, best, dq_);
+  hopped_ = dq_;
   for (int i = 0; i < tables.n; ++i) {
-    if (!between[i] || random.Uniform() >= share) continue;
-    const double noise = random.Normal() * steps[i];
-    hopped[i] = hop == Hop::kFromBest ? dq[i] + noise : hop == Hop::kFromInput ? noise : -dq[i];
+    if (!between_[i] || random.Uniform() >= share) continue;
+    const double noise = random.Normal() * steps_[i];
+    hopped_[i] = hop == Hop::kFromBest ? dq_[i] + noise : hop == Hop::kFromInput ? noise : -dq_[i];
   }
-  VectorXd shortened = hopped;
-  ShortenTurns(tables, shortened);
-  const VectorXd tangent = (hopped.array() == dq.array()).select(dq, shortened);
-  Integrate(tables, work.problem().q_in, tangent, out);
-  ClampToLimits(tables, out);
-  return out;
+  scaled_ = hopped_;
+  ShortenTurns(tables, scaled_);
+  hopped_ = (hopped_.array() == dq_.array()).select(dq_, scaled_);  // what stays is not shortened
+  Integrate(tables, problem_.q_in, hopped_, start);
+  ClampToLimits(tables, start);
 }
 
-std::vector<FreeOnRay> FirstFree(Workspace& work, const VectorXd& center,
-                                 const std::vector<VectorXd>& far, double largest_sigma) {
-  std::vector<Ray> rays;
-  for (const VectorXd& q : far) rays.emplace_back(work, center, q);
-  std::vector<FreeOnRay> found;
+void StartSelection::Beyond(const VectorXd& center, const VectorXd& q, double times,
+                            VectorXd& start) {
+  Difference(problem_.tables, center, q, dq_);
+  MoveTo(center, dq_, times, start);
+}
+
+void StartSelection::AddFound(const VectorXd& q) {
+  FreeOnRay& found = Next(found_, num_found_);
+  found.q = q;
+  found.sigma = work_.norm.Sigma(q);
+}
+
+// At t the ray has been given up or is free; then its first free configuration between `before` and
+// t has been found.
+bool StartSelection::RayEnds(const VectorXd& center, int ray, double before, double t,
+                             double& largest_sigma) {
+  MoveTo(center, rays_[ray], t, trial_);
+  if (work_.Spent() || work_.norm.Sigma(trial_) > largest_sigma) return true;
+  if (!work_.Free(trial_)) return false;
+  double overlapping = before;
+  for (int halvings = 0; halvings < kRayHalvings; ++halvings) {
+    const double middle = 0.5 * (t + overlapping);
+    MoveTo(center, rays_[ray], middle, trial_);
+    (work_.Free(trial_) ? t : overlapping) = middle;
+  }
+  MoveTo(center, rays_[ray], t, trial_);
+  AddFound(trial_);
+  largest_sigma = std::min(largest_sigma, kWorthARay * found_[num_found_ - 1].sigma);
+  return true;
+}
+
+std::span<const FreeOnRay> StartSelection::FirstFree(const VectorXd& center,
+                                                     std::span<const VectorXd> far,
+                                                     double largest_sigma) {
+  if (rays_.size() < far.size()) rays_.resize(far.size());
+  open_.clear();
+  for (std::size_t k = 0; k < far.size(); ++k) {
+    Difference(problem_.tables, center, far[k], rays_[k]);
+    open_.push_back(static_cast<int>(k));
+  }
+  num_found_ = 0;
   double before = 0.0;
-  // The ray's first free configuration between `before` and t, if that at t is free.
-  auto ends = [&](const Ray& ray, double t) {
-    VectorXd q = ray.At(t);
-    if (work.Spent() || work.norm.Sigma(q) > largest_sigma) return true;
-    if (!work.Free(q)) return false;
-    double overlapping = before;
-    for (int halvings = 0; halvings < kRayHalvings; ++halvings) {
-      const double middle = 0.5 * (t + overlapping);
-      (work.Free(ray.At(middle)) ? t : overlapping) = middle;
-    }
-    q = ray.At(t);
-    found.push_back({q, work.norm.Sigma(q)});
-    largest_sigma = std::min(largest_sigma, kWorthARay * found.back().sigma);
-    return true;
-  };
-  for (double t = kFirstOnRay; before < 1.0 && !rays.empty(); t = std::min(1.0, kNextOnRay * t)) {
-    std::erase_if(rays, [&](const Ray& ray) { return ends(ray, t); });
+  for (double t = kFirstOnRay; before < 1.0 && !open_.empty(); t = std::min(1.0, kNextOnRay * t)) {
+    std::erase_if(open_, [&](int ray) { return RayEnds(center, ray, before, t, largest_sigma); });
     before = t;
   }
-  std::erase_if(found, [&](const FreeOnRay& free) { return free.sigma > largest_sigma; });
-  std::stable_sort(found.begin(), found.end(),
-                   [](const FreeOnRay& x, const FreeOnRay& y) { return x.sigma < y.sigma; });
-  return found;
+  int kept = 0;
+  for (int k = 0; k < num_found_; ++k) {
+    if (found_[k].sigma > largest_sigma) continue;
+    std::swap(found_[kept], found_[k]);
+    // Among those before, after the ones that are no worse.
+    for (int i = kept++; i > 0 && found_[i].sigma < found_[i - 1].sigma; --i) {
+      std::swap(found_[i], found_[i - 1]);
+    }
+  }
+  return {found_.data(), static_cast<std::size_t>(kept)};
 }
 
-VectorXd Beyond(Workspace& work, const VectorXd& center, const VectorXd& q, double times) {
-  return Ray(work, center, q).At(times);
-}
-
-VectorXd UniformStart(Workspace& work, const VectorXd& center, Random& random) {
+void StartSelection::Uniform(const VectorXd& center, Random& random, VectorXd& start) {
   auto between = [&random](double low, double high) {
     return low + (high - low) * random.Uniform();
   };
-  const double reach = 10.0 * work.problem().size;
-  VectorXd dq(work.problem().tables.n), q;
-  for (const JointEntry& joint : work.problem().tables.joints) {
+  const double reach = 10.0 * problem_.size;
+  dq_.resize(problem_.tables.n);
+  for (const JointEntry& joint : problem_.tables.joints) {
     const bool scalar = joint.type == mjJNT_HINGE || joint.type == mjJNT_SLIDE;
     for (int k = 0; k < joint.ndof; ++k) {
       const double range = joint.Slides(k) ? reach : mjPI;
-      dq[joint.col + k] = between(-range, range);
+      dq_[joint.col + k] = between(-range, range);
     }
     if (!scalar || !joint.limited) continue;
     const double span = joint.type == mjJNT_SLIDE ? reach : joint.hi - joint.lo;
     const double low = std::max(joint.lo, center[joint.qadr] - span);
     const double high = std::min(joint.hi, center[joint.qadr] + span);
-    dq[joint.col] = between(low, high) - center[joint.qadr];
+    dq_[joint.col] = between(low, high) - center[joint.qadr];
   }
-  Integrate(work.problem().tables, center, dq, q);
-  ClampToLimits(work.problem().tables, q);
-  return q;
+  Integrate(problem_.tables, center, dq_, start);
+  ClampToLimits(problem_.tables, start);
 }
 
-std::vector<VectorXd> ConstrainedTranslation(Workspace& work, const std::vector<NearPair>& overlaps,
-                                             const VectorXd& from) {
-  const SceneTables& tables = work.problem().tables;
-  std::vector<VectorXd> starts;
-  const int tree = DeepestTree(tables, overlaps);
-  if (tree < 0) return starts;
-  work.finder.Pose(from);
-  const PosedModel& posed = work.finder.posed();
-  const std::vector<FreeDirection> free = BaseDirections(work, tree);
-  std::vector<int> own, others;
-  SplitGeoms(tables, tree, overlaps, own, others);
-  if (own.empty() || others.empty()) return starts;
-  const Sphere A = Enclose(posed, own, Vector3d::Zero());
-  const Sphere B = Enclose(posed, others, A.center_W);
-  const double distance = A.radius + B.radius + work.problem().options.clearance;
+void StartSelection::FindBaseDirections(int tree) {
+  free_.clear();
+  for (const JointEntry& joint : problem_.tables.joints) {
+    if (!MovesBaseOf(problem_.tables, tree, joint)) continue;
+    if (joint.type == mjJNT_SLIDE) {
+      const double* axis = work_.finder.posed().data()->xaxis + 3 * joint.id;
+      free_.push_back({AsVector(axis), joint.col});
+    } else {
+      for (int i = 0; i < 3; ++i) free_.push_back({Vector3d::Unit(i), joint.col + i});
+    }
+  }
+}
 
-  auto translate = [&](const Vector3d& direction_W) {
-    VectorXd dq = VectorXd::Zero(tables.n), q;
-    for (const FreeDirection& f : free) dq[f.col] += distance * direction_W.dot(f.a_W);
-    Integrate(tables, from, dq, q);
-    ClampToLimits(tables, q);
-    starts.push_back(q);
-  };
+// own_: geoms of the tree; others_: the geoms of other trees or the world that it overlaps.
+void StartSelection::SplitGeoms(int tree, const std::vector<NearPair>& overlaps) {
+  const mjModel& m = *problem_.tables.model;
+  auto in_tree = [&](int geom) { return TreeOf(m, geom) == tree; };
+  own_.clear();
+  others_.clear();
+  for (int g = 0; g < m.ngeom; ++g) {
+    if (in_tree(g) && (m.geom_contype[g] || m.geom_conaffinity[g])) own_.push_back(g);
+  }
+  for (const NearPair& near : overlaps) {
+    const KeptPair& pair = problem_.tables.pairs[near.pair];
+    if (in_tree(pair.geom1) == in_tree(pair.geom2)) continue;
+    others_.push_back(in_tree(pair.geom1) ? pair.geom2 : pair.geom1);
+  }
+}
+
+void StartSelection::AddTranslation(const VectorXd& from, double distance,
+                                    const Vector3d& direction_W) {
+  dq_.setZero(problem_.tables.n);
+  for (const FreeDirection& f : free_) dq_[f.col] += distance * direction_W.dot(f.a_W);
+  VectorXd& q = Next(translations_, num_translations_);
+  Integrate(problem_.tables, from, dq_, q);
+  ClampToLimits(problem_.tables, q);
+}
+
+std::span<const VectorXd> StartSelection::ConstrainedTranslation(
+    const std::vector<NearPair>& overlaps, const VectorXd& from) {
+  num_translations_ = 0;
+  const int tree = DeepestTree(problem_.tables, overlaps);
+  if (tree < 0) return {};
+  work_.finder.Pose(from);
+  const PosedModel& posed = work_.finder.posed();
+  FindBaseDirections(tree);
+  SplitGeoms(tree, overlaps);
+  if (own_.empty() || others_.empty()) return {};
+  const Sphere A = Enclose(posed, own_, Vector3d::Zero());
+  const Sphere B = Enclose(posed, others_, A.center_W);
+  const double distance = A.radius + B.radius + problem_.options.clearance;
   const Vector3d d = (A.center_W - B.center_W).normalized();
   Vector3d projected = Vector3d::Zero();
-  for (const FreeDirection& f : free) projected += d.dot(f.a_W) * f.a_W;
-  if (projected.norm() > 0.1) translate(projected.normalized());
-  for (const FreeDirection& f : free) {
-    translate(f.a_W);
-    translate(-f.a_W);
+  for (const FreeDirection& f : free_) projected += d.dot(f.a_W) * f.a_W;
+  if (projected.norm() > 0.1) AddTranslation(from, distance, projected.normalized());
+  for (const FreeDirection& f : free_) {
+    AddTranslation(from, distance, f.a_W);
+    AddTranslation(from, distance, -f.a_W);
   }
-  return starts;
+  return {translations_.data(), static_cast<std::size_t>(num_translations_)};
 }
 
 }  // namespace mjcf_pdg

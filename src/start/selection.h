@@ -6,6 +6,7 @@
 #ifndef MJCF_PDG_SRC_START_SELECTION_H_
 #define MJCF_PDG_SRC_START_SELECTION_H_
 
+#include <span>
 #include <vector>
 
 #include "base/random.h"
@@ -13,48 +14,89 @@
 
 namespace mjcf_pdg {
 
-// q_in moved as far to the other side as q lies on this one: q_in ⊖ (q ⊖ q_in).
-VectorXd MirroredStart(Workspace& work, const VectorXd& q);
-
-// `center` moved by normal noise, each dof by about `spread` · √(sigma / n) of the object norm.
-// In half of the draws about half of the dofs stay: many answers move few joints.
-VectorXd GaussianStart(Workspace& work, const VectorXd& center, double sigma, double spread,
-                       Random& random);
-
-// `best`, a configuration in contact, with one contact decided anew: the joints between its two
-// bodies (all of them, or about half) move, the others stay as they are. A model that overlaps in
-// many places has as many choices to make, and a fresh start seldom makes all of them well.
+// `best` of ContactHop, a configuration in contact, gets one contact decided anew: the joints
+// between its two bodies (all of them, or about half) move, the others stay as they are. A model
+// that overlaps in many places has as many choices to make, and a fresh start seldom makes all of
+// them well.
 enum class Hop {
   kFromBest,   // noise about `best`
   kFromInput,  // noise about q_in
   kMirrored,   // to the other side of q_in
 };
-VectorXd ContactHop(Workspace& work, const VectorXd& best, double sigma, Hop hop, Random& random);
 
-// Straight from `center` towards each of `far`, all at one pace: the first free configuration found
-// on each way, the least σ first. Ways on which σ would be more than `largest_sigma` [m²], or more
-// than twice the least found, are given up.
 struct FreeOnRay {
   VectorXd q;
   double sigma = 0.0;  // [m²]
 };
-std::vector<FreeOnRay> FirstFree(Workspace& work, const VectorXd& center,
-                                 const std::vector<VectorXd>& far, double largest_sigma);
 
-// On the way from `center` through `q`, `times` as far.
-VectorXd Beyond(Workspace& work, const VectorXd& center, const VectorXd& q, double times);
+// Keeps its memory between calls. What `start` was is ignored; it must not be an argument, too.
+class StartSelection {
+ public:
+  explicit StartSelection(Workspace& work) : problem_(work.problem()), work_(work) {}
 
-// Every joint anywhere: uniform within limits, hinges without limits and rotations all around,
-// slides and free bodies within ten Problem::size about `center`.
-VectorXd UniformStart(Workspace& work, const VectorXd& center, Random& random);
+  // q_in moved as far to the other side as q lies on this one: q_in ⊖ (q ⊖ q_in).
+  void Mirrored(const VectorXd& q, VectorXd& start);
 
-// Eq. 20: the tree that overlaps most is carried off along its base's free directions, away from
-// the centroid of what it overlaps, by the radii of the enclosing spheres (and the clearance).
-// Candidates in the order to try: the projected direction, then ± the free directions. Empty if
-// every base is fixed or nothing but a tree itself overlaps. `overlaps` are the overlapping pairs
-// at `from`.
-std::vector<VectorXd> ConstrainedTranslation(Workspace& work, const std::vector<NearPair>& overlaps,
-                                             const VectorXd& from);
+  // `center` moved by normal noise, each dof by about `spread` · √(sigma / n) of the object norm.
+  // In half of the draws about half of the dofs stay: many answers move few joints.
+  void Gaussian(const VectorXd& center, double sigma, double spread, Random& random,
+                VectorXd& start);
+
+  // See Hop; the noise's scale is one of three, drawn at random, about sigma's [m²].
+  void ContactHop(const VectorXd& best, double sigma, Hop hop, Random& random, VectorXd& start);
+
+  // Every joint anywhere: uniform within limits, hinges without limits and rotations all around,
+  // slides and free bodies within ten Problem::size about `center`.
+  void Uniform(const VectorXd& center, Random& random, VectorXd& start);
+
+  // On the way from `center` through `q`, `times` as far.
+  void Beyond(const VectorXd& center, const VectorXd& q, double times, VectorXd& start);
+
+  // Eq. 20: the tree that overlaps most is carried off along its base's free directions, away from
+  // the centroid of what it overlaps, by the radii of the enclosing spheres (and the clearance).
+  // Candidates in the order to try: the projected direction, then ± the free directions. Empty if
+  // every base is fixed or nothing but a tree itself overlaps. `overlaps` are the overlapping pairs
+  // at `from`. Valid until the next call.
+  std::span<const VectorXd> ConstrainedTranslation(const std::vector<NearPair>& overlaps,
+                                                   const VectorXd& from);
+
+  // Straight from `center` towards each of `far`, all at one pace: the first free configuration
+  // found on each way, the least σ first. Ways on which σ would be more than `largest_sigma` [m²],
+  // or more than twice the least found, are given up. Valid until the next call.
+  std::span<const FreeOnRay> FirstFree(const VectorXd& center, std::span<const VectorXd> far,
+                                       double largest_sigma);
+
+ private:
+  // A direction in which a tree's base may be translated, and the tangent that does it.
+  struct FreeDirection {
+    Vector3d a_W;
+    int col = 0;
+  };
+
+  void FindDofSteps(const VectorXd& at, double length);
+  void MarkDofsOfSomeContact(const VectorXd& q, Random& random);
+  void FindBaseDirections(int tree);
+  void SplitGeoms(int tree, const std::vector<NearPair>& overlaps);
+  void AddTranslation(const VectorXd& from, double distance, const Vector3d& direction_W);
+  void MoveTo(const VectorXd& from, const VectorXd& dq, double t, VectorXd& out);
+  bool RayEnds(const VectorXd& center, int ray, double before, double t, double& largest_sigma);
+  void AddFound(const VectorXd& q);
+
+  const Problem& problem_;
+  Workspace& work_;
+  VectorXd dq_, hopped_, scaled_, trial_, r_;
+  MatrixXd J_;
+  VectorXd steps_;             // how far each dof moves for some length
+  std::vector<char> between_;  // n: the dofs between two bodies
+  std::vector<int> touching_;  // pairs
+  std::vector<FreeDirection> free_;
+  std::vector<int> own_, others_;  // geoms of a tree, and of what it overlaps
+  // Of these lists, which never shrink, the first so many are in use.
+  std::vector<VectorXd> translations_, rays_;
+  std::vector<FreeOnRay> found_;
+  int num_translations_ = 0, num_found_ = 0;
+  std::vector<int> open_;  // rays that have not ended
+};
 
 }  // namespace mjcf_pdg
 

@@ -39,7 +39,7 @@ struct AtStart {
   }
 
   double Bound(int max_cells = 200) const {
-    return SigmaLowerBound(
+    return LowerBound().Sigma(
         {scene.tables(), norm, finder.posed(), near, required, metric, kTolerance, max_cells});
   }
   bool Free(const VectorXd& q) { return verifier.Check(ToVector(q)).free; }

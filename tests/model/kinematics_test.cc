@@ -239,18 +239,18 @@ TEST_F(KinematicsTest, BodyJacobiansAreFiniteDifferencesOfPointsAndRotations) {
       posed.Pose(at);
       return AsMatrix(posed.data()->xmat + 9 * body);
     };
-    MatrixXd jac_p, jac_r;
+    BodyJacobians jacobians;
     const Vector3d p_W = point(q);
     const Matrix3d R = rotation(q);
-    BodyJacobians(tables, posed, body, p_W, jac_p, jac_r);
+    jacobians.Fill(tables, posed, body, p_W);
     constexpr double kStep = 1e-6;
     for (int i = 0; i < scene->dof(); ++i) {
       VectorXd plus, minus;
       Integrate(tables, q, kStep * VectorXd::Unit(scene->dof(), i), plus);
       Integrate(tables, q, -kStep * VectorXd::Unit(scene->dof(), i), minus);
-      EXPECT_LT((jac_p.col(i) - (point(plus) - point(minus)) / (2 * kStep)).norm(), 1e-9);
+      EXPECT_LT((jacobians.point.col(i) - (point(plus) - point(minus)) / (2 * kStep)).norm(), 1e-9);
       const Matrix3d W = (rotation(plus) - rotation(minus)) / (2 * kStep) * R.transpose();
-      EXPECT_LT((jac_r.col(i) - Vector3d(W(2, 1), W(0, 2), W(1, 0))).norm(), 1e-9);
+      EXPECT_LT((jacobians.rotation.col(i) - Vector3d(W(2, 1), W(0, 2), W(1, 0))).norm(), 1e-9);
     }
   }
 }

@@ -133,9 +133,9 @@ TEST_F(ContactMatrixTest, RowsAreJacobianDifferencesAndExactlyZeroAboveBothBodie
         const int body1 = m.geom_bodyid[scene->tables().pairs[i].geom1];
         const int body2 = m.geom_bodyid[scene->tables().pairs[i].geom2];
         const Vector3d p1 = rng_.InBox(1), p2 = rng_.InBox(1), n = rng_.UnitVector();
-        MatrixXd jac1, jac2, jac_r;
-        BodyJacobians(scene->tables(), posed, body1, p1, jac1, jac_r);
-        BodyJacobians(scene->tables(), posed, body2, p2, jac2, jac_r);
+        BodyJacobians jac1, jac2;
+        jac1.Fill(scene->tables(), posed, body1, p1);
+        jac2.Fill(scene->tables(), posed, body2, p2);
         Eigen::RowVectorXd row = Eigen::RowVectorXd::Constant(scene->dof(), 7.0);
         ContactRow(scene->tables(), posed, i, p1, p2, n, row);
         for (int dof = 0; dof < m.nv; ++dof) {
@@ -145,7 +145,7 @@ TEST_F(ContactMatrixTest, RowsAreJacobianDifferencesAndExactlyZeroAboveBothBodie
             EXPECT_EQ(row[col], 0.0);
             ++common;
           } else {
-            EXPECT_NEAR(row[col], n.dot(jac2.col(col) - jac1.col(col)), 1e-13);
+            EXPECT_NEAR(row[col], n.dot(jac2.point.col(col) - jac1.point.col(col)), 1e-13);
           }
         }
       }

@@ -78,7 +78,7 @@ double DualObjective(const Lcp& lcp, const VectorXd& lambda) {
 }
 
 VectorXd ActiveSet(const Lcp& lcp) {
-  VectorXd lambda;
+  VectorXd lambda(lcp.m());
   ActiveSetLcp solver;
   const LcpOutcome outcome = solver.Solve(lcp.G, lcp.b, lcp.mu, {}, lambda);
   EXPECT_TRUE(outcome.converged) << ::testing::PrintToString(outcome);
@@ -89,7 +89,7 @@ VectorXd GaussSeidel(const Lcp& lcp) {
   VectorXd lambda = VectorXd::Zero(lcp.m());
   LcpOptions options;
   options.max_steps = 200000;
-  const LcpOutcome outcome = SolveProjectedGaussSeidel(lcp.G, lcp.b, lcp.mu, options, lambda);
+  const LcpOutcome outcome = GaussSeidelLcp().Solve(lcp.G, lcp.b, lcp.mu, options, lambda);
   EXPECT_TRUE(outcome.converged) << ::testing::PrintToString(outcome);
   return lambda;
 }
@@ -246,7 +246,7 @@ TEST(LcpTest, AtTheSolutionASweepChangesNothing) {
     VectorXd lambda = ActiveSet(lcp);
     LcpOptions looser;
     looser.tolerance = 1e-8;
-    EXPECT_EQ(SolveProjectedGaussSeidel(lcp.G, lcp.b, lcp.mu, looser, lambda).steps, 1);
+    EXPECT_EQ(GaussSeidelLcp().Solve(lcp.G, lcp.b, lcp.mu, looser, lambda).steps, 1);
   }
 }
 
@@ -269,12 +269,12 @@ TEST(LcpTest, TheDualObjectiveNeverFalls) {
   int risen = 0;
   for (int k = 0; k < 30; ++k) {
     const Lcp lcp = RandomLcp(rng, 8, 14, k % 2 ? 0.5 : 50.0);
-    VectorXd swept = VectorXd::Zero(14), lambda;
+    VectorXd swept = VectorXd::Zero(14), lambda(14);
     double sweeps_value = 0.0, steps_value = 0.0;
     for (int step = 1; step <= 30; ++step) {
       LcpOptions options;
       options.max_steps = 1;
-      SolveProjectedGaussSeidel(lcp.G, lcp.b, lcp.mu, options, swept);
+      GaussSeidelLcp().Solve(lcp.G, lcp.b, lcp.mu, options, swept);
       EXPECT_GE(DualObjective(lcp, swept), sweeps_value - 1e-12 * (1.0 + sweeps_value));
       sweeps_value = DualObjective(lcp, swept);
       options.max_steps = step;
@@ -293,7 +293,7 @@ TEST(LcpTest, TooFewStepsAreNotCalledConverged) {
   LcpOptions options;
   options.max_steps = 2;
   VectorXd lambda = VectorXd::Zero(20);
-  const LcpOutcome sweeps = SolveProjectedGaussSeidel(lcp.G, lcp.b, lcp.mu, options, lambda);
+  const LcpOutcome sweeps = GaussSeidelLcp().Solve(lcp.G, lcp.b, lcp.mu, options, lambda);
   EXPECT_FALSE(sweeps.converged);
   EXPECT_EQ(sweeps.steps, 2);
   const LcpOutcome steps = ActiveSetLcp().Solve(lcp.G, lcp.b, lcp.mu, options, lambda);
@@ -305,7 +305,7 @@ TEST(LcpTest, ALargerProblemBeforeLeavesNoTrace) {
   Random rng(12);
   const Lcp small = RandomLcp(rng, 5, 7, 0.8), big = RandomLcp(rng, 30, 40);
   ActiveSetLcp solver;
-  VectorXd first, other, third;
+  VectorXd first(7), other(40), third(7);
   solver.Solve(small.G, small.b, small.mu, {}, first);
   solver.Solve(big.G, big.b, big.mu, {}, other);
   solver.Solve(small.G, small.b, small.mu, {}, third);
@@ -328,7 +328,7 @@ TEST(LcpTest, TheActiveSetMethodEndsWithinTheStepsOfALocalOptimization) {
     LcpOptions options;
     options.max_steps = 10 * (n + m);
     options.tolerance = 1e-8;
-    VectorXd lambda;
+    VectorXd lambda(m);
     ActiveSetLcp solver;
     const LcpOutcome outcome = solver.Solve(lcp.G, lcp.b, lcp.mu, options, lambda);
     EXPECT_TRUE(outcome.converged) << ::testing::PrintToString(outcome) << " of " << m << " rows";

@@ -25,7 +25,23 @@ struct Selector {
       if (near.distance < 0.0) overlaps.push_back(near);
     }
     EXPECT_FALSE(overlaps.empty());
-    return ConstrainedTranslation(work, overlaps, work.problem().q_in);
+    const auto found = starts.ConstrainedTranslation(overlaps, work.problem().q_in);
+    return {found.begin(), found.end()};
+  }
+  VectorXd Mirrored(const VectorXd& q) {
+    VectorXd start;
+    starts.Mirrored(q, start);
+    return start;
+  }
+  VectorXd Gaussian(const VectorXd& center, double sigma, double spread, mjcf_pdg::Random& noise) {
+    VectorXd start;
+    starts.Gaussian(center, sigma, spread, noise, start);
+    return start;
+  }
+  VectorXd ContactHop(const VectorXd& best, double sigma, Hop hop, mjcf_pdg::Random& noise) {
+    VectorXd start;
+    starts.ContactHop(best, sigma, hop, noise, start);
+    return start;
   }
   double Nearest(const VectorXd& q) {  // at most 10 m
     work.finder.Pose(q);
@@ -37,6 +53,7 @@ struct Selector {
   Scene scene;
   Options options;
   Workspace work;
+  StartSelection starts{work};
 };
 
 std::string World(const std::string& inside) {
@@ -175,7 +192,7 @@ TEST_F(SelectionTest, TheMirroredStartIsAsFarOnTheOtherSide) {
       const VectorXd dq = 0.5 * rng.Normals(p.scene.dof()).cwiseMin(2.0).cwiseMax(-2.0);
       Integrate(p.scene.tables(), p.work.problem().q_in, dq, q);
       Difference(p.scene.tables(), p.work.problem().q_in, q, there);
-      const VectorXd mirrored = MirroredStart(p.work, q);
+      const VectorXd mirrored = p.Mirrored(q);
       Difference(p.scene.tables(), p.work.problem().q_in, mirrored, back);
       EXPECT_LT((there + back).norm(), 1e-9);
       EXPECT_GT(there.norm(), 0.1);
@@ -194,8 +211,8 @@ TEST_F(SelectionTest, MirroredAndNoisyStartsStayInsideTheLimits) {
       p.work.Begin(RandomConfiguration(p.scene, rng));
       p.work.norm.SetReference(p.work.problem().q_in);
       const VectorXd q = RandomConfiguration(p.scene, rng);
-      EXPECT_LE(LimitExcess(tables, MirroredStart(p.work, q)), 1e-12);
-      const VectorXd start = GaussianStart(p.work, q, 0.1, 12.0, noise);
+      EXPECT_LE(LimitExcess(tables, p.Mirrored(q)), 1e-12);
+      const VectorXd start = p.Gaussian(q, 0.1, 12.0, noise);
       EXPECT_LE(LimitExcess(tables, start), 1e-12);
       for (const JointEntry& joint : tables.joints) {
         if (!joint.limited || joint.type == mjJNT_BALL) continue;
@@ -219,7 +236,7 @@ TEST_F(SelectionTest, NoiseIsAsLargeAsAskedInObjectNormUnits) {
     double sum = 0.0;
     int moved = 0;
     for (int k = 0; k < 2000; ++k) {
-      const VectorXd q = GaussianStart(p.work, p.work.problem().q_in, 0.04, spread, noise);
+      const VectorXd q = p.Gaussian(p.work.problem().q_in, 0.04, spread, noise);
       sum += p.work.norm.Sigma(q);
       for (int i = 0; i < 3; ++i) moved += q[i] != p.work.problem().q_in[i];
     }
@@ -233,7 +250,7 @@ TEST_F(SelectionTest, NoiseNeverTurnsAJointMoreThanHalfARound) {
   mjcf_pdg::Random noise(6);
   double most = 0.0;
   for (int k = 0; k < 100; ++k) {
-    const VectorXd q = GaussianStart(p.work, p.work.problem().q_in, 100.0, 50.0, noise);
+    const VectorXd q = p.Gaussian(p.work.problem().q_in, 100.0, 50.0, noise);
     for (const JointEntry& joint : p.scene.tables().joints) {
       if (joint.type != mjJNT_HINGE) continue;
       most = std::max(most, std::abs(q[joint.qadr] - p.work.problem().q_in[joint.qadr]));
@@ -247,7 +264,7 @@ TEST_F(SelectionTest, TheSameSeedGivesTheSameNoise) {
   Selector p(OffCentreXml());
   auto draw = [&p](std::uint64_t seed) {
     mjcf_pdg::Random noise(seed);
-    return GaussianStart(p.work, p.work.problem().q_in, 0.1, 2.0, noise);
+    return p.Gaussian(p.work.problem().q_in, 0.1, 2.0, noise);
   };
   EXPECT_EQ(draw(7), draw(7));
   EXPECT_NE(draw(7), draw(8));
@@ -279,7 +296,7 @@ struct Hopper : Selector {
   // The hop as a tangent at q_in.
   VectorXd Hopped(Hop hop, double sigma, mjcf_pdg::Random& noise) {
     VectorXd dq;
-    const VectorXd q = ContactHop(work, best, sigma, hop, noise);
+    const VectorXd q = ContactHop(best, sigma, hop, noise);
     EXPECT_LE(LimitExcess(scene.tables(), q), 1e-12);
     Difference(scene.tables(), work.problem().q_in, q, dq);
     return dq;
@@ -307,7 +324,7 @@ TEST_F(SelectionTest, AHopLeavesFarTurnsOfOtherJointsAlone) {
   int mirrored = 0;
   for (const Hop hop : kAllHops) {
     for (int k = 0; k < 20; ++k) {
-      const VectorXd q = ContactHop(p.work, best, 0.01, hop, noise);
+      const VectorXd q = p.ContactHop(best, 0.01, hop, noise);
       EXPECT_NEAR(q[2], 2.5, 1e-12);
       if (hop != Hop::kMirrored) continue;
       EXPECT_NEAR(std::abs(q[1]), 2.0, 1e-12);
@@ -326,7 +343,7 @@ TEST_F(SelectionTest, AHopMovesNothingButTheJointsBetweenTheBodiesOfOneContact) 
   for (const Hop hop : kAllHops) {
     int fingers = 0, ball = 0;
     for (int k = 0; k < 200; ++k) {
-      const VectorXd q = ContactHop(p.work, p.best, 0.1, hop, noise);
+      const VectorXd q = p.ContactHop(p.best, 0.1, hop, noise);
       EXPECT_EQ(q.head<7>(), q_unchanged.head<7>()) << "the palm carries both fingers";
       EXPECT_EQ(q.tail<4>(), q_unchanged.tail<4>()) << "the bob touches nothing";
       const bool finger_moved = q.segment<2>(7) != q_unchanged.segment<2>(7);
@@ -369,7 +386,7 @@ TEST_F(SelectionTest, HopsStayInsideTheLimits) {
   int at_limit = 0;
   for (const Hop hop : kAllHops) {
     for (int k = 0; k < 100; ++k) {
-      const VectorXd q = ContactHop(p.work, p.best, 10.0, hop, noise);
+      const VectorXd q = p.ContactHop(p.best, 10.0, hop, noise);
       EXPECT_LE(LimitExcess(p.scene.tables(), q), 1e-12);
       at_limit += std::abs(q[9]) == 0.5 || q[8] == p.scene.tables().joints[2].hi;
     }
@@ -417,7 +434,8 @@ TEST_F(SelectionTest, TheFirstFreeConfigurationsOfSeveralRaysAreTheNearestOnThem
       far.push_back(p.work.problem().q_in);
       far.back().head<3>() = end;
     }
-    return FirstFree(p.work, p.work.problem().q_in, far, largest_sigma);
+    const auto found = p.starts.FirstFree(p.work.problem().q_in, far, largest_sigma);
+    return std::vector<FreeOnRay>(found.begin(), found.end());
   };
   const std::vector<Vector3d> ends = {{2, 0, 0}, {-2, 0, 0}, {0, 0, 2}, {0, 2, 0}};
   Selector p(box(".3 9 .2"));

@@ -15,6 +15,8 @@ constexpr double kTouching = 1e-7;  // the direction between nearer cores is not
 
 ConvexDistance::ConvexDistance(const SceneTables& tables)
     : tables_(tables), knows_(tables.pairs.size()), memories_(tables.pairs.size()) {
+  remembered_.reserve(tables.pairs.size());
+  polytope_.Reserve(4 + kMaxGrowth);
   for (std::size_t k = 0; k < knows_.size(); ++k) {
     const KeptPair& pair = tables.pairs[k];
     const bool plane = tables.model->geom_type[pair.geom1] == mjGEOM_PLANE;

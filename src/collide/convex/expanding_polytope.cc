@@ -13,6 +13,12 @@ constexpr double kFlat = 1e-9;     // sine of a triangle's angle: none
 
 }  // namespace
 
+void ExpandingPolytope::Reserve(int corners) {
+  corners_.reserve(corners);
+  faces_.reserve(2 * corners);  // by Euler's formula, 2 V - 4
+  horizon_.reserve(3 * corners);
+}
+
 bool ExpandingPolytope::Start(const Simplex& simplex) {
   corners_.clear();
   faces_.clear();

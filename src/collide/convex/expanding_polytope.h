@@ -18,6 +18,10 @@ namespace mjcf_pdg {
 class ExpandingPolytope {
  public:
   using Corner = Simplex::Corner;
+
+  // Room for so many corners.
+  void Reserve(int corners);
+
   struct Face {
     int corners[3];  // counterclockwise seen from outside
     Eigen::Vector3d n;
