@@ -40,7 +40,7 @@ SamplingResult SampleContactSpace(Problem& problem, double seconds, std::uint64_
   const MatrixXd to_tangent = J.completeOrthogonalDecomposition().pseudoInverse();
   auto move = [&](const VectorXd& from, const VectorXd& to) {
     Difference(problem.tables, from, to, dq);
-    const CcdResult& motion = ccd.Move(from, dq, {}, &problem.required);
+    const CcdResult& motion = ccd.Move({from, dq, &problem.required});
     ++result.samples;
     if (motion.outcome == CcdOutcome::kStartInCollision) return false;
     const double sigma = problem.norm.Sigma(motion.q);

@@ -143,8 +143,8 @@ void Judge(const Case& random, const CcdResult& result, const CcdOptions& option
   late |= at_end < -options.tolerance - kError;
   // A contact is one: nearer than the gap, and not touching yet if the start was clear.
   if (result.outcome == CcdOutcome::kContact) {
-    tally.phantom += at_end > options.gap + kError;
-    late |= start > options.gap && at_end < 0.25 * options.gap;
+    tally.phantom += at_end > options.Gap() + kError;
+    late |= start > options.Gap() && at_end < 0.25 * options.Gap();
   }
   tally.late += late;
   EXPECT_FALSE(late) << TypeName(m.geom_type[pair.geom1]) << "-"
@@ -164,7 +164,7 @@ Tally RandomMotions(int per_pair, std::uint64_t seed) {
         Ccdg ccdg(random.scene.tables(), finder);
         const CcdOptions options;
         const auto begin = std::chrono::steady_clock::now();
-        const CcdResult& result = ccdg.Move(random.q0, random.dq, options);
+        const CcdResult& result = ccdg.Move({random.q0, random.dq}, options);
         tally.seconds +=
             std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
         Judge(random, result, options, tally);
@@ -221,7 +221,7 @@ TEST_F(CcdgRandomTest, NoMotionOfARobotAmongObstaclesEndsLate) {
       const VectorXd q1 = RandomConfiguration(scene, rng);
       VectorXd q, dq;
       Difference(tables, q0, q1, dq);
-      const CcdResult result = ccdg.Move(q0, dq);
+      const CcdResult result = ccdg.Move({q0, dq});
       if (result.outcome == CcdOutcome::kStartInCollision) continue;
       ++motions;
       poses += result.poses;
