@@ -48,7 +48,7 @@ Ccdg::Ccdg(const SceneTables& tables, ContactFinder& finder)
       proof_(tables, finder),
       pairs_(tables.pairs.size()),
       bodies_(tables.body_pairs.size()) {
-  moving_.reserve(tables.body_pairs.size());
+  asked_.reserve(tables.body_pairs.size());
   result_.pairs.reserve(tables.pairs.size());
 }
 
@@ -86,10 +86,10 @@ void Ccdg::Start(const CcdMotion& motion, const CcdOptions& options) {
   proof_.SetMotion(motion, options.tolerance);
   intervals_.clear();
   ahead_.clear();
-  moving_.clear();
+  asked_.clear();
   for (int k = 0; k < static_cast<int>(tables_.body_pairs.size()); ++k) {
-    if (!proof_.Moves(k)) continue;
-    moving_.push_back(k);
+    if (!options.still_pairs && !proof_.Moves(k)) continue;
+    asked_.push_back(k);
     bodies_[k] = {0.0, 0.0, -std::numeric_limits<double>::infinity()};
     for (int pair = tables_.body_pairs[k].begin; pair < tables_.body_pairs[k].end; ++pair) {
       bodies_[k].required = std::max(bodies_[k].required, proof_.Required(pair));
@@ -97,7 +97,7 @@ void Ccdg::Start(const CcdMotion& motion, const CcdOptions& options) {
       pairs_[pair].floor = pairs_[pair].advance = 0.5 * options_.Gap();
     }
   }
-  if (moving_.empty()) return;
+  if (asked_.empty()) return;
   intervals_.push_back({0.0, end_});
   Ask(0.0);
 }
@@ -132,14 +132,14 @@ void Ccdg::Ask(double t) {
   contacts_ = nullptr;
   ++result_.poses;
   double next = end_;
-  const int asked_first = critical_;
-  if (asked_first >= 0) AskBodies(asked_first, next);
-  for (const int body_pair : moving_) {
-    if (body_pair == asked_first) continue;
+  const int first = critical_;
+  if (first >= 0) AskBodies(first, next);
+  for (const int body_pair : asked_) {
+    if (body_pair == first) continue;
     if (t_ == 0.0 || bodies_[body_pair].until < next) AskBodies(body_pair, next);
   }
   front_ = meet_ = kForever;
-  for (const int body_pair : moving_) {
+  for (const int body_pair : asked_) {
     meet_ = std::min(meet_, bodies_[body_pair].meet);
     if (bodies_[body_pair].until >= front_) continue;
     front_ = bodies_[body_pair].until;
@@ -252,7 +252,7 @@ void Ccdg::Contradict(int pair) {
   Stop(pair, pairs_[pair].seen);
 }
 
-// SDF and height fields: looked at every kSampleStep; where one is below its floor, the interval
+// SDFs and height fields: looked at every kSampleStep; where one is below its floor, the interval
 // since it was last seen above is halved down to the gap.
 void Ccdg::Sample(int pair, double lambda) {
   PairState& state = pairs_[pair];

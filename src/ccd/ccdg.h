@@ -34,6 +34,8 @@ struct CcdOptions {
   double tolerance = 1e-6;  // overlap beyond the required distance that is still free [m], > 0
   int max_poses = 1000;     // budget of one motion
   bool halve = false;       // plain bisection: both ends of an interval are asked, then its middle
+  // Pairs that the motion does not move count, too: where they overlap, the start is in collision.
+  bool still_pairs = false;
 
   // Contact band: pairs stop between half of it and all of it apart [m]. Four tolerances: wide
   // enough for sure normals (distances are good to a hundredth of a tolerance).
@@ -60,7 +62,7 @@ struct CcdResult {
   int contact_queries = 0;   // mj_collision, for contact-only pairs
 };
 
-// One per thread. Pairs that the motion does not move are not looked at.
+// One per thread.
 class Ccdg {
  public:
   // Poses and queries go through `finder`, with its mocap poses.
@@ -126,7 +128,7 @@ class Ccdg {
   std::vector<ProvenAhead> ahead_;   // a stack, too: by `at`, the earliest on top
   std::vector<PairState> pairs_;
   std::vector<BodiesState> bodies_;
-  std::vector<int> moving_;                          // body pairs
+  std::vector<int> asked_;                           // body pairs
   const std::vector<NearPair>* contacts_ = nullptr;  // of contact-only pairs at this pose, if known
   CcdResult result_;
 };

@@ -51,4 +51,19 @@ double LimitReach(const SceneTables& tables, const VectorXd& q0, const VectorXd&
   return reach;
 }
 
+int JointOutsideLimits(const SceneTables& tables, const VectorXd& q, double slack) {
+  int worst = -1;
+  for (int j = 0; j < static_cast<int>(tables.joints.size()); ++j) {
+    const JointEntry& joint = tables.joints[j];
+    if (!joint.limited) continue;
+    const double excess = joint.type == mjJNT_BALL
+                              ? BallAngle(q.data() + joint.qadr) - joint.hi
+                              : std::max(joint.lo - q[joint.qadr], q[joint.qadr] - joint.hi);
+    if (excess <= slack) continue;
+    slack = excess;
+    worst = j;
+  }
+  return worst;
+}
+
 }  // namespace mjcf_pdg

@@ -13,6 +13,10 @@ namespace mjcf_pdg {
 double LimitReach(const SceneTables& tables, const VectorXd& q0, const VectorXd& dq,
                   double slide_slack, int& joint);
 
+// The index of the joint that is farthest outside its limits at q, if by more than `slack` [rad or
+// m]; else -1.
+int JointOutsideLimits(const SceneTables& tables, const VectorXd& q, double slack);
+
 }  // namespace mjcf_pdg
 
 #endif  // MJCF_PDG_SRC_CCD_LIMIT_REACH_H_
