@@ -1,9 +1,11 @@
-// mjcf-pdg check: which pairs penetrate and which joint limits are exceeded, and by how much.
+// mjcf-pdg check: which pairs penetrate and which joint limits are exceeded, and by how much; with
+// --motion, how far the way from one configuration to another is free.
 #include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "apps/check_motion.h"
 #include "apps/cli.h"
 #include "apps/configurations.h"
 #include "apps/options.h"
@@ -18,6 +20,8 @@ namespace {
 struct CheckArguments {
   SceneArguments scene;
   WhichArguments which;
+  bool motion = false;
+  EndsArguments ends;
   Options options;
   std::string json;
 };
@@ -44,19 +48,39 @@ int RunCheck(const CheckArguments& arguments) {
   return all_free ? kExitFree : kExitNotFree;
 }
 
+// --motion with --from and --to, all three or none, instead of other configurations.
+void AddMotion(CLI::App& command, CheckArguments& arguments) {
+  CLI::Option* motion = command.add_flag("--motion", arguments.motion,
+                                         "how far is the motion between two configurations free?");
+  for (CLI::Option* end : AddEnds(command, arguments.ends)) {
+    motion->needs(end);
+    end->needs(motion);
+  }
+  for (const char* other : {"--key", "--qpos", "--qpos-file"}) {
+    motion->excludes(command.get_option(other));
+  }
+}
+
+int Run(const CheckArguments& arguments) {
+  if (!arguments.motion) return RunCheck(arguments);
+  return RunCheckMotion(arguments.scene, arguments.ends, arguments.options, arguments.json);
+}
+
 }  // namespace
 
 Verb AddCheckVerb(CLI::App& program) {
-  CLI::App* command = program.add_subcommand("check", "Report penetrating pairs and their depths");
+  CLI::App* command = program.add_subcommand(
+      "check", "Report penetrating pairs and their depths, or how far a motion is free");
   auto arguments = std::make_shared<CheckArguments>();
   AddModel(*command, arguments->scene);
   AddWhich(*command, arguments->which);
+  AddMotion(*command, *arguments);
   AddMovable(*command, arguments->scene);
   AddExactMesh(*command, arguments->scene);
   AddRest(*command, arguments->options);
   AddTolerance(*command, arguments->options);
   AddJson(*command, arguments->json);
-  return {command, [arguments] { return RunCheck(*arguments); }};
+  return {command, [arguments] { return Run(*arguments); }};
 }
 
 }  // namespace mjcf_pdg::app

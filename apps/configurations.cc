@@ -142,4 +142,20 @@ std::vector<Configuration> ReadConfigurations(const Scene& scene, const WhichArg
   return configurations;
 }
 
+std::vector<CLI::Option*> AddEnds(CLI::App& command, EndsArguments& arguments) {
+  std::vector<CLI::Option*> options;
+  for (auto [flag, target] : {std::pair{"--from", &arguments.from}, {"--to", &arguments.to}}) {
+    options.push_back(command.add_option(flag, *target, "a configuration: nq numbers in quotes")
+                          ->type_name("\"V V ...\""));
+  }
+  return options;
+}
+
+Ends ReadEnds(const Scene& scene, const EndsArguments& arguments) {
+  Ends ends{ParseNumbers(arguments.from, "--from"), ParseNumbers(arguments.to, "--to")};
+  CheckRow(scene, ends.from, "--from");
+  CheckRow(scene, ends.to, "--to");
+  return ends;
+}
+
 }  // namespace mjcf_pdg::app

@@ -30,6 +30,21 @@ void AddWhich(CLI::App& command, WhichArguments& arguments);  // --key, --qpos, 
 // At least one; all valid (else Error names the keyframe, the file and line, or the flag).
 std::vector<Configuration> ReadConfigurations(const Scene& scene, const WhichArguments& arguments);
 
+// From one configuration to another.
+struct EndsArguments {
+  std::string from, to;  // nq numbers each
+};
+
+struct Ends {
+  std::vector<double> from, to;
+};
+
+// --from, --to: both options, to make them required or to tie them to another.
+std::vector<CLI::Option*> AddEnds(CLI::App& command, EndsArguments& arguments);
+
+// Both valid (else Error names the flag).
+Ends ReadEnds(const Scene& scene, const EndsArguments& arguments);
+
 }  // namespace mjcf_pdg::app
 
 #endif  // MJCF_PDG_APPS_CONFIGURATIONS_H_

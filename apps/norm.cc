@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apps/cli.h"
+#include "apps/configurations.h"
 #include "apps/options.h"
 #include "apps/output_files.h"
 #include "apps/report.h"
@@ -17,19 +18,9 @@ namespace {
 struct NormArguments {
   SceneArguments scene;
   Metric metric = Options{}.metric;
-  std::string from, to, json;
+  EndsArguments ends;
+  std::string json;
 };
-
-std::vector<double> ParseConfiguration(const Scene& scene, const std::string& flag,
-                                       const std::string& text) {
-  const std::vector<double> q = ParseNumbers(text, flag);
-  try {
-    scene.CheckConfiguration(q);
-  } catch (const Error& e) {
-    throw Error(flag + ": " + e.what());
-  }
-  return q;
-}
 
 std::string NormJson(double sigma, const std::vector<NormPart>& parts) {
   nlohmann::ordered_json json = {{"sigma", sigma}, {"rms", std::sqrt(sigma)}};
@@ -52,13 +43,12 @@ std::string NormTable(double sigma, const std::vector<NormPart>& parts) {
 
 int RunNorm(const NormArguments& arguments) {
   const Scene scene = LoadScene(arguments.scene);
-  const std::vector<double> from = ParseConfiguration(scene, "--from", arguments.from);
-  const std::vector<double> to = ParseConfiguration(scene, "--to", arguments.to);
+  const Ends ends = ReadEnds(scene, arguments.ends);
   OutputFiles outputs;
   outputs.Add("--json", arguments.json, {arguments.scene.model});
-  ObjectNorm norm(scene, arguments.metric, from);
-  const double sigma = norm.Sigma(to);
-  const std::vector<NormPart> parts = norm.Parts(to);
+  ObjectNorm norm(scene, arguments.metric, ends.from);
+  const double sigma = norm.Sigma(ends.to);
+  const std::vector<NormPart> parts = norm.Parts(ends.to);
   if (!arguments.json.empty()) outputs.Stage(arguments.json, NormJson(sigma, parts));
   outputs.Commit();
   if (!outputs.uses_stdout()) WriteStdout(NormTable(sigma, parts));
@@ -72,11 +62,7 @@ Verb AddNormVerb(CLI::App& program) {
       program.add_subcommand("norm", "Object norm between two configurations, per joint");
   auto arguments = std::make_shared<NormArguments>();
   AddModel(*command, arguments->scene);
-  for (auto [flag, target] : {std::pair{"--from", &arguments->from}, {"--to", &arguments->to}}) {
-    command->add_option(flag, *target, "a configuration: nq numbers in quotes")
-        ->type_name("\"V V ...\"")
-        ->required();
-  }
+  for (CLI::Option* end : AddEnds(*command, arguments->ends)) end->required();
   AddRoot(*command, arguments->scene);
   AddMetric(*command, arguments->metric);
   AddMovable(*command, arguments->scene);

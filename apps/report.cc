@@ -50,12 +50,6 @@ const char* CauseName(Cause cause) {
 // What meshes collide as.
 const char* GeometryName(const Scene& scene) { return scene.HasExactMeshes() ? "exact" : "hull"; }
 
-// A name is a string, the id of a geom without one a number: a geom may be called "3".
-Json GeomJson(const Scene& scene, int geom) {
-  const char* name = mj_id2name(scene.model(), mjOBJ_GEOM, geom);
-  return name && *name ? Json(name) : Json(geom);
-}
-
 Json ContactsJson(const Scene& scene, const std::vector<Contact>& contacts) {
   Json list = Json::array();
   for (const Contact& contact : contacts) {
@@ -134,6 +128,11 @@ std::string Plural(std::size_t n, const std::string& noun) {
 
 std::string JsonLine(const Json& value) {
   return value.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Json GeomJson(const Scene& scene, int geom) {
+  const char* name = mj_id2name(scene.model(), mjOBJ_GEOM, geom);
+  return name && *name ? Json(name) : Json(geom);
 }
 
 std::string SolveJson(const Scene& scene, const std::vector<Configuration>& rows,

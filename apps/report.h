@@ -15,6 +15,9 @@ namespace mjcf_pdg::app {
 // throw.
 std::string JsonLine(const nlohmann::ordered_json& value);
 
+// A name is a string, the id of a geom without one a number: a geom may be called "3".
+nlohmann::ordered_json GeomJson(const Scene& scene, int geom);
+
 std::string SolveJson(const Scene& scene, const std::vector<Configuration>& rows,
                       const std::vector<Result>& results);
 std::string SolveTable(const Scene& scene, const std::vector<Configuration>& rows,

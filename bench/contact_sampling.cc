@@ -41,7 +41,7 @@ SamplingResult SampleContactSpace(Workspace& work, double seconds, std::uint64_t
   const MatrixXd to_tangent = J.completeOrthogonalDecomposition().pseudoInverse();
   auto move = [&](const VectorXd& from, const VectorXd& to) {
     Difference(work.problem().tables, from, to, dq);
-    const CcdResult& motion = ccd.Move(from, dq, {}, &work.problem().required);
+    const CcdResult& motion = ccd.Move({from, dq, &work.problem().required});
     ++result.samples;
     if (motion.outcome == CcdOutcome::kStartInCollision) return false;
     const double sigma = work.norm.Sigma(motion.q);

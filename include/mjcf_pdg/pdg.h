@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "mjcf_pdg/motion.h"
 #include "mjcf_pdg/object_norm.h"
 #include "mjcf_pdg/scene.h"
 #include "mjcf_pdg/types.h"

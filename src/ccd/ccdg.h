@@ -1,33 +1,45 @@
 // Certified continuous collision detection along a configuration line: the CCD of the paper's
-// Alg. 2.
+// Alg. 2, built on bisection.
 //
-// Source: Tang & Kim, Sec. 5.2, Eq. 21: the largest τ with q0 ⊕ τ·dq free, all joints at once.
+// Source: Tang & Kim, Sec. 5.2, Eq. 21: the largest t with q(t) = q0 ⊕ t·dq free, all joints at
+// once, sought by bisecting [0, 1]. Intervals wait on a stack, the earliest on top. The top one is
+// free when each pair is: proven forward from its start and backward from its end, as far as the
+// motion's bounds reach (pair_proof.h), until the two proofs meet. If not, it is split.
 // Differs from it:
-//   1. Certified: a step is taken only where a motion bound proves that no kept pair comes nearer
-//      than its floor (motion_bound.h, separation.h). Early, never late.
-//   2. Conservative advancement instead of bisection: one pose serves every pair, each pair is
-//      looked at again only when its own proof has run out.
-//   3. Stops a little before touching, so that contact normals exist where it ends.
-//   4. An exact mesh is further away than its convex hull: proofs of separation, which are of
-//      hulls, hold for it, and where the hulls overlap the distance of the triangles alone counts.
+//   1. Certified: nothing between poses is taken on trust, but for 6. Early, never late.
+//   2. The split is where two proofs are expected to meet, a quarter of the interval or more from
+//      its ends; CcdOptions::halve splits in the middle, as the paper does.
+//   3. An end is asked when the proofs are expected to meet before it. From the start an interval
+//      is first shortened to what is not proven yet: a proof made for one interval holds for its
+//      parts and for those after it.
+//   4. It stops a little before touching, so that contact normals exist where it ends.
 //   5. A pair that starts inside the contact band (gliding) does not stop everything: it may go on
 //      as long as it is proven to keep half of its margin, or -tolerance where it has none.
+//   6. SDF and height field pairs have contacts but no distances: they are sampled, and the result
+//      says that it is not certified.
+//   7. An exact mesh is further away than its convex hull: proofs of separation, which are of
+//      hulls, hold for it, and where the hulls overlap the distance of the triangles alone counts.
+// Invariants: [0, front] is free, front = the least `until` of all pairs, and it only grows (but
+// for 6); the intervals on the stack are adjacent, from the front to the end of the motion.
 #ifndef MJCF_PDG_SRC_CCD_CCDG_H_
 #define MJCF_PDG_SRC_CCD_CCDG_H_
 
 #include <vector>
 
-#include "ccd/motion_bound.h"
-#include "ccd/separation.h"
-#include "collide/contacts.h"
+#include "ccd/pair_proof.h"
 
 namespace mjcf_pdg {
 
 struct CcdOptions {
-  double tolerance = 1e-6;    // overlap beyond the required distance that is still free [m], > 0
-  double gap = 4e-6;          // contact band: pairs stop between gap/2 and gap of it [m], > 0
-  double sample_step = 1e-3;  // SDF and height field pairs are only looked at this often [m]
-  int max_poses = 1000;       // budget of one motion
+  double tolerance = 1e-6;  // overlap beyond the required distance that is still free [m], > 0
+  int max_poses = 1000;     // budget of one motion
+  bool halve = false;       // plain bisection: both ends of an interval are asked, then its middle
+  // Pairs that the motion does not move count, too: where they overlap, the start is in collision.
+  bool still_pairs = false;
+
+  // Contact band: pairs stop between half of it and all of it apart [m]. Four tolerances: wide
+  // enough for sure normals (distances are good to a hundredth of a tolerance).
+  double Gap() const { return 4.0 * tolerance; }
 };
 
 enum class CcdOutcome {
@@ -50,78 +62,74 @@ struct CcdResult {
   int contact_queries = 0;   // mj_collision, for contact-only pairs
 };
 
-// The largest s in [0, 1] so that q0 ⊕ s·dq keeps all joint limits (within 1e-9); `joint` is then
-// the index of the one that ends it, -1 if none. Only balls can leave a limit between two
-// configurations that keep it.
-double LimitReach(const SceneTables& tables, const VectorXd& q0, const VectorXd& dq, int& joint);
-
-// One per thread. Pairs that the motion does not move are not looked at.
+// One per thread.
 class Ccdg {
  public:
   // Poses and queries go through `finder`, with its mocap poses.
   Ccdg(const SceneTables& tables, ContactFinder& finder);
 
-  // Moves from q0 along dq. Each kept pair's signed distance must stay above required[pair] -
-  // tolerance; `required` (one entry per kept pair, [m]) null: -KeptPair::allowed for each.
-  // The result is valid until the next call.
-  const CcdResult& Move(const VectorXd& q0, const VectorXd& dq, const CcdOptions& options = {},
-                        const VectorXd* required = nullptr);
+  // Each kept pair's signed distance must stay above the required one less the tolerance. The
+  // result is valid until the next call.
+  const CcdResult& Move(const CcdMotion& motion, const CcdOptions& options = {});
 
   ContactFinder& finder() { return finder_; }
 
  private:
+  struct Interval {
+    double t0 = 0.0, t1 = 1.0;
+    bool end_asked = false;
+  };
   // What is known of a pair along the present motion.
   struct PairState {
-    double safe = 0.0;     // proven (or, contact-only: believed) above its floor up to this t
-    double floor = 0.0;    // above the required distance [m]
+    double until = 0.0;    // proven (sampled: believed) above its floor on [0, until]
+    double meet = 0.0;     // a pose up to here is expected to prove the pair back to `until`
+    double seen = 0.0;     // the last pose at which it was looked at and above its floor
+    double bad = -1.0;     // sampled: the first pose at which it was below, if later than `seen`
+    double floor = 0.0;    // of its margin [m]
     double advance = 0.0;  // a proven step shorter than advance/λ counts as contact [m]
-    double bad = 2.0;      // contact-only: a t where it was found below its floor; > 1 if none
   };
-  // Margin: signed distance less what is required.
-  struct Margin {
-    double value = 0.0;  // [m]; at least this if !exact
-    bool exact = false;
-    Vector3d n_W;
+  // The least of its pairs, or what their bodies' spheres prove.
+  struct BodiesState {
+    double until = 0.0, meet = 0.0;
+    double required = 0.0;  // the largest of its pairs [m]
+  };
+  // A proof around the end of an interval that has not met the one from the start yet.
+  struct ProvenAhead {
+    int pair = 0;
+    double at = 0.0, from = 0.0, until = 0.0;
   };
 
-  void Start(const VectorXd& q0, const VectorXd& dq, const CcdOptions& options,
-             const VectorXd* required);
-  void PoseAt(double t);
-  double Sweep();
-  void RefreshBodies(int body_pair, double& next);
-  void RefreshPair(int body_pair, int pair, double next);
-  void RefreshContactOnly(int pair, double closing);
-  Margin MarginOf(int pair, double enough);
-  double ContactOnlyMargin(int pair);
+  void Start(const CcdMotion& motion, const CcdOptions& options);
+  double NextPose(const Interval& interval) const;
+  void Split(double at);
+  void Pop();
+  void Ask(double t);
+  void AskBodies(int body_pair, double& next);
+  void AskPair(int body_pair, int pair, double next);
+  void Sample(int pair, double lambda);
+  double SampledMargin(int pair);
   bool Admit(int pair, double margin);
-  double ProvenStep(int body_pair, int pair, const Margin& margin, double& closing);
+  void Extend(int pair, double length, double meeting);
+  void Stop(int pair, double t);
+  bool Stopped();
+  void Contradict(int pair);
   const CcdResult& Finish(CcdOutcome outcome, double t);
-
-  double Required(int pair) const {
-    return required_ ? (*required_)[pair] : -tables_.pairs[pair].allowed;
-  }
 
   const SceneTables& tables_;
   ContactFinder& finder_;
-  MotionBound motion_;
-  Separation separation_;
+  PairProof proof_;
 
   CcdOptions options_;
-  const VectorXd* required_ = nullptr;
-  VectorXd q0_, dq_, step_;
-  double end_ = 1.0;        // where the limits end the line
-  double t_ = 0.0;          // of the pose
-  double free_t_ = 0.0;     // [0, free_t_] is free
-  bool first_ = true;       // the pose is the start: every moving pair is looked at
-  bool colliding_ = false;  // some pair overlaps at the start
-  bool rejected_ = false;   // a pair is below its floor at t_: [0, t_] is not free
-  bool retry_ = false;      // ... and an earlier t is worth a look
+  double end_ = 1.0;                 // where the limits end the line
+  double t_ = 0.0;                   // of the pose
+  double front_ = 0.0, meet_ = 0.0;  // the least of all pairs
+  int critical_ = -1;                // the body pair of the front; -1: none yet
+  std::vector<Interval> intervals_;  // a stack
+  std::vector<ProvenAhead> ahead_;   // a stack, too: by `at`, the earliest on top
+  std::vector<PairState> pairs_;
+  std::vector<BodiesState> bodies_;
+  std::vector<int> asked_;                           // body pairs
   const std::vector<NearPair>* contacts_ = nullptr;  // of contact-only pairs at this pose, if known
-  std::vector<PairState> states_;
-  std::vector<double> bodies_safe_;
-  std::vector<double> bodies_required_;  // the largest of the body pair's [m]
-  std::vector<int> moving_;              // body pairs
-  int critical_ = -1;                    // the body pair that ended the last step; -1: none
   CcdResult result_;
 };
 

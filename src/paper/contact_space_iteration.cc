@@ -34,7 +34,7 @@ VectorXd ContactSpaceIteration::Optimize(const VectorXd& q_c, const IterationOpt
 
 // The contacts at q_c ⊕ dq_, linearized there: c·(dq - dq_) + gap >= 0.
 void ContactSpaceIteration::AppendContactRows(const VectorXd& q) {
-  const double band = kTouchingBand * projection_options_.ccd.gap;
+  const double band = kTouchingBand * projection_options_.ccd.Gap();
   work_.finder.Pose(q);
   for (const NearPair& near : work_.finder.Find(problem_.options.clearance + band)) {
     const double gap = near.distance - problem_.required[near.pair];

@@ -144,7 +144,7 @@ CcdOutcome ContactSpaceProjection::MoveFlagged(const VectorXd& q_in) {
   }
   CcdOptions options = options_.ccd;
   options.max_poses -= result_.poses;
-  const CcdResult& ccd = ccd_.Move(result_.q, dq_, options, required_);
+  const CcdResult& ccd = ccd_.Move({result_.q, dq_, required_}, options);
   ++result_.motions;
   result_.poses += ccd.poses;
   result_.certified = result_.certified && ccd.certified;

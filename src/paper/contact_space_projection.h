@@ -35,7 +35,7 @@ struct ProjectionResult {
   int poses = 0;
 };
 
-// One per thread. Results are valid until the next call. `required` as in Ccdg::Move.
+// One per thread. Results are valid until the next call. `required` as in CcdMotion.
 class ContactSpaceProjection {
  public:
   ContactSpaceProjection(const SceneTables& tables, Ccdg& ccd);

@@ -23,11 +23,12 @@ struct Mover {
                         const VectorXd* required = nullptr) {
     VectorXd dq;
     Difference(scene.tables(), q0, q1, dq);
-    return ccdg.Move(q0, dq, options, required);
+    return ccdg.Move({q0, dq, required}, options);
   }
   // From qpos0 along a tangent.
   const CcdResult& Along(const VectorXd& dq) {
-    return ccdg.Move(ToEigen(scene.DefaultQpos()), dq, options);
+    const VectorXd q0 = ToEigen(scene.DefaultQpos());
+    return ccdg.Move({q0, dq}, options);
   }
 
   Scene scene;
@@ -59,7 +60,7 @@ TEST_F(CcdgTest, ABulletDoesNotTunnelThroughASheet) {
   EXPECT_TRUE(result.certified);
   EXPECT_NEAR(result.t, (5.0 - 0.00005 - 0.001) / 1000.0, 1e-8);
   EXPECT_LT(result.q[0], -0.00105);
-  EXPECT_GT(result.q[0], -0.00105 - mover.options.gap);
+  EXPECT_GT(result.q[0], -0.00105 - mover.options.Gap());
   EXPECT_LE(result.poses, 4);
 }
 
@@ -90,7 +91,7 @@ TEST_F(CcdgTest, AFastWristDoesNotSkipAWire) {
   mover.finder.Pose(result.q);
   ASSERT_TRUE(mover.finder.Distance(0, 1.0, near));
   EXPECT_GT(near.distance, 0.0);
-  EXPECT_LE(near.distance, mover.options.gap);
+  EXPECT_LE(near.distance, mover.options.Gap());
 }
 
 TEST_F(CcdgTest, ACapsuleIsStoppedByABoxThatMuJoCoLetsItPierce) {
@@ -165,7 +166,7 @@ TEST_F(CcdgTest, ATouchingPairMayGlideAndPart) {
 TEST_F(CcdgTest, AGlidingPairThatIsPushedStopsAtOnce) {
   Mover mover(World(kBallOnFloor));
   VectorXd q0 = ToEigen(mover.scene.DefaultQpos());
-  q0[2] += 0.5 * mover.options.gap;
+  q0[2] += 0.5 * mover.options.Gap();
   VectorXd q1 = q0;
   q1[0] = 1.0;
   q1[2] -= 0.01;
@@ -233,7 +234,7 @@ TEST_F(CcdgTest, ABallJointThatWouldLeaveItsLimitOnTheWayStopsThere) {
   for (int i = 0; i < 300; ++i) {
     const VectorXd q0 = RandomConfiguration(mover.scene, rng);
     const VectorXd dq = 2.0 * rng.Normals(3);
-    const CcdResult& result = mover.ccdg.Move(q0, dq, mover.options);
+    const CcdResult& result = mover.ccdg.Move({q0, dq}, mover.options);
     double first = 1.0;  // by brute force
     for (int k = 1; k <= 1000 && first == 1.0; ++k) {
       VectorXd q;
@@ -327,8 +328,8 @@ TEST_F(CcdgTest, TooDeepAnOverlapOfCurvedGeomsIsACollisionAtTheStart) {
       ++fooled;
       const VectorXd required = VectorXd::Constant(1, 0.5 * (overlap.told + overlap.truth));
       const VectorXd dq = VectorXd::Constant(6, 1e-3);
-      EXPECT_EQ(ccdg.Move(ToEigen(overlap.q), dq, {}, &required).outcome,
-                CcdOutcome::kStartInCollision)
+      const VectorXd q = ToEigen(overlap.q);
+      EXPECT_EQ(ccdg.Move({q, dq, &required}).outcome, CcdOutcome::kStartInCollision)
           << pair.second << Join(ToEigen(overlap.q));
     }
     EXPECT_GT(fooled, 0) << pair.first << pair.second;

@@ -46,7 +46,7 @@ TEST_F(ExactMeshCcdgTest, StopsEarlyNeverLate) {
       VectorXd dq(6);
       dq << -1.8 * q0.head<3>() + rng.InBox(0.35), rng.InBox(2.0);
       if (Distance(scene, finder, q0, dq, 0.0) < 1e-3) continue;
-      const CcdResult result = ccd.Move(q0, dq);
+      const CcdResult result = ccd.Move({q0, dq});
       ASSERT_TRUE(result.outcome == CcdOutcome::kFree || result.outcome == CcdOutcome::kContact);
       EXPECT_TRUE(result.certified);
       poses += result.poses;
@@ -75,11 +75,11 @@ TEST_F(ExactMeshCcdgTest, ARingGoesOverAPostItsHullWouldHit) {
   Ccdg ccd(scene.tables(), finder);
   VectorXd dq = VectorXd::Zero(6);
   dq[2] = -1.0;
-  const CcdResult result = ccd.Move(At({0.0, 0.0, 0.5}), dq);
+  const CcdResult result = ccd.Move({At({0.0, 0.0, 0.5}), dq});
   EXPECT_EQ(result.outcome, CcdOutcome::kFree);
   EXPECT_TRUE(result.certified);
   dq[0] = 0.06;
-  EXPECT_EQ(ccd.Move(At({0.0, 0.0, 0.5}), dq).outcome, CcdOutcome::kContact);
+  EXPECT_EQ(ccd.Move({At({0.0, 0.0, 0.5}), dq}).outcome, CcdOutcome::kContact);
 }
 
 // From contact, along the surface and away: pairs inside the band do not stop the motion.
@@ -90,7 +90,7 @@ TEST_F(ExactMeshCcdgTest, GlidesAlongASurface) {
   Ccdg ccd(scene.tables(), finder);
   VectorXd dq = VectorXd::Zero(6);
   dq[0] = 0.2;
-  const CcdResult result = ccd.Move(At({0.0, 0.0, 0.150001}), dq);
+  const CcdResult result = ccd.Move({At({0.0, 0.0, 0.150001}), dq});
   EXPECT_EQ(result.outcome, CcdOutcome::kFree);
   RecordProperty("poses", result.poses);
 }

@@ -1,0 +1,91 @@
+#include "apps/check_motion.h"
+
+#include "apps/cli.h"
+#include "apps/output_files.h"
+#include "apps/report.h"
+#include "apps/text.h"
+#include "mjcf_pdg/motion.h"
+
+namespace mjcf_pdg::app {
+namespace {
+
+const char* OutcomeName(MotionOutcome outcome) {
+  switch (outcome) {
+    case MotionOutcome::kFree:
+      return "free";
+    case MotionOutcome::kContact:
+      return "contact";
+    case MotionOutcome::kStartInCollision:
+      return "start_in_collision";
+    case MotionOutcome::kLimit:
+      return "limit";
+    case MotionOutcome::kBudget:
+      break;
+  }
+  return "budget";
+}
+
+std::string MotionJson(const Scene& scene, const Motion& motion) {
+  nlohmann::ordered_json json = {{"outcome", OutcomeName(motion.outcome)},
+                                 {"t", motion.t},
+                                 {"qpos", motion.q},
+                                 {"certified", motion.certified}};
+  json["pairs"] = nlohmann::ordered_json::array();
+  for (const std::array<int, 2>& pair : motion.pairs) {
+    json["pairs"].push_back(
+        {{"geom1", GeomJson(scene, pair[0])}, {"geom2", GeomJson(scene, pair[1])}});
+  }
+  if (motion.joint >= 0) json["joint"] = scene.JointName(motion.joint);
+  json["poses"] = motion.poses;
+  json["distance_queries"] = motion.distance_queries;
+  return JsonLine(json);
+}
+
+// What ends it, in words.
+std::string Sentence(const Scene& scene, const Motion& motion) {
+  const std::string at = "free up to t = " + Short(motion.t) + ": ";
+  switch (motion.outcome) {
+    case MotionOutcome::kFree:
+      return "free all the way";
+    case MotionOutcome::kContact:
+      return at + "these are in the way";
+    case MotionOutcome::kStartInCollision:
+      return "not free where it starts: these overlap";
+    case MotionOutcome::kLimit:
+      return at + "joint " + OneLine(scene.JointName(motion.joint)) + " reaches its limit";
+    case MotionOutcome::kBudget:
+      break;
+  }
+  return at + "what follows takes too many steps to prove";
+}
+
+std::string MotionText(const Scene& scene, const Motion& motion) {
+  std::string text =
+      "motion " + Sentence(scene, motion) + (motion.certified ? "" : " (not certified)") + "\n";
+  if (!motion.pairs.empty()) {
+    Table table({"geom 1", "geom 2"});
+    for (const std::array<int, 2>& pair : motion.pairs) {
+      table.AddRow({scene.GeomName(pair[0]), scene.GeomName(pair[1])});
+    }
+    text += table.ToString();
+  }
+  return text + "poses " + std::to_string(motion.poses) + ", distance queries " +
+         std::to_string(motion.distance_queries) + "\n";
+}
+
+}  // namespace
+
+int RunCheckMotion(const SceneArguments& scene_arguments, const EndsArguments& ends_arguments,
+                   const Options& options, const std::string& json) {
+  const Scene scene = LoadScene(scene_arguments);
+  const Ends ends = ReadEnds(scene, ends_arguments);
+  OutputFiles outputs;
+  outputs.Add("--json", json, {scene_arguments.model});
+  const Motion motion = CheckMotion(scene, ends.from, ends.to, options);
+  if (!json.empty()) outputs.Stage(json, MotionJson(scene, motion));
+  outputs.Commit();
+  if (!outputs.uses_stdout()) WriteStdout(MotionText(scene, motion));
+  return motion.outcome == MotionOutcome::kFree ? kExitFree : kExitNotFree;
+}
+
+}  // namespace mjcf_pdg::app

@@ -1,0 +1,18 @@
+// mjcf-pdg check --motion: how far the way from one configuration to another is free.
+#ifndef MJCF_PDG_APPS_CHECK_MOTION_H_
+#define MJCF_PDG_APPS_CHECK_MOTION_H_
+
+#include <string>
+
+#include "apps/configurations.h"
+#include "apps/options.h"
+
+namespace mjcf_pdg::app {
+
+// `json`: a file, "-" for stdout, or empty. Returns the exit code; bad input throws Error.
+int RunCheckMotion(const SceneArguments& scene, const EndsArguments& ends, const Options& options,
+                   const std::string& json);
+
+}  // namespace mjcf_pdg::app
+
+#endif  // MJCF_PDG_APPS_CHECK_MOTION_H_
