@@ -14,7 +14,7 @@
 #include "solve/inseparable.h"
 #include "solve/options.h"
 #include "start/selection.h"
-#include "verify/verify.h"
+#include "verify/verifier.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -68,7 +68,7 @@ struct Solver::Impl {
         problem(scene.tables(), options),
         search(problem),
         paper(problem),
-        verifier(scene.tables(), options) {
+        verifier(scene.verifier_model(), options) {
     problem.size = TypicalSize(scene.tables());
     SetMocap({options.mocap_pos, options.mocap_quat});
   }
@@ -102,7 +102,7 @@ struct Solver::Impl {
 
 void Solver::Impl::SetMocap(MocapPoses poses) {
   problem.finder.SetMocap(poses);
-  verifier.SetMocap(poses);
+  verifier.SetMocap(poses.pos, poses.quat);
   problem.mocap = std::move(poses);
 }
 
@@ -118,7 +118,7 @@ void Solver::Impl::SetUp(const std::vector<double>& q_in) {
     const KeptPair& pair = tables.pairs[k];
     double required = (pair.moves ? options.clearance : 0.0) - pair.allowed;
     if (pair.exact && pair.moves) required += problem.tolerances.aim + kStandOff;
-    const double at_rest = verifier.DepthAtRest(static_cast<int>(k));
+    const double at_rest = verifier.DepthAtRest(pair.geom1, pair.geom2);
     if (at_rest < 0.0) required = std::min(required, at_rest);
     problem.required[static_cast<Eigen::Index>(k)] = required;
   }
@@ -160,7 +160,7 @@ bool Solver::Impl::Accept(const Candidate& candidate, const std::vector<double>&
                           Result& result) {
   VectorXd q = candidate.q;
   Unwind(scene.tables(), problem.q_in, q);
-  const Verdict& verdict = verifier.Check(ToStd(q), &q_in, Depths::kSkipped);
+  const Verdict& verdict = verifier.Check(ToStd(q), q_in, verify::Depths::kSkipped);
   if (!verdict.free) return false;
   result.status = Status::kSolved;
   result.q = ToStd(q);
@@ -222,9 +222,9 @@ void Solver::Impl::FillUnsolved(const SearchOutcome& outcome, const std::vector<
     q = outcome.least_overlap.q;
     result.start = outcome.least_overlap_start;
   }
-  Verdict verdict = verifier.Check(ToStd(q), &q_in);
+  Verdict verdict = verifier.Check(ToStd(q), q_in);
   if (verdict.min_distance < result.depth_in) {
-    const Verdict& at_start = verifier.Check(ToStd(inside), &q_in);
+    const Verdict& at_start = verifier.Check(ToStd(inside), q_in);
     if (at_start.min_distance > verdict.min_distance) {
       verdict = at_start;
       q = inside;
@@ -350,7 +350,7 @@ Result Solver::Solve(const std::vector<double>& q_in,
   const std::int64_t lcp_before = impl_->search.lcp_steps() + impl_->paper.sweeps();
 
   Result result;
-  const Verdict& at_start = impl_->verifier.Check(q_in, &q_in, Depths::kSkipped);
+  const Verdict& at_start = impl_->verifier.Check(q_in, q_in, verify::Depths::kSkipped);
   result.depth_in = at_start.min_distance;
   result.contacts_in = at_start.contacts;
   result.limit_excess_in = at_start.limit_excess;
