@@ -13,7 +13,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Cores nearer than this share of the pair's size, or overlapping, have their normal from Climb.
 constexpr double kTouching = 1e-9;
-constexpr double kShare = 0.01;  // of a depth: how much better another direction may be
+constexpr double kShare = 1e-4;  // of a depth: how much better another direction may be
 // Coordinates are known to about 2e-16 of themselves; a distance is made of a few dozen of them.
 constexpr double kRounding = 1e-14;
 

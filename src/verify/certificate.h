@@ -34,7 +34,7 @@ Certificate Decide(const ConvexPair& pair, double required, const Vector3d& star
 enum class Search { kLocal, kGlobal };
 
 // The signed distance itself: `gap` is it, or the best that several ascents found where the shapes
-// overlap. Globally: searched until no direction is better by more than 1 % of the depth, or the
+// overlap. Globally: searched until no direction is better by more than 1e-4 of the depth, or the
 // budget is used up. p1 and p2 are the witness points. Shapes farther apart than `cutoff` may get
 // a gap between that and their distance.
 Certificate Measure(const ConvexPair& pair, double cutoff, Search search);
