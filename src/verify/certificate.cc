@@ -32,7 +32,7 @@ void MarkCommonPoint(const ConvexPair& pair, const MinimumNorm& found, Certifica
   const double share = pair.radii() > 0.0 ? pair.first.radius / pair.radii() : 0.0;
   const Vector3d a = found.a(), b = found.b();
   const double apart = (b - a).norm();
-  if (apart > pair.radii()) return;  // nearest points of shapes that do not overlap
+  if (apart > pair.radii() + kTouching * pair.size()) return;  // the shapes do not overlap
   certificate.p1 = a + share * (b - a);
   certificate.p2 = pair.radii() > 0.0 ? certificate.p1 : b;
 }

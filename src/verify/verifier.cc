@@ -270,23 +270,41 @@ Verifier::Reading Verifier::Read(const CheckedPair& pair, double cutoff, Depths 
   return ToWorld(pair, verify::Measure(Place(pair), cutoff, search));
 }
 
+// Two convex geoms, or a plane and one, by their certificate; frame of geom 1, of a plane the
+// world.
+Certificate Verifier::DecideConvex(int index) const {
+  const CheckedPair& pair = shared_->pairs[index];
+  const ConvexPair placed = Place(pair);
+  const double away = At(data_->geom_xpos + 3 * pair.geom2).norm();
+  const double needed = required_[index] - tolerance_ - verify::Rounding(placed, away);
+  if (model_.geom_type[pair.geom1] == mjGEOM_PLANE) {
+    const Reading reading = AskPlane(pair);
+    const bool holds = reading.distance >= needed;
+    return {holds ? Proof::kPlane : Proof::kPoints, reading.n_W, reading.distance,
+            holds ? reading.p1_W : reading.p2_W, reading.p2_W};
+  }
+  const bool centred = !(placed.between.squaredNorm() > 0.0);
+  return verify::Decide(placed, needed, centred ? Vector3d::UnitX() : placed.between);
+}
+
+Certificate Verifier::CertificateOf(int geom1, int geom2) const {
+  const int index = PairIndex(geom1, geom2);
+  if (index < 0) throw Error("the geoms are no pair that counts");
+  const CheckedPair& pair = shared_->pairs[index];
+  Certificate found = DecideConvex(index);
+  if (model_.geom_type[pair.geom1] == mjGEOM_PLANE) return found;
+  const Reading reading = ToWorld(pair, found);
+  return {found.proof, reading.n_W, reading.distance, reading.p1_W, reading.p2_W};
+}
+
 // Is a pair that has signed distances as far apart as it must be? Always decided in the same way.
 Proof Verifier::Judge(int index) const {
   const CheckedPair& pair = shared_->pairs[index];
+  if (!pair.exact) return DecideConvex(index).proof;
+  const Depths depths = required_[index] > 0.0 ? Depths::kMeasured : Depths::kSkipped;
   const double needed = required_[index] - tolerance_;
-  if (pair.exact) {
-    const Depths depths = required_[index] > 0.0 ? Depths::kMeasured : Depths::kSkipped;
-    const double cutoff = std::max(needed, 0.0) + tolerance_;
-    return AskExact(pair, cutoff, depths).distance >= needed ? Proof::kPlane : Proof::kPoints;
-  }
-  const ConvexPair placed = Place(pair);
-  const double away = At(data_->geom_xpos + 3 * pair.geom2).norm();
-  const double rounded = needed - verify::Rounding(placed, away);
-  if (model_.geom_type[pair.geom1] == mjGEOM_PLANE) {
-    return AskPlane(pair).distance >= rounded ? Proof::kPlane : Proof::kPoints;
-  }
-  const bool centred = !(placed.between.squaredNorm() > 0.0);
-  return verify::Decide(placed, rounded, centred ? Vector3d::UnitX() : placed.between).proof;
+  const double cutoff = std::max(needed, 0.0) + tolerance_;
+  return AskExact(pair, cutoff, depths).distance >= needed ? Proof::kPlane : Proof::kPoints;
 }
 
 // The same, with what is cheap asked first: spheres, and the last plane.

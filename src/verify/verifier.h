@@ -63,6 +63,10 @@ class Verifier {
 
   std::int64_t queries() const { return queries_; }  // configurations asked about so far
 
+  // What the last verdict on two geoms that have signed distances and are no exact pair rests on,
+  // asked again: world axes, from the lower to the higher geom of the pair (by type, then by id).
+  verify::Certificate CertificateOf(int geom1, int geom2) const;
+
   // Of two geoms that the last Check let keep their overlap, that overlap, negative [m]; 0 of
   // others.
   double DepthAtRest(int geom1, int geom2) const;
@@ -88,6 +92,7 @@ class Verifier {
   Reading AskPlane(const verify::CheckedPair& pair) const;
   Reading AskExact(const verify::CheckedPair& pair, double cutoff, verify::Depths depths) const;
   Reading Read(const verify::CheckedPair& pair, double cutoff, verify::Depths depths) const;
+  verify::Certificate DecideConvex(int pair) const;
   verify::Proof Judge(int pair) const;
   bool KeepsApart(int pair);
 
