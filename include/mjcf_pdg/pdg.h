@@ -93,11 +93,11 @@ struct Verdict {
   std::string reason;             // what is not free, in words; empty when free
 };
 
-// Asks twice, by mj_collision and by signed pair distances, whether q is free (overlaps of at
-// most `tolerance` beyond what the model or `options.rest` allows, joint limits hold to 1e-6).
-// Meshes that collide as triangles are asked of FCL alone, height fields and SDFs of mj_collision
-// alone. Shares no code with the solver's own queries. `q_in` is the configuration `rest` refers
-// to. Throws Error for a bad q or option.
+// Whether q is free (overlaps of at most `tolerance` beyond what the model or `options.rest` allows,
+// joint limits hold to 1e-6), decided by certificates: for each pair a plane that parts the two, or
+// else points that show that they overlap. Meshes that collide as triangles are asked of FCL,
+// height fields and SDFs of mj_collision. Shares nothing with the solver's own queries. `q_in` is
+// the configuration `rest` refers to. Throws Error for a bad q or option.
 Verdict Verify(const Scene& scene, const std::vector<double>& q, const Options& options = {},
                const std::vector<double>* q_in = nullptr);
 

@@ -25,7 +25,8 @@ struct SceneOptions {
   bool exact_mesh = false;
 };
 
-struct SceneTables;  // internal, src/scene_tables.h
+struct SceneTables;    // internal, src/model/scene_tables.h
+struct VerifierModel;  // internal, src/verify/verifier_model.h
 
 // Immutable and shareable between threads. Copies share everything.
 class Scene {
@@ -44,6 +45,7 @@ class Scene {
   // What is doubtful about the model but no Error, one line each.
   const std::vector<std::string>& Warnings() const;
   const SceneTables& tables() const { return *tables_; }
+  const std::shared_ptr<const VerifierModel>& verifier_model() const { return verifier_model_; }
 
   int nq() const;
   int dof() const;                       // n, the number of movable degrees of freedom
@@ -68,8 +70,9 @@ class Scene {
   std::vector<std::string> ActiveEqualities() const;
 
  private:
-  explicit Scene(std::shared_ptr<const SceneTables> tables) : tables_(std::move(tables)) {}
+  Scene(std::shared_ptr<const mjModel> owner, const mjModel& model, const SceneOptions& options);
   std::shared_ptr<const SceneTables> tables_;
+  std::shared_ptr<const VerifierModel> verifier_model_;
 };
 
 }  // namespace mjcf_pdg

@@ -63,6 +63,9 @@ if(MJCF_PDG_BUILD_TESTS)
       add_dependencies(mjcf_pdg_tests mjcf-pdg)
       target_compile_definitions(mjcf_pdg_tests PRIVATE MJCF_PDG_PROGRAM="$<TARGET_FILE:mjcf-pdg>")
     endif()
+    # A million poses, each claim of the verifier held against its proof; prints what MuJoCo alone gets wrong.
+    add_executable(verify_poses EXCLUDE_FROM_ALL tests/verify/verify_poses.cc)
+    target_link_libraries(verify_poses PRIVATE mjcf_pdg_test_support GTest::gtest)
     # Tests that take minutes: cmake --build BUILD --target long_tests
     add_custom_target(long_tests
       COMMAND "${CMAKE_COMMAND}" -E env MJCF_PDG_LONG_TESTS=1 $<TARGET_FILE:mjcf_pdg_tests>

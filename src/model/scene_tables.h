@@ -55,16 +55,12 @@ struct BoundingSphere {
 // longer search for its deepest places, or only that it does.
 enum class Depths { kMeasured, kSearched, kSkipped };
 
-struct VerifierShapes;  // verify_exact_mesh.h
-
 struct SceneTables {
   std::shared_ptr<const mjModel> owner;  // empty when the model is a running program's
   const mjModel* model = nullptr;
   // A private copy of the struct alone (arrays are the user's): settings that blind MuJoCo's
   // collision detection are undone, multi-contact is off, the arena is large enough.
   mjModel query_model;
-  // The same with the user's own multi-contact setting and tolerances: what Verify asks.
-  mjModel verify_model;
 
   std::vector<JointEntry> joints;  // movable ones, in MJCF order
   std::vector<int> column_of_dof;  // nv -> n, -1 when frozen
@@ -81,7 +77,6 @@ struct SceneTables {
   std::vector<char> exact;                           // ngeom: collides as its triangles ...
   std::vector<char> convex;                          // ... which are those of its convex hull
   std::vector<std::shared_ptr<const Solid>> solids;  // ngeom; null where no exact pair needs it
-  std::shared_ptr<const VerifierShapes> verifier_shapes;  // the verifier's own of the same
   std::vector<std::string> warnings;
 };
 

@@ -7,7 +7,7 @@
 #include "problem/strategy.h"
 #include "problem/workspace.h"
 #include "start/selection.h"
-#include "verify/verify.h"
+#include "verify/verifier.h"
 
 namespace mjcf_pdg {
 

@@ -31,8 +31,17 @@ void Reporter::Clear(Result& result) {
 }
 
 bool Reporter::Input(const std::vector<double>& q_in, Result& result) {
-  const Depths depths = Reports() ? Depths::kMeasured : Depths::kSkipped;
-  const Verdict& verdict = verifier_.Check(q_in, &q_in, depths);
+  if (!Reports() && verifier_.IsFree(q_in, q_in)) {
+    result.status = Status::kAlreadyFree;
+    result.q = q_in;
+    result.start = NameOf(Component::kNone);
+    result.certified = verifier_.certified();
+    result.depth_in = result.min_distance =
+        problem_.options.clearance - problem_.options.tolerance;  // not measured: at least that
+    return true;
+  }
+  const verify::Depths depths = Reports() ? verify::Depths::kMeasured : verify::Depths::kSkipped;
+  const Verdict& verdict = verifier_.Check(q_in, q_in, depths);
   result.depth_in = verdict.min_distance;
   result.limit_excess_in = verdict.limit_excess;
   if (problem_.options.report_contacts) result.contacts_in = verdict.contacts;
@@ -50,7 +59,7 @@ void Reporter::Solved(const std::vector<double>& q_in, const std::vector<double>
   result.q = q;
   result.sigma = work_.norm.Sigma(ToEigen(q));
   result.start = NameOf(start);
-  Answer(Reports() ? verifier_.Check(q, &q_in) : verifier_.verdict(), result);
+  Answer(Reports() ? verifier_.Check(q, q_in) : verifier_.verdict(), result);
 }
 
 void Reporter::Answer(const Verdict& verdict, Result& result) const {
@@ -71,11 +80,11 @@ void Reporter::Unsolved(const std::vector<double>& q_in, const Outcome* outcome,
   }
   Assign(candidate ? candidate->q : inside, result.q);
   result.start = NameOf(candidate ? candidate->start : Component::kNone);
-  Verdict verdict = verifier_.Check(result.q, &q_in);
+  Verdict verdict = verifier_.Check(result.q, q_in);
   if (candidate && verdict.min_distance < result.depth_in) {
     std::vector<double> q_inside;
     Assign(inside, q_inside);
-    const Verdict& at_start = verifier_.Check(q_inside, &q_in);
+    const Verdict& at_start = verifier_.Check(q_inside, q_in);
     if (at_start.min_distance > verdict.min_distance) {
       verdict = at_start;
       result.q = q_inside;

@@ -8,7 +8,7 @@
 #include "mjcf_pdg/pdg.h"
 #include "problem/strategy.h"
 #include "problem/workspace.h"
-#include "verify/verify.h"
+#include "verify/verifier.h"
 
 namespace mjcf_pdg {
 

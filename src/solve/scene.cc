@@ -11,7 +11,7 @@
 #include "model/kept_pairs.h"
 #include "model/scene_tables.h"
 #include "solve/options.h"
-#include "verify/verify_exact_mesh.h"
+#include "verify/verifier_model.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -136,9 +136,7 @@ std::shared_ptr<const SceneTables> MakeTables(std::shared_ptr<const mjModel> own
   RefuseUnseenPairs(*tables);
   BuildSolids(*tables);
   tables->support = std::make_shared<const SupportPoints>(*model, tables->pairs);
-  tables->verifier_shapes = MakeVerifierShapes(*tables);
-  tables->verify_model = UnblindedCopy(*tables);
-  tables->query_model = tables->verify_model;
+  tables->query_model = UnblindedCopy(*tables);
   tables->query_model.opt.disableflags |= mjDSBL_MULTICCD;
   // Distances to cylinders jitter by 5e-7 m at MuJoCo's default of 1e-6.
   tables->query_model.opt.ccd_tolerance = 1e-9;
@@ -157,6 +155,11 @@ constexpr int kErrorSize = 2000;
 
 }  // namespace
 
+Scene::Scene(std::shared_ptr<const mjModel> owner, const mjModel& model,
+             const SceneOptions& options)
+    : tables_(MakeTables(owner, &model, options)),
+      verifier_model_(std::make_shared<const VerifierModel>(std::move(owner), model, options)) {}
+
 Scene Scene::FromFile(const std::string& path, const SceneOptions& options) {
   std::error_code ec;
   if (!std::filesystem::exists(path, ec)) throw Error(path + ": no such file");
@@ -173,7 +176,7 @@ Scene Scene::FromFile(const std::string& path, const SceneOptions& options) {
       model = Compile(spec, error.c_str());
     }
     const mjModel* raw = model.get();
-    return Scene(MakeTables(std::move(model), raw, options));
+    return Scene(std::move(model), *raw, options);
   } catch (const Error& e) {
     throw Error(path + ": " + e.what());
   }
@@ -184,12 +187,12 @@ Scene Scene::FromString(const std::string& xml, const SceneOptions& options) {
   mjSpec* spec = mj_parseXMLString(xml.c_str(), nullptr, error.data(), kErrorSize);
   std::shared_ptr<const mjModel> model = Compile(spec, error.c_str());
   const mjModel* raw = model.get();
-  return Scene(MakeTables(std::move(model), raw, options));
+  return Scene(std::move(model), *raw, options);
 }
 
 Scene Scene::FromModel(const mjModel* model, const SceneOptions& options) {
   if (!model) throw Error("the model is null");
-  return Scene(MakeTables(nullptr, model, options));
+  return Scene(nullptr, *model, options);
 }
 
 const mjModel* Scene::model() const { return tables_->model; }

@@ -18,7 +18,7 @@
 #include "solve/acceptance.h"
 #include "solve/options.h"
 #include "solve/report.h"
-#include "verify/verify.h"
+#include "verify/verifier.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -77,7 +77,7 @@ Solver::Impl::Impl(const Scene& s, const Options& o)
       options(o),
       work(scene.tables(), options),
       strategy(MakeStrategy(work)),
-      verifier(scene.tables(), options),
+      verifier(scene.verifier_model(), options, options.report_distances_to),
       acceptance(work, *strategy, verifier),
       reporter(work, verifier),
       budget{.queries = 0, .seconds = options.time_limit} {
@@ -138,7 +138,7 @@ void Solver::Impl::Remember(const Result& result) {
 void Solver::Impl::SetMocap(std::span<const double> pos, std::span<const double> quat) {
   mocap.pos.assign(pos.begin(), pos.end());
   mocap.quat.assign(quat.begin(), quat.end());
-  verifier.SetMocap(mocap);
+  verifier.SetMocap(pos, quat);
 }
 
 void Solver::Impl::CheckInput(std::span<const double> q) const {

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "tests/support/test_support.h"
-#include "verify/verify.h"
+#include "verify/verifier.h"
 
 namespace mjcf_pdg::test {
 namespace {
@@ -25,7 +25,7 @@ struct AtStart {
         options(user),
         norm(s.tables(), m),
         finder(s.tables()),
-        verifier(s.tables(), user),
+        verifier(s.verifier_model(), user),
         q_in(Normalized(s.tables(), q)) {
     norm.SetReference(q_in);
     finder.Pose(q_in);

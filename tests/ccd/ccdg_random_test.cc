@@ -7,7 +7,7 @@
 
 #include "ccd/ccdg.h"
 #include "tests/support/test_support.h"
-#include "verify/verify.h"
+#include "verify/verifier.h"
 
 namespace mjcf_pdg::test {
 namespace {
@@ -218,7 +218,7 @@ TEST_F(CcdgRandomTest, NoMotionOfARobotAmongObstaclesEndsLate) {
     const SceneTables& tables = scene.tables();
     ContactFinder finder(tables);
     Ccdg ccdg(tables, finder);
-    Verifier verifier(tables, {});
+    Verifier verifier(scene.verifier_model(), {});
     for (int i = 0; i < 40; ++i) {
       const VectorXd q0 = RandomConfiguration(scene, rng);
       const VectorXd q1 = RandomConfiguration(scene, rng);

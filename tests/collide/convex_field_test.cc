@@ -5,7 +5,7 @@
 #include <mujoco/mujoco.h>
 
 #include "tests/support/test_support.h"
-#include "verify/verify_round.h"
+#include "verify/primitive_distance.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -34,7 +34,8 @@ TEST(ConvexFieldTest, SupportPointsBoundTheDistanceFromOutside) {
       EXPECT_GE(value.f, n.dot(x - field.Support(n)) - 1e-9);
       EXPECT_NEAR(value.f, value.gradient.dot(x - field.Support(value.gradient)), 1e-7)
           << test::TypeName(type);
-      EXPECT_NEAR(value.f, RoundDistanceAt(type, field.size, x), 1e-9) << test::TypeName(type);
+      EXPECT_NEAR(value.f, verify::RoundDistanceAt(type, field.size, x), 1e-9)
+          << test::TypeName(type);
       EXPECT_LE(field.Support(n).norm(), field.OuterRadius() + 1e-12);
     }
   }
@@ -48,7 +49,7 @@ TEST(ConvexFieldTest, EllipsoidsAreRightOnTheirPlanesOfSymmetry) {
     for (int axis = 0; axis < 3; ++axis) {
       for (const double share : {0.01, 0.3, 0.7, 0.99, 1.0, 1.5}) {
         const Vector3d x = share * size[axis] * Vector3d::Unit(axis);
-        EXPECT_NEAR(field.At(x).f, RoundDistanceAt(mjGEOM_ELLIPSOID, size, x), 1e-9)
+        EXPECT_NEAR(field.At(x).f, verify::RoundDistanceAt(mjGEOM_ELLIPSOID, size, x), 1e-9)
             << size.transpose() << " at " << x.transpose();
         const Vector3d beside = x + 1e-7 * Vector3d(1, 1, 1);
         EXPECT_NEAR(field.At(x).f, field.At(beside).f, 2e-7);
@@ -80,7 +81,7 @@ TEST(ConvexFieldTest, MinimaOnTrianglesAreThoseOfAnotherMethod) {
       const Vector3d corners[3] = {center + rng.InBox(size), center + rng.InBox(size),
                                    center + rng.InBox(rng.Chance(0.2) ? 1e-6 : size)};
       Vector3d x;
-      const double expected = RoundDistanceOnTriangle(type, field.size, corners, x);
+      const double expected = verify::RoundDistanceOnTriangle(type, field.size, corners, x);
       const FieldMinimum least = MinimumOnTriangle(field, corners, 1e9, 1e-9);
       EXPECT_LE(least.f, expected + 1e-8) << test::TypeName(type) << " " << i;
       EXPECT_GE(least.f, expected - 1e-7) << test::TypeName(type) << " " << i;

@@ -8,7 +8,7 @@
 
 #include "tests/support/brute_mesh.h"
 #include "tests/support/test_support.h"
-#include "verify/verify_round.h"
+#include "verify/primitive_distance.h"
 
 namespace mjcf_pdg::test {
 namespace {
@@ -35,15 +35,15 @@ struct Posed {
       Vector3d x = (corners[0] + corners[1] + corners[2]) / 3.0;
       double reach = 0.0;
       for (const Vector3d& corner : corners) reach = std::max(reach, (corner - x).norm());
-      if (RoundDistanceAt(type, size, x) - reach > least) continue;
-      least = std::min(least, RoundDistanceOnTriangle(type, size, corners, x));
+      if (verify::RoundDistanceAt(type, size, x) - reach > least) continue;
+      least = std::min(least, verify::RoundDistanceOnTriangle(type, size, corners, x));
     }
     return least;
   }
   // How far points of the answer, tree units in the mesh's frame, are from the surfaces [m].
   double OffMesh(const Vector3d& p) const { return BruteDistance(shape, p / kTreeUnits); }
   double OffField(const Vector3d& p) const {
-    return std::abs(RoundDistanceAt(type, size, R * (p / kTreeUnits) + t));
+    return std::abs(verify::RoundDistanceAt(type, size, R * (p / kTreeUnits) + t));
   }
 };
 

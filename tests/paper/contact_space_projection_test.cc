@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "tests/support/test_support.h"
-#include "verify/verify.h"
+#include "verify/verifier.h"
 
 namespace mjcf_pdg::test {
 namespace {
@@ -19,7 +19,7 @@ struct Projector {
         finder(tables),
         ccd(tables, finder),
         projection(tables, ccd),
-        verifier(tables, {}) {}
+        verifier(scene.verifier_model(), {}) {}
 
   // Smallest signed distance [m], at most 1 m, as the independent check says.
   double Margin(const VectorXd& q) { return verifier.Check(ToVector(q)).min_distance; }

@@ -1,6 +1,6 @@
 // A mesh as the independent check sees it: FCL's tree over its triangles, and what is inside.
-#ifndef MJCF_PDG_SRC_VERIFY_VERIFY_SHAPE_H_
-#define MJCF_PDG_SRC_VERIFY_VERIFY_SHAPE_H_
+#ifndef MJCF_PDG_SRC_VERIFY_MESH_SOLID_H_
+#define MJCF_PDG_SRC_VERIFY_MESH_SOLID_H_
 
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/math/bv/OBBRSS.h>
@@ -8,15 +8,15 @@
 #include <limits>
 #include <vector>
 
-#include "verify/verify_triangles.h"
+#include "verify/triangles.h"
 
-namespace mjcf_pdg {
+namespace mjcf_pdg::verify {
 
-struct VerifierShape {
+struct MeshSolid {
   using Bvh = fcl::BVHModel<fcl::OBBRSS<double>>;
-  static constexpr double kMillimetres = 1e3;  // FCL's thresholds are absolute: its trees are in mm
 
-  VerifierShape(Triangles mesh, bool is_convex);
+  // FCL's tree holds the triangles `tree_scale` times as large: its thresholds are absolute.
+  MeshSolid(Triangles mesh, bool is_convex, double tree_scale);
 
   // A point that tells whether one of the connected pieces is inside another body.
   struct Probe {
@@ -26,6 +26,8 @@ struct VerifierShape {
 
   Triangles triangles;  // geom frame [m]; empty for planes and round primitives
   std::vector<Probe> probes;
+  double scale = 1.0;   // of the tree
+  double extent = 0.0;  // no corner is farther from the geom's origin [m]
   bool convex = false;  // box or hull: inside is below every face
   bool closed = false;  // else nothing is inside
   Bvh tree;
@@ -49,6 +51,6 @@ struct VerifierShape {
   double ConvexDepth(const Vector3d& p, Vector3d& out) const;
 };
 
-}  // namespace mjcf_pdg
+}  // namespace mjcf_pdg::verify
 
-#endif  // MJCF_PDG_SRC_VERIFY_VERIFY_SHAPE_H_
+#endif  // MJCF_PDG_SRC_VERIFY_MESH_SOLID_H_

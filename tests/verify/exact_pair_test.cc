@@ -1,5 +1,5 @@
 // The independent check where meshes collide as their triangles.
-#include "verify/verify_exact_mesh.h"
+#include "verify/exact_pair.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 #include "tests/support/brute_mesh.h"
 #include "tests/support/mesh_shapes.h"
 #include "tests/support/test_support.h"
-#include "verify/verify.h"
+#include "verify/verifier.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -20,7 +20,7 @@ namespace {
 using test::MeshShape;
 using test::Random;
 
-class VerifyExactMeshTest : public test::MujocoTest {};
+class ExactPairTest : public test::MujocoTest {};
 
 using test::Exact;
 using test::FreePose;
@@ -35,14 +35,14 @@ const char* const kGeoms[] = {"type='sphere' size='0.04'",
                               "type='mesh' mesh='moving'"};
 
 // Two implementations that share FCL's triangle distance, but nothing of what is an overlap, agree.
-TEST_F(VerifyExactMeshTest, AgreesWithTheSolversQueriesAgainstEveryType) {
+TEST_F(ExactPairTest, AgreesWithTheSolversQueriesAgainstEveryType) {
   Random rng(31);
   const MeshShape fixed[] = {test::TorusKnot(0.1, 0.03, 60, 8), test::Cup(0.12, 0.2, 0.03, 16)};
   for (const MeshShape& mesh : fixed) {
     for (const char* geom : kGeoms) {
       const Scene scene = MeshScene(mesh, geom, test::Torus(0.08, 0.02, 20, 8));
       ContactFinder finder(scene.tables());
-      Verifier verifier(scene.tables(), Options());
+      Verifier verifier(scene.verifier_model(), Options());
       int free = 0, overlapping = 0;
       for (int i = 0; i < 60; ++i) {
         const std::vector<double> q = FreePose(rng.InBox(0.2), rng.UnitQuat());
@@ -68,14 +68,14 @@ TEST_F(VerifyExactMeshTest, AgreesWithTheSolversQueriesAgainstEveryType) {
 }
 
 // Two rings of wire: where they cross, the triangles are smaller than the tolerance, and few.
-TEST_F(VerifyExactMeshTest, TrianglesSmallerThanTheToleranceHideNoOverlap) {
+TEST_F(ExactPairTest, TrianglesSmallerThanTheToleranceHideNoOverlap) {
   Random rng(32);
   const MeshShape ring = test::Torus(0.04, 0.0005, 200, 24);
   const Scene scene = MeshScene(ring, "type='mesh' mesh='moving'", ring);
   Options coarse;
   coarse.tolerance = 2e-4;
   ContactFinder finder(scene.tables());
-  Verifier verifier(scene.tables(), coarse);
+  Verifier verifier(scene.verifier_model(), coarse);
   int overlapping = 0;
   for (int i = 0; i < 400; ++i) {
     const std::vector<double> q = FreePose(rng.InBox(0.03), rng.UnitQuat());
@@ -91,17 +91,17 @@ TEST_F(VerifyExactMeshTest, TrianglesSmallerThanTheToleranceHideNoOverlap) {
 }
 
 // A ring that lies on another: what is permitted parts them, straight up.
-TEST_F(VerifyExactMeshTest, AnOverlapWithinTheToleranceIsFree) {
+TEST_F(ExactPairTest, AnOverlapWithinTheToleranceIsFree) {
   const MeshShape ring = test::Torus(0.08, 0.02, 40, 16);
   const Scene scene = MeshScene(ring, "type='mesh' mesh='moving'", ring);
-  Verifier verifier(scene.tables(), Options());
+  Verifier verifier(scene.verifier_model(), Options());
   for (const auto& [depth, free] : {std::pair(0.5e-6, true), {0.9e-6, true}, {1.1e-6, false}}) {
     EXPECT_EQ(verifier.Check(FreePose({0, 0, 0.04 - depth}, {1, 0, 0, 0})).free, free) << depth;
   }
 }
 
 // A third that shares nothing: every triangle, and no tree.
-TEST_F(VerifyExactMeshTest, DistancesAreThoseOfEveryPairOfTriangles) {
+TEST_F(ExactPairTest, DistancesAreThoseOfEveryPairOfTriangles) {
   constexpr double kRadius = 0.04;
   Random rng(34);
   const MeshShape fixed[] = {test::TorusKnot(0.1, 0.03, 60, 8), test::Cup(0.12, 0.2, 0.03, 16)};
@@ -113,7 +113,7 @@ TEST_F(VerifyExactMeshTest, DistancesAreThoseOfEveryPairOfTriangles) {
   for (const MeshShape& mesh : fixed) {
     for (const auto& [geom, shape] : moving) {
       const Scene scene = MeshScene(mesh, geom, torus);
-      Verifier verifier(scene.tables(), Options());
+      Verifier verifier(scene.verifier_model(), Options());
       int free = 0, crossing = 0;
       for (int i = 0; i < 60; ++i) {
         const Vector3d p = rng.InBox(0.2);
@@ -139,7 +139,7 @@ TEST_F(VerifyExactMeshTest, DistancesAreThoseOfEveryPairOfTriangles) {
 }
 
 // What is free does not depend on whether depths are asked for; how deep and how far does.
-TEST_F(VerifyExactMeshTest, SkippedDepthsLeaveTheVerdictAsItIs) {
+TEST_F(ExactPairTest, SkippedDepthsLeaveTheVerdictAsItIs) {
   Random rng(33);
   const MeshShape cup = test::Cup(0.12, 0.2, 0.03, 16);
   for (const char* geom : {kGeoms[0], kGeoms[4], kGeoms[5]}) {
@@ -147,12 +147,12 @@ TEST_F(VerifyExactMeshTest, SkippedDepthsLeaveTheVerdictAsItIs) {
     Options clear;
     clear.clearance = 0.01;
     for (const Options& options : {Options(), clear}) {
-      Verifier verifier(scene.tables(), options);
+      Verifier verifier(scene.verifier_model(), options);
       int free = 0;
       for (int i = 0; i < 40; ++i) {
         const std::vector<double> q = FreePose(rng.InBox(0.2), rng.UnitQuat());
         const Verdict measured = verifier.Check(q);
-        const Verdict& skipped = verifier.Check(q, nullptr, Depths::kSkipped);
+        const Verdict& skipped = verifier.Check(q, {}, verify::Depths::kSkipped);
         EXPECT_EQ(skipped.free, measured.free) << geom << " " << i;
         EXPECT_EQ(skipped.contacts.size(), measured.contacts.size());
         EXPECT_GE(skipped.min_distance, measured.min_distance - 1e-9) << geom << " " << i;
@@ -165,7 +165,7 @@ TEST_F(VerifyExactMeshTest, SkippedDepthsLeaveTheVerdictAsItIs) {
   }
 }
 
-TEST_F(VerifyExactMeshTest, ToleranceIsKeptOnBothSides) {
+TEST_F(ExactPairTest, ToleranceIsKeptOnBothSides) {
   const MeshShape block = test::BoxMesh({0.1, 0.1, 0.1});
   for (const char* geom : kGeoms) {
     const Scene scene = MeshScene(block, geom, test::BoxMesh({0.03, 0.04, 0.05}));
@@ -187,7 +187,7 @@ TEST_F(VerifyExactMeshTest, ToleranceIsKeptOnBothSides) {
   }
 }
 
-TEST_F(VerifyExactMeshTest, BodiesWhollyInsideCollideAndHollowsAreFree) {
+TEST_F(ExactPairTest, BodiesWhollyInsideCollideAndHollowsAreFree) {
   for (const char* geom : kGeoms) {
     const Scene block = MeshScene(test::BoxMesh({0.4, 0.4, 0.4}), geom);
     EXPECT_FALSE(Verify(block, FreePose({0.1, 0.05, 0.02})).free) << geom;
@@ -224,7 +224,7 @@ MeshShape Angle(double inset = 0.0) {
   return shape;
 }
 
-TEST_F(VerifyExactMeshTest, SolidsWhoseSurfacesCoincideOverlap) {
+TEST_F(ExactPairTest, SolidsWhoseSurfacesCoincideOverlap) {
   const Vector3d way = Vector3d(0.36, -0.48, 0.8);
   for (const MeshShape& shape :
        {Angle(), test::Torus(0.1, 0.03, 24, 12), test::Cup(0.05, 0.1, 0.01, 24)}) {
@@ -236,7 +236,7 @@ TEST_F(VerifyExactMeshTest, SolidsWhoseSurfacesCoincideOverlap) {
   }
 }
 
-TEST_F(VerifyExactMeshTest, ABodyInACavityOfItsOwnShapeOverlapsHoweverSmallTheGap) {
+TEST_F(ExactPairTest, ABodyInACavityOfItsOwnShapeOverlapsHoweverSmallTheGap) {
   for (const double gap : {1e-7, 5e-7, 8e-7, 2e-6, 1e-4}) {
     const Scene scene = MeshScene(Angle(), "type='mesh' mesh='moving'", Angle(gap));
     EXPECT_FALSE(Verify(scene, FreePose({0, 0, 0})).free) << gap;
@@ -248,7 +248,7 @@ TEST_F(VerifyExactMeshTest, ABodyInACavityOfItsOwnShapeOverlapsHoweverSmallTheGa
 }
 
 // Where parts of a mesh overlap or touch, inside is still inside.
-TEST_F(VerifyExactMeshTest, PartsOfAMeshMayOverlapOrTouch) {
+TEST_F(ExactPairTest, PartsOfAMeshMayOverlapOrTouch) {
   MeshShape cross = test::BoxMesh({0.4, 0.12, 0.12}), touching = test::BoxMesh({0.2, 0.2, 0.2}),
             nested = test::BoxMesh({0.4, 0.4, 0.4});
   cross.Append(test::BoxMesh({0.121, 0.4, 0.119}));
@@ -265,7 +265,7 @@ TEST_F(VerifyExactMeshTest, PartsOfAMeshMayOverlapOrTouch) {
   }
 }
 
-TEST_F(VerifyExactMeshTest, LinkedRingsAreFree) {
+TEST_F(ExactPairTest, LinkedRingsAreFree) {
   const MeshShape ring = test::Torus(0.1, 0.02, 48, 16);
   const Scene scene = MeshScene(ring, "type='mesh' mesh='moving'", ring);
   const Eigen::Quaterniond upright(Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitX()));
@@ -277,7 +277,7 @@ TEST_F(VerifyExactMeshTest, LinkedRingsAreFree) {
   EXPECT_NE(crossed.reason.find("overlap by"), std::string::npos);
 }
 
-TEST_F(VerifyExactMeshTest, CoplanarAndCrossedTouchesAreFree) {
+TEST_F(ExactPairTest, CoplanarAndCrossedTouchesAreFree) {
   const MeshShape box = test::BoxMesh({0.125, 0.125, 0.125});
   const Scene scene = MeshScene(box, "type='mesh' mesh='moving'", box);
   for (const Vector3d& at : {Vector3d(0.25, 0, 0), Vector3d(0.1, 0.05, 0.25),
@@ -293,7 +293,7 @@ TEST_F(VerifyExactMeshTest, CoplanarAndCrossedTouchesAreFree) {
 }
 
 // Crossing by no more than rounding, corners just below the other's face.
-TEST_F(VerifyExactMeshTest, FacesThatRestOnEachOtherAreFree) {
+TEST_F(ExactPairTest, FacesThatRestOnEachOtherAreFree) {
   Random rng(37);
   static constexpr double h = 0.0625;  // no rounding
   const auto ring = [](double inner, double outer) {
@@ -310,21 +310,7 @@ TEST_F(VerifyExactMeshTest, FacesThatRestOnEachOtherAreFree) {
   }
 }
 
-// The solver's word that a mesh is open, were it wrong, would hide what is wholly inside from both.
-TEST_F(VerifyExactMeshTest, WhetherAMeshIsClosedItFindsItself) {
-  MeshShape open = test::BoxMesh({0.4, 0.4, 0.4});
-  open.faces.resize(10);
-  for (const char* geom : {kGeoms[0], kGeoms[5]}) {
-    const Scene scene = MeshScene(Angle(), geom);
-    SceneTables tables = scene.tables();
-    tables.solids.assign(tables.solids.size(),
-                         std::make_shared<const Solid>(test::MakeSolid(open)));
-    tables.verifier_shapes = MakeVerifierShapes(tables);
-    EXPECT_FALSE(Verifier(tables, Options()).Check(FreePose({0.05, 0.05, 0.05})).free) << geom;
-  }
-}
-
-TEST_F(VerifyExactMeshTest, AnOpenMeshHasASurfaceOnly) {
+TEST_F(ExactPairTest, AnOpenMeshHasASurfaceOnly) {
   MeshShape open = test::BoxMesh({0.2, 0.2, 0.2});
   open.faces.resize(10);
   const Scene scene = MeshScene(open, "type='box' size='0.05 0.05 0.05'");

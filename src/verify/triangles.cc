@@ -1,4 +1,4 @@
-#include "verify/verify_triangles.h"
+#include "verify/triangles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-namespace mjcf_pdg {
+namespace mjcf_pdg::verify {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -95,6 +95,20 @@ int CountOpenEdges(const Triangles& triangles) {
                                         [](const auto& edge) { return edge.second != 0; }));
 }
 
+bool IsBoundaryOfHull(const Triangles& triangles, const VertexTree& vertices) {
+  constexpr double kFloatRounding = 5e-7;  // four roundings of a coordinate
+  double largest = 0.0;
+  for (const Vector3d& p : vertices.vertices()) largest = std::max(largest, p.norm());
+  const auto on_hull = [&](const std::array<Vector3d, 3>& t) {
+    Vector3d n = (t[1] - t[0]).cross(t[2] - t[0]);
+    if (!(n.norm() > 0.0)) return true;
+    n.normalize();
+    return n.dot(vertices.Farthest(n) - t[0]) <= kFloatRounding * largest;
+  };
+  return std::all_of(triangles.begin(), triangles.end(), on_hull) &&
+         CountOpenEdges(triangles) == 0 && Pieces(triangles).size() == 1;
+}
+
 std::vector<std::vector<int>> Pieces(const Triangles& triangles) {
   std::vector<std::pair<std::array<double, 3>, int>> corners;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
@@ -125,4 +139,4 @@ std::vector<std::vector<int>> Pieces(const Triangles& triangles) {
   return pieces;
 }
 
-}  // namespace mjcf_pdg
+}  // namespace mjcf_pdg::verify

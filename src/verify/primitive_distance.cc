@@ -1,11 +1,11 @@
-#include "verify/verify_round.h"
+#include "verify/primitive_distance.h"
 
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
 #include <cmath>
 
-namespace mjcf_pdg {
+namespace mjcf_pdg::verify {
 namespace {
 
 using Eigen::Vector3d;
@@ -98,7 +98,7 @@ double RoundDistanceOnTriangle(int type, const Vector3d& size, const Vector3d co
 }
 
 Vector3d RoundNormalAt(int type, const Vector3d& size, const Vector3d& x) {
-  const double h = 1e-7 * (1.0 + x.norm());
+  const double h = 1e-7 * (size.norm() + x.norm());
   Vector3d gradient;
   for (int i = 0; i < 3; ++i) {
     const Vector3d step = h * Vector3d::Unit(i);
@@ -107,4 +107,4 @@ Vector3d RoundNormalAt(int type, const Vector3d& size, const Vector3d& x) {
   return gradient.norm() > 0.0 ? Vector3d(gradient.normalized()) : Vector3d(Vector3d::UnitZ());
 }
 
-}  // namespace mjcf_pdg
+}  // namespace mjcf_pdg::verify

@@ -1,6 +1,6 @@
 // What the independent check says: distances, tolerances, limits, rest, words. For what MuJoCo
-// alone overlooks, see verify_hidden_overlap_test.cc.
-#include "verify/verify.h"
+// alone overlooks, see hidden_overlap_test.cc.
+#include "verify/verifier.h"
 
 #include <gmock/gmock.h>
 
@@ -23,9 +23,9 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-class VerifyTest : public MujocoTest {};
+class VerifierTest : public MujocoTest {};
 
-TEST_F(VerifyTest, TwoBoxesOverlapByTheDepthOfTheirSlide) {
+TEST_F(VerifierTest, TwoBoxesOverlapByTheDepthOfTheirSlide) {
   const Scene scene = Scene::FromString(TwoBoxes());
   const Verdict apart = Verify(scene, {0.25});
   EXPECT_TRUE(apart.free);
@@ -42,7 +42,7 @@ TEST_F(VerifyTest, TwoBoxesOverlapByTheDepthOfTheirSlide) {
   EXPECT_NEAR(overlap.contacts[0].distance, -0.0012, 1e-9);
 }
 
-TEST_F(VerifyTest, OverlapsUpToTheToleranceAreFree) {
+TEST_F(VerifierTest, OverlapsUpToTheToleranceAreFree) {
   const Scene scene = Scene::FromString(TwoBoxes());
   EXPECT_TRUE(Verify(scene, {0.2 - 0.9e-6}).free);
   EXPECT_FALSE(Verify(scene, {0.2 - 1.1e-6}).free);
@@ -53,7 +53,7 @@ TEST_F(VerifyTest, OverlapsUpToTheToleranceAreFree) {
   EXPECT_FALSE(Verify(scene, {0.2 - 1.1e-4}, loose).free);
 }
 
-TEST_F(VerifyTest, ANegativeMarginAndGapIsAnOverlapTheModelAllows) {
+TEST_F(VerifierTest, ANegativeMarginAndGapIsAnOverlapTheModelAllows) {
   const Scene scene = Scene::FromString(TwoBoxes("", "margin='-.01' gap='.004'"));
   EXPECT_TRUE(Verify(scene, {0.195}).free);
   EXPECT_TRUE(Verify(scene, {0.194}).free);
@@ -62,12 +62,12 @@ TEST_F(VerifyTest, ANegativeMarginAndGapIsAnOverlapTheModelAllows) {
   EXPECT_EQ(verdict.reason, "geom 'wall' and geom 'block' overlap by 6.1 mm (6 mm allowed)");
 }
 
-TEST_F(VerifyTest, FarGeomsHaveADistanceCutOffAtOneMetre) {
+TEST_F(VerifierTest, FarGeomsHaveADistanceCutOffAtOneMetre) {
   const Scene scene = Scene::FromString(TwoBoxes());
   EXPECT_EQ(Verify(scene, {9.0}).min_distance, 1.0);
 }
 
-TEST_F(VerifyTest, SignedDistancesAreThoseOfTheSlowOracle) {
+TEST_F(VerifierTest, SignedDistancesAreThoseOfTheSlowOracle) {
   Random rng(2);
   int overlaps = 0, cases = 0;
   for (const auto& [type1, type2] :
@@ -94,7 +94,7 @@ TEST_F(VerifyTest, SignedDistancesAreThoseOfTheSlowOracle) {
   EXPECT_LT(overlaps, cases);
 }
 
-TEST_F(VerifyTest, NumbersThatAreNoNumbersAreErrors) {
+TEST_F(VerifierTest, NumbersThatAreNoNumbersAreErrors) {
   const Scene scene = Scene::FromString(TwoBoxes());
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(ErrorOf([&] { Verify(scene, {nan}); }), HasSubstr("qpos[0]"));
@@ -107,14 +107,15 @@ TEST_F(VerifyTest, NumbersThatAreNoNumbersAreErrors) {
   options = {};
   options.mocap_pos = {0, 0, 0};
   EXPECT_THAT(ErrorOf([&] { Verify(scene, {0.3}, options); }), HasSubstr("mocap_pos"));
-  Verifier verifier(scene.tables(), {});  // a solver's own doubtful numbers: no throw, not free
-  EXPECT_FALSE(verifier.Check({nan}).free);
-  EXPECT_THAT(verifier.Check({nan}).reason, HasSubstr("not a number"));
-  EXPECT_TRUE(verifier.Check({0.3}).free);
+  Verifier verifier(scene.verifier_model(),
+                    {});  // a solver's own doubtful numbers: no throw, not free
+  EXPECT_FALSE(verifier.Check(std::vector<double>{nan}).free);
+  EXPECT_THAT(verifier.Check(std::vector<double>{nan}).reason, HasSubstr("not a number"));
+  EXPECT_TRUE(verifier.Check(std::vector<double>{0.3}).free);
 }
 
 // MuJoCo's contacts know nothing of limits.
-TEST_F(VerifyTest, JointLimitsHold) {
+TEST_F(VerifierTest, JointLimitsHold) {
   const Scene scene = Scene::FromString(R"(<mujoco><compiler angle="radian"/><worldbody>
     <body name="a"><joint name="x" type="slide" range="-.1 .2"/><geom size=".1"/>
     <body pos="1 0 0"><joint name="h" range="-.5 .5"/><geom size=".1"/></body></body>
@@ -129,7 +130,7 @@ TEST_F(VerifyTest, JointLimitsHold) {
   EXPECT_EQ(hinge.reason, "joint 'h' is 0.2 rad outside its range");
 }
 
-TEST_F(VerifyTest, TheTwistOfALimitedBallJointCounts) {
+TEST_F(VerifierTest, TheTwistOfALimitedBallJointCounts) {
   const Scene scene = Scene::FromString(R"(<mujoco><compiler angle="radian"/><worldbody><body>
     <joint name="j" type="ball" range="0 .5"/><geom type="capsule" size=".01 .1"/></body>
     </worldbody></mujoco>)");
@@ -146,7 +147,7 @@ TEST_F(VerifyTest, TheTwistOfALimitedBallJointCounts) {
   }
 }
 
-TEST_F(VerifyTest, AContactAtRestMayKeepItsDepthButNotExceedIt) {
+TEST_F(VerifierTest, AContactAtRestMayKeepItsDepthButNotExceedIt) {
   const Scene scene = Scene::FromString(TwoBoxes());
   Options options;
   options.rest = 1e-3;
@@ -161,14 +162,14 @@ TEST_F(VerifyTest, AContactAtRestMayKeepItsDepthButNotExceedIt) {
   EXPECT_FALSE(Verify(scene, {0.1995}, options, &deeper_q_in).free) << "too deep to rest";
   const std::vector<double> exactly = {0.2 - 1e-3};
   EXPECT_TRUE(Verify(scene, exactly, options, &exactly).free);
-  Verifier verifier(scene.tables(), options);  // another q_in, or none, forgets the last
-  EXPECT_TRUE(verifier.Check({0.1993}, &q_in).free);
-  EXPECT_FALSE(verifier.Check({0.1993}, &deeper_q_in).free);
-  EXPECT_TRUE(verifier.Check({0.1993}, &q_in).free);
-  EXPECT_FALSE(verifier.Check({0.1993}).free);
+  Verifier verifier(scene.verifier_model(), options);  // another q_in, or none, forgets the last
+  EXPECT_TRUE(verifier.Check(std::vector<double>{0.1993}, q_in).free);
+  EXPECT_FALSE(verifier.Check(std::vector<double>{0.1993}, deeper_q_in).free);
+  EXPECT_TRUE(verifier.Check(std::vector<double>{0.1993}, q_in).free);
+  EXPECT_FALSE(verifier.Check(std::vector<double>{0.1993}).free);
 }
 
-TEST_F(VerifyTest, ClearanceIsAskedOfPairsThatMove) {
+TEST_F(VerifierTest, ClearanceIsAskedOfPairsThatMove) {
   const Scene scene = Scene::FromString(TwoBoxes());
   Options options;
   options.clearance = 5e-3;
@@ -179,7 +180,7 @@ TEST_F(VerifyTest, ClearanceIsAskedOfPairsThatMove) {
   EXPECT_NEAR(near.min_distance, 3.8e-3, 1e-9);
 }
 
-TEST_F(VerifyTest, FrozenGeomsThatOverlapAreNamedAndNeedNoClearance) {
+TEST_F(VerifierTest, FrozenGeomsThatOverlapAreNamedAndNeedNoClearance) {
   const std::string xml = R"(<mujoco><worldbody><geom name="wall" type="box" size=".1 .1 .1"/>
     <body name="a" pos=".205 0 0"><joint name="ja" type="slide" axis="1 0 0"/>
       <geom name="a" type="box" size=".1 .1 .1"/></body>
@@ -199,7 +200,7 @@ TEST_F(VerifyTest, FrozenGeomsThatOverlapAreNamedAndNeedNoClearance) {
   EXPECT_EQ(verdict.contacts.size(), 2u);
 }
 
-TEST_F(VerifyTest, AnExplicitPairCountsAndAnExcludedOneDoesNot) {
+TEST_F(VerifierTest, AnExplicitPairCountsAndAnExcludedOneDoesNot) {
   const auto xml = [](const std::string& contact) {
     return "<mujoco><contact>" + contact + R"(</contact><worldbody>
       <body name="a"><joint type="slide" axis="1 0 0"/><geom name="a" size=".1"/>
@@ -217,7 +218,7 @@ TEST_F(VerifyTest, AnExplicitPairCountsAndAnExcludedOneDoesNot) {
   EXPECT_EQ(Verify(paired, {0, 0.06, -0.15}).free, true);
 }
 
-TEST_F(VerifyTest, IfItsOwnArenaIsFullNothingIsCalledFree) {
+TEST_F(VerifierTest, IfItsOwnArenaIsFullNothingIsCalledFree) {
   std::string xml = "<mujoco><worldbody><geom type='plane' size='1 1 1'/>";
   for (int i = 0; i < 30; ++i) {
     xml += "<body pos='" + std::to_string(0.3 * i) +
@@ -225,10 +226,10 @@ TEST_F(VerifyTest, IfItsOwnArenaIsFullNothingIsCalledFree) {
   }
   const Scene scene = Scene::FromString(xml + "</worldbody></mujoco>");
   const std::vector<double> q(30, -0.5e-6);
-  Verifier sound(scene.tables(), {});
+  Verifier sound(scene.verifier_model(), {});
   EXPECT_TRUE(sound.Check(q).free);
-  SceneTables cramped = scene.tables();
-  cramped.verify_model.narena = 20 << 10;
+  auto cramped = std::make_shared<VerifierModel>(*scene.verifier_model());
+  cramped->unblinded.narena = 20 << 10;
   Verifier verifier(cramped, {});
   const Verdict verdict = verifier.Check(q);
   EXPECT_FALSE(verdict.free);
@@ -237,22 +238,21 @@ TEST_F(VerifyTest, IfItsOwnArenaIsFullNothingIsCalledFree) {
 }
 
 // The two witnesses do not share the table of pairs.
-TEST_F(VerifyTest, MujocosContactsCountWhereOurTableLacksThePair) {
+TEST_F(VerifierTest, MujocosContactsCountWhereOurTableLacksThePair) {
   for (const char* margin : {"", "margin='-.25'"}) {
     const Scene scene = Scene::FromString(TwoBoxes("", margin));
-    SceneTables tables = scene.tables();
-    tables.pairs.clear();
-    tables.body_pairs.clear();
-    Verifier verifier(tables, {});
-    EXPECT_TRUE(verifier.Check({0.21}).free);
-    const Verdict verdict = verifier.Check({0.17});
+    auto lacking = std::make_shared<VerifierModel>(*scene.verifier_model());
+    lacking->pairs.clear();
+    Verifier verifier(lacking, {});
+    EXPECT_TRUE(verifier.Check(std::vector<double>{0.21}).free);
+    const Verdict verdict = verifier.Check(std::vector<double>{0.17});
     EXPECT_FALSE(verdict.free);
     EXPECT_EQ(verdict.reason, "geom 'wall' and geom 'block' overlap by 30 mm");
     EXPECT_EQ(verdict.contacts.size(), 1u);
   }
 }
 
-TEST_F(VerifyTest, HeightFieldsAreJudgedByContactsAndNotCertified) {
+TEST_F(VerifierTest, HeightFieldsAreJudgedByContactsAndNotCertified) {
   const Scene scene = Scene::FromString(R"(<mujoco><asset>
     <hfield name="h" nrow="3" ncol="3" size="1 1 .1 .1" elevation="0 0 0 0 1 0 0 0 0"/></asset>
     <worldbody><geom name="ground" type="hfield" hfield="h"/><body><freejoint/>
@@ -271,7 +271,7 @@ TEST_F(VerifyTest, HeightFieldsAreJudgedByContactsAndNotCertified) {
   EXPECT_TRUE(Verify(scene, at(0.35), options).free);
 }
 
-TEST_F(VerifyTest, MocapBodiesStandWhereTheOptionsPutThem) {
+TEST_F(VerifierTest, MocapBodiesStandWhereTheOptionsPutThem) {
   const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
     <body name="post" mocap="true"><geom name="post" type="box" size=".1 .1 .1"/></body>
     <body><joint type="slide" axis="1 0 0"/><geom name="ball" size=".1"/></body>
@@ -282,18 +282,18 @@ TEST_F(VerifyTest, MocapBodiesStandWhereTheOptionsPutThem) {
   EXPECT_FALSE(Verify(scene, {0.25}, options).free);
   options.mocap_quat = {1, 0, 0, 1};
   EXPECT_FALSE(Verify(scene, {0.25}, options).free);
-  Verifier verifier(scene.tables(), {});
-  verifier.SetMocap({options.mocap_pos, {}});
-  EXPECT_FALSE(verifier.Check({0.25}).free);
-  verifier.SetMocap({});
-  EXPECT_TRUE(verifier.Check({0.25}).free);
+  Verifier verifier(scene.verifier_model(), {});
+  verifier.SetMocap(options.mocap_pos, {});
+  EXPECT_FALSE(verifier.Check(std::vector<double>{0.25}).free);
+  verifier.SetMocap({}, {});
+  EXPECT_TRUE(verifier.Check(std::vector<double>{0.25}).free);
 }
 
-TEST_F(VerifyTest, NeitherTheUsersModelNorTheOrderOfChecksMatters) {
+TEST_F(VerifierTest, NeitherTheUsersModelNorTheOrderOfChecksMatters) {
   const Scene scene = Scene::FromString(ArmXml());
   const std::vector<char> before = ModelBytes(scene.model());
   Random rng(5);
-  Verifier verifier(scene.tables(), {});
+  Verifier verifier(scene.verifier_model(), {});
   std::vector<std::vector<double>> configurations;
   std::vector<double> distances;
   int free = 0;

@@ -1,4 +1,4 @@
-#include "verify/verify_exact_mesh.h"
+#include "verify/exact_pair.h"
 
 #include <fcl/narrowphase/collision.h>
 #include <fcl/narrowphase/distance.h>
@@ -8,22 +8,23 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <map>
 #include <utility>
 
-#include "verify/verify_round.h"
-#include "verify/verify_shape.h"
-#include "verify/verify_triangles.h"
+#include "verify/mesh_solid.h"
+#include "verify/primitive_distance.h"
+#include "verify/triangles.h"
 
-namespace mjcf_pdg {
+namespace mjcf_pdg::verify {
 namespace {
 
+using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kMillimetres = VerifierShape::kMillimetres;
 constexpr std::size_t kMaxTrianglePairs = 100000;
 constexpr std::size_t kFewPairs = 4;  // of triangles, to tell an overlap
-constexpr double kUnmeasured = 1e-3;  // depth of more crossings than that, at least [m]
-constexpr double kUnproven = 1e-9;    // said to be deeper than is permitted by that [m]
+// Of the extents of the two bodies: the depth of more crossings than that, at least, and how much
+// deeper than is permitted an overlap is said to be that nothing proves to be less.
+constexpr double kUnmeasured = 1e-3, kUnproven = 1e-9;
 // Directions tried to part two meshes: no more, and no closer to each other (cosine).
 constexpr std::size_t kMaxDirections = 12;
 constexpr double kSameDirection = 0.98;
@@ -36,40 +37,35 @@ double LinearBound(int type, const Vector3d& size, const Vector3d corners[3]) {
   constexpr double kDifferences = 1e-5;  // error of the gradient
   const Vector3d middle = (corners[0] + corners[1] + corners[2]) / 3.0;
   const double at_middle = RoundDistanceAt(type, size, middle);
-  if (at_middle < 1e-6) return -kInfinity;
+  double reach = 0.0;
+  for (int k = 0; k < 3; ++k) reach = std::max(reach, (corners[k] - middle).norm());
+  if (at_middle < kDifferences * reach) return -kInfinity;
   const Vector3d n = RoundNormalAt(type, size, middle);
-  double fall = 0.0, reach = 0.0;
-  for (int k = 0; k < 3; ++k) {
-    fall = std::min(fall, n.dot(corners[k] - middle));
-    reach = std::max(reach, (corners[k] - middle).norm());
-  }
+  double fall = 0.0;
+  for (int k = 0; k < 3; ++k) fall = std::min(fall, n.dot(corners[k] - middle));
   return at_middle + fall - kDifferences * reach;
 }
 
 }  // namespace
 
-struct VerifierShapes {
-  std::vector<std::shared_ptr<const VerifierShape>> of_geom;  // ngeom; null for other types
-};
-
-struct ExactVerifier::Asked {
-  const PosedModel& posed;
-  const KeptPair& pair;
-  const VerifierShape *first, *second;
+struct ExactPairs::Asked {
+  const mjData& posed;
+  const CheckedPair& pair;
+  const MeshSolid *first, *second;
   double permitted;
   Depths depths;
   double* fromto;
   Vector3d shift_W = Vector3d::Zero();  // the second geom is asked about as if moved by this [m]
 
-  Matrix3d R(int geom) const { return AsMatrix(posed.data()->geom_xmat + 9 * geom); }
+  Matrix3d R(int geom) const { return Eigen::Map<const RowMajor3>(posed.geom_xmat + 9 * geom); }
   Vector3d Origin(int geom) const {
-    const Vector3d origin = AsVector(posed.data()->geom_xpos + 3 * geom);
+    const Vector3d origin = Eigen::Map<const Vector3d>(posed.geom_xpos + 3 * geom);
     return geom == pair.geom2 ? Vector3d(origin + shift_W) : origin;
   }
   fcl::Transform3<double> FclPose(int geom) const {
     fcl::Transform3<double> pose;
     pose.linear() = R(geom);
-    pose.translation() = kMillimetres * Origin(geom);
+    pose.translation() = Scale() * Origin(geom);
     return pose;
   }
   // Pairs of triangles that intersect, by FCL: no more than `most`.
@@ -80,6 +76,8 @@ struct ExactVerifier::Asked {
                  fcl::CollisionRequest<double>(most), crossings);
     return crossings;
   }
+  double Scale() const { return second->scale; }  // of the trees
+  double Extent() const { return first->extent + second->extent; }
   double TrianglesOverlap(const Crossings& crossings) const;
   std::vector<Vector3d> WaysApart(const Crossings& crossings) const;
   void Witness(const Vector3d& p1_W, const Vector3d& p2_W) const {
@@ -89,7 +87,7 @@ struct ExactVerifier::Asked {
 };
 
 // One of the two bodies, whose points are asked how deep they are inside the other.
-struct ExactVerifier::Side {
+struct ExactPairs::Side {
   Side(const Asked& pair, bool is_first)
       : asked(pair),
         of_first(is_first),
@@ -114,51 +112,20 @@ struct ExactVerifier::Side {
   const Asked& asked;
   const bool of_first;
   const int from, in;  // geoms
-  const VerifierShape &source, &target;
+  const MeshSolid &source, &target;
 };
 
-std::shared_ptr<const VerifierShapes> MakeVerifierShapes(const SceneTables& tables) {
-  const mjModel& m = *tables.model;
-  auto shapes = std::make_shared<VerifierShapes>();
-  shapes->of_geom.resize(m.ngeom);
-  std::map<std::pair<int, bool>, std::shared_ptr<const VerifierShape>> built;  // by asset, exact
-  for (const KeptPair& pair : tables.pairs) {
-    if (!pair.exact) continue;
-    for (const int g : {pair.geom1, pair.geom2}) {
-      std::shared_ptr<const VerifierShape>& shape = shapes->of_geom[g];
-      if (shape) continue;
-      if (m.geom_type[g] == mjGEOM_BOX) {
-        shape = std::make_shared<const VerifierShape>(BoxTriangles(AsVector(m.geom_size + 3 * g)),
-                                                      true);
-      } else if (m.geom_type[g] == mjGEOM_MESH) {
-        const int mesh = m.geom_dataid[g];
-        const bool exact = tables.exact[g];
-        std::shared_ptr<const VerifierShape>& known = built[{mesh, exact}];
-        if (!known) {
-          known = std::make_shared<const VerifierShape>(MeshTriangles(m, mesh, exact), !exact);
-        }
-        shape = known;
-      }
-    }
-  }
-  return shapes;
-}
-
-double ExactVerifier::Distance(const PosedModel& posed, const KeptPair& pair, double cutoff,
-                               double permitted, Depths depths, double fromto[6]) const {
-  const Asked asked{posed,
-                    pair,
-                    shapes_->of_geom[pair.geom1].get(),
-                    shapes_->of_geom[pair.geom2].get(),
-                    permitted,
-                    depths,
-                    fromto};
+double ExactPairs::Distance(const mjData& posed, const CheckedPair& pair, double cutoff,
+                            double permitted, Depths depths, double fromto[6]) const {
+  const Asked asked{
+      posed,  pair,  model_.solids[pair.geom1].get(), model_.solids[pair.geom2].get(), permitted,
+      depths, fromto};
   return asked.first ? SolidDistance(asked, cutoff) : RoundDistance(asked, cutoff);
 }
 
 // The depth, negative [m], of the deepest inside the other body: the probes, and a vertex and the
 // middle of `triangles` triangles of each mesh.
-double ExactVerifier::Deepest(const Asked& asked, int triangles) const {
+double ExactPairs::Deepest(const Asked& asked, int triangles) const {
   double deepest = 0.0;
   for (const bool of_first : {true, false}) {
     const Side side(asked, of_first);
@@ -183,7 +150,7 @@ double ExactVerifier::Deepest(const Asked& asked, int triangles) const {
 
 // Surfaces that coincide do not cross: some points a little below them may be inside both bodies.
 // Returns the depth of the deepest, negative [m]; a ball of that radius is inside both.
-double ExactVerifier::CommonPoint(const Asked& asked) const {
+double ExactPairs::CommonPoint(const Asked& asked) const {
   constexpr int kTriangles = 20;
   double deepest = 0.0;
   for (const bool of_first : {true, false}) {
@@ -192,8 +159,8 @@ double ExactVerifier::CommonPoint(const Asked& asked) const {
     for (std::size_t k = 0; k < triangles.size(); k += 1 + triangles.size() / kTriangles) {
       const auto& t = triangles[k];
       const Vector3d n = (t[1] - t[0]).cross(t[2] - t[0]).normalized();
-      for (const double h : {1e-2, -1e-2, 1e-3, -1e-3, 1e-4, -1e-4}) {
-        const Vector3d x = (t[0] + t[1] + t[2]) / 3.0 - h * n;
+      for (const double share : {0.1, -0.1, 1e-2, -1e-2, 1e-3, -1e-3}) {
+        const Vector3d x = (t[0] + t[1] + t[2]) / 3.0 - share * side.source.extent * n;
         Vector3d out, out_W;
         const double own = side.source.DepthOf(x, out);
         if (own <= -deepest) continue;
@@ -208,7 +175,7 @@ double ExactVerifier::CommonPoint(const Asked& asked) const {
 }
 
 // The largest of the least moves that part two of the triangles that cross, negative [m].
-double ExactVerifier::Asked::TrianglesOverlap(const Crossings& crossings) const {
+double ExactPairs::Asked::TrianglesOverlap(const Crossings& crossings) const {
   const int g1 = pair.geom1, g2 = pair.geom2;
   const Matrix3d R1 = R(g1), R2 = R(g2);
   double overlap = 0.0;
@@ -225,19 +192,20 @@ double ExactVerifier::Asked::TrianglesOverlap(const Crossings& crossings) const 
     const Vector3d middle = (s[0] + s[1] + s[2] + t[0] + t[1] + t[2]) / 6.0;
     Witness(middle + 0.5 * move * n, middle - 0.5 * move * n);
   }
-  if (crossings.numContacts() >= kMaxTrianglePairs) overlap = std::max(overlap, kUnmeasured);
+  if (crossings.numContacts() >= kMaxTrianglePairs)
+    overlap = std::max(overlap, kUnmeasured * Extent());
   return -overlap;
 }
 
 // Where the second body may be moved to part the two: along normals of triangles that cross, and
 // their sum.
-std::vector<Vector3d> ExactVerifier::Asked::WaysApart(const Crossings& crossings) const {
+std::vector<Vector3d> ExactPairs::Asked::WaysApart(const Crossings& crossings) const {
   std::vector<Vector3d> ways;
   auto add = [&](const Vector3d& n_W) {
     auto same = [&](const Vector3d& known) { return known.dot(n_W) > kSameDirection; };
     if (std::none_of(ways.begin(), ways.end(), same)) ways.push_back(n_W);
   };
-  auto normal_W = [&](int geom, const VerifierShape& shape, std::intptr_t triangle) {
+  auto normal_W = [&](int geom, const MeshSolid& shape, std::intptr_t triangle) {
     const auto& t = shape.triangles[triangle];
     return Vector3d(R(geom) * (t[1] - t[0]).cross(t[2] - t[0]).normalized());
   };
@@ -257,7 +225,7 @@ std::vector<Vector3d> ExactVerifier::Asked::WaysApart(const Crossings& crossings
 
 // A move of the second body by `permitted` parts the two: proof that they overlap by no more. What
 // crossing triangles tell is no more than their own size, and points inside may miss the deepest.
-bool ExactVerifier::PartedByAMove(const Asked& asked, const std::vector<Vector3d>& ways_W) const {
+bool ExactPairs::PartedByAMove(const Asked& asked, const std::vector<Vector3d>& ways_W) const {
   return std::any_of(ways_W.begin(), ways_W.end(), [&](const Vector3d& n_W) {
     Asked moved = asked;
     double unheard[6];
@@ -268,7 +236,7 @@ bool ExactVerifier::PartedByAMove(const Asked& asked, const std::vector<Vector3d
 }
 
 // Triangles intersect: how deep, negative [m].
-double ExactVerifier::SolidOverlap(const Asked& asked) const {
+double ExactPairs::SolidOverlap(const Asked& asked) const {
   const Asked::Crossings crossings = asked.FirstCrossings(kMaxTrianglePairs);
   double least = asked.TrianglesOverlap(crossings);
   double witness[6];
@@ -285,12 +253,12 @@ double ExactVerifier::SolidOverlap(const Asked& asked) const {
   if (!enough && least >= -deepest_of_interest) take(CommonPoint(asked));
   std::copy(witness, witness + 6, asked.fromto);
   if (least >= -asked.permitted && !PartedByAMove(asked, asked.WaysApart(crossings))) {
-    least = -asked.permitted - kUnproven;
+    least = -asked.permitted - kUnproven * asked.Extent();
   }
   return least;
 }
 
-double ExactVerifier::SolidDistance(const Asked& asked, double cutoff) const {
+double ExactPairs::SolidDistance(const Asked& asked, double cutoff) const {
   const Asked::Crossings crossings = asked.FirstCrossings(kFewPairs);
   if (crossings.isCollision()) {
     const double overlap = asked.TrianglesOverlap(crossings);
@@ -302,18 +270,19 @@ double ExactVerifier::SolidDistance(const Asked& asked, double cutoff) const {
   if (asked.depths == Depths::kSkipped) return kInfinity;
   fcl::DistanceRequest<double> wish(true);
   fcl::DistanceResult<double> nearest;
-  nearest.min_distance = kMillimetres * cutoff;
+  nearest.min_distance = asked.Scale() * cutoff;
   fcl::distance(&asked.first->tree, asked.FclPose(asked.pair.geom1), &asked.second->tree,
                 asked.FclPose(asked.pair.geom2), wish, nearest);
   if (nearest.b1 < 0) return kInfinity;
-  asked.Witness(nearest.nearest_points[0] / kMillimetres, nearest.nearest_points[1] / kMillimetres);
-  return nearest.min_distance / kMillimetres;
+  asked.Witness(nearest.nearest_points[0] / asked.Scale(),
+                nearest.nearest_points[1] / asked.Scale());
+  return nearest.min_distance / asked.Scale();
 }
 
-double ExactVerifier::RoundDistance(const Asked& asked, double cutoff) const {
-  const mjModel& m = *asked.posed.model();
+double ExactPairs::RoundDistance(const Asked& asked, double cutoff) const {
+  const mjModel& m = model_.unblinded;
   const int round = asked.pair.geom1, mesh = asked.pair.geom2, type = m.geom_type[round];
-  const Vector3d size = AsVector(m.geom_size + 3 * round);
+  const Vector3d size = Eigen::Map<const Vector3d>(m.geom_size + 3 * round);
   const Matrix3d R = asked.R(round).transpose() * asked.R(mesh);
   const Vector3d origin = asked.R(round).transpose() * (asked.Origin(mesh) - asked.Origin(round));
   std::vector<std::pair<double, std::size_t>> order;
@@ -353,4 +322,4 @@ double ExactVerifier::RoundDistance(const Asked& asked, double cutoff) const {
   return least;
 }
 
-}  // namespace mjcf_pdg
+}  // namespace mjcf_pdg::verify

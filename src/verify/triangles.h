@@ -1,13 +1,13 @@
 // Triangles as the independent check takes them from the model, and what it asks of them.
-#ifndef MJCF_PDG_SRC_VERIFY_VERIFY_TRIANGLES_H_
-#define MJCF_PDG_SRC_VERIFY_VERIFY_TRIANGLES_H_
+#ifndef MJCF_PDG_SRC_VERIFY_TRIANGLES_H_
+#define MJCF_PDG_SRC_VERIFY_TRIANGLES_H_
 
 #include <array>
 #include <vector>
 
-#include "model/kinematics.h"
+#include "verify/convex_shape.h"
 
-namespace mjcf_pdg {
+namespace mjcf_pdg::verify {
 
 using Triangles = std::vector<std::array<Vector3d, 3>>;  // geom frame [m]
 
@@ -24,9 +24,13 @@ double LeastMove(const std::array<Vector3d, 3>& s, const std::array<Vector3d, 3>
 // are one. With none the surface is closed: there is an inside.
 int CountOpenEdges(const Triangles& triangles);
 
+// Closed, in one piece, and every triangle lies on the convex hull of `vertices`, which are those
+// of the triangles: what they enclose is the hull. Single-precision rounding is forgiven.
+bool IsBoundaryOfHull(const Triangles& triangles, const VertexTree& vertices);
+
 // The connected pieces, by the indices of their triangles.
 std::vector<std::vector<int>> Pieces(const Triangles& triangles);
 
-}  // namespace mjcf_pdg
+}  // namespace mjcf_pdg::verify
 
-#endif  // MJCF_PDG_SRC_VERIFY_VERIFY_TRIANGLES_H_
+#endif  // MJCF_PDG_SRC_VERIFY_TRIANGLES_H_

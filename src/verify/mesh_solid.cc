@@ -1,10 +1,10 @@
-#include "verify/verify_shape.h"
+#include "verify/mesh_solid.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-namespace mjcf_pdg {
+namespace mjcf_pdg::verify {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -25,19 +25,21 @@ std::vector<Vector3d> RayDirections() {
 
 }  // namespace
 
-VerifierShape::VerifierShape(Triangles mesh, bool is_convex)
+MeshSolid::MeshSolid(Triangles mesh, bool is_convex, double tree_scale)
     : triangles(std::move(mesh)),
+      scale(tree_scale),
       convex(is_convex),
       closed(is_convex || CountOpenEdges(triangles) == 0) {
   tree.beginModel();
   for (const auto& t : triangles) {
-    tree.addTriangle(kMillimetres * t[0], kMillimetres * t[1], kMillimetres * t[2]);
+    tree.addTriangle(scale * t[0], scale * t[1], scale * t[2]);
+    for (const Vector3d& p : t) extent = std::max(extent, p.norm());
   }
   tree.endModel();
   for (const std::vector<int>& piece : Pieces(triangles)) AddProbes(piece);
 }
 
-double VerifierShape::ConvexDepth(const Vector3d& p, Vector3d& out) const {
+double MeshSolid::ConvexDepth(const Vector3d& p, Vector3d& out) const {
   Vector3d middle = Vector3d::Zero();
   for (const auto& t : triangles) middle += t[0] / static_cast<double>(triangles.size());
   double depth = kInfinity;
@@ -55,9 +57,9 @@ double VerifierShape::ConvexDepth(const Vector3d& p, Vector3d& out) const {
   return std::max(depth, 0.0);
 }
 
-void VerifierShape::CastOn(int triangle, const Vector3d& p, const Vector3d& direction,
-                           RayHits& hits) const {
-  constexpr double kEdge = 1e-9;  // share of the triangle; of the way there [m]
+void MeshSolid::CastOn(int triangle, const Vector3d& p, const Vector3d& direction,
+                       RayHits& hits) const {
+  constexpr double kEdge = 1e-9;  // share of the triangle, and of the solid's extent on the way
   const auto& [a, b, c] = triangles[triangle];
   const Vector3d e1 = b - a, e2 = c - a, h = direction.cross(e2), s = p - a;
   const double det = e1.dot(h);
@@ -65,11 +67,12 @@ void VerifierShape::CastOn(int triangle, const Vector3d& p, const Vector3d& dire
   const double u = s.dot(h), v = direction.dot(k), t = e2.dot(k);  // times det
   const double size = std::abs(det), sign = det < 0.0 ? -1.0 : 1.0, edge = kEdge * size;
   const double least = std::min({sign * u, sign * v, size - sign * (u + v)});
-  if (least < -edge || sign * t < -edge) return;
+  const double at_start = edge * extent;
+  if (least < -edge || sign * t < -at_start) return;
   const bool edge_on = !(size > 1e-12 * e1.norm() * e2.norm());
-  if (edge_on || least < edge || sign * t < edge) {
+  if (edge_on || least < edge || sign * t < at_start) {
     hits.clean = false;
-    hits.from_surface |= !edge_on && sign * t < edge;
+    hits.from_surface |= !edge_on && sign * t < at_start;
     return;
   }
   ++hits.count;
@@ -78,11 +81,11 @@ void VerifierShape::CastOn(int triangle, const Vector3d& p, const Vector3d& dire
 }
 
 // The ray against the node's oriented box, slab by slab.
-void VerifierShape::CastBelow(int node, const Vector3d& p, const Vector3d& direction,
-                              RayHits& hits) const {
+void MeshSolid::CastBelow(int node, const Vector3d& p, const Vector3d& direction,
+                          RayHits& hits) const {
   constexpr double kRounding = 1e-9;  // of the lengths involved
   const auto& bv = tree.getBV(node);
-  const Vector3d from = bv.bv.obb.axis.transpose() * (kMillimetres * p - bv.bv.obb.To);
+  const Vector3d from = bv.bv.obb.axis.transpose() * (scale * p - bv.bv.obb.To);
   const Vector3d along = bv.bv.obb.axis.transpose() * direction;
   double enter = 0.0, leave = kInfinity;
   for (int i = 0; i < 3; ++i) {
@@ -101,14 +104,14 @@ void VerifierShape::CastBelow(int node, const Vector3d& p, const Vector3d& direc
   CastBelow(bv.rightChild(), p, direction, hits);
 }
 
-VerifierShape::RayHits VerifierShape::Cast(const Vector3d& p, const Vector3d& direction) const {
+MeshSolid::RayHits MeshSolid::Cast(const Vector3d& p, const Vector3d& direction) const {
   RayHits hits;
   CastBelow(0, p, direction, hits);
   return hits;
 }
 
 // By the winding of the surface around p, as several rays see it: parts may overlap or touch.
-double VerifierShape::DepthOf(const Vector3d& p, Vector3d& out) const {
+double MeshSolid::DepthOf(const Vector3d& p, Vector3d& out) const {
   if (!closed) return 0.0;
   if (convex) return ConvexDepth(p, out);
   int votes = 0, count = 0;
@@ -130,7 +133,7 @@ double VerifierShape::DepthOf(const Vector3d& p, Vector3d& out) const {
   return 2 * votes > count ? depth : 0.0;
 }
 
-void VerifierShape::AddProbes(const std::vector<int>& piece) {
+void MeshSolid::AddProbes(const std::vector<int>& piece) {
   constexpr std::size_t kTriangles = 8;
   constexpr double kBelow = 1e-6;  // of the triangle's size
   probes.push_back({triangles[piece.front()][0]});
@@ -152,4 +155,4 @@ void VerifierShape::AddProbes(const std::vector<int>& piece) {
   if (best.inside > 0.0) probes.push_back(best);
 }
 
-}  // namespace mjcf_pdg
+}  // namespace mjcf_pdg::verify

@@ -12,31 +12,32 @@
 // largest over the pairs of triangles, or the depth of a vertex inside, the shortest way out along
 // some directions. None of these is sure to be the whole depth, so an overlap is permitted only if
 // a move by what is permitted is found that parts the two meshes.
-#ifndef MJCF_PDG_SRC_VERIFY_VERIFY_EXACT_MESH_H_
-#define MJCF_PDG_SRC_VERIFY_VERIFY_EXACT_MESH_H_
+#ifndef MJCF_PDG_SRC_VERIFY_EXACT_PAIR_H_
+#define MJCF_PDG_SRC_VERIFY_EXACT_PAIR_H_
 
-#include <memory>
+#include <mujoco/mujoco.h>
+
 #include <vector>
 
-#include "model/kinematics.h"
+#include "verify/verifier_model.h"
 
-namespace mjcf_pdg {
+namespace mjcf_pdg::verify {
 
-// The meshes of the scene's exact pairs in FCL's form; made once and shared between threads.
-std::shared_ptr<const VerifierShapes> MakeVerifierShapes(const SceneTables& tables);
+// What is asked of an exact pair: its distance or depth and where, which is slow, or only whether
+// it overlaps by more than is permitted.
+enum class Depths { kMeasured, kSkipped };
 
-class ExactVerifier {
+class ExactPairs {
  public:
   // `rest`: how much deeper than is permitted depths are of interest [m].
-  ExactVerifier(const SceneTables& tables, double rest)
-      : shapes_(tables.verifier_shapes), rest_(rest) {}
+  ExactPairs(const VerifierModel& model, double rest) : model_(model), rest_(rest) {}
 
   // Signed distance of an exact pair [m] at the pose, below `cutoff`; infinite if it is not.
   // `permitted`: an overlap that counts as free [m]. One that is deeper by `rest` ends the search
   // for deeper places. With skipped depths, two meshes that overlap get what some crossing
   // triangles tell, and two that are apart are infinitely so. `fromto`: the points on geom 1 and
   // geom 2.
-  double Distance(const PosedModel& posed, const KeptPair& pair, double cutoff, double permitted,
+  double Distance(const mjData& posed, const CheckedPair& pair, double cutoff, double permitted,
                   Depths depths, double fromto[6]) const;
 
  private:
@@ -49,10 +50,10 @@ class ExactVerifier {
   double Deepest(const Asked& asked, int triangles) const;
   double CommonPoint(const Asked& asked) const;
 
-  std::shared_ptr<const VerifierShapes> shapes_;
+  const VerifierModel& model_;
   double rest_;
 };
 
-}  // namespace mjcf_pdg
+}  // namespace mjcf_pdg::verify
 
-#endif  // MJCF_PDG_SRC_VERIFY_VERIFY_EXACT_MESH_H_
+#endif  // MJCF_PDG_SRC_VERIFY_EXACT_PAIR_H_

@@ -1,0 +1,36 @@
+#include "verify/convex_shape.h"
+
+#include <cmath>
+
+namespace mjcf_pdg::verify {
+namespace {
+
+// (x, y) scaled to the length r; the middle of the disc where there is no direction.
+Vector3d OnCircle(const Vector3d& n, double r) {
+  const double length = std::hypot(n.x(), n.y());
+  return length > 0.0 ? Vector3d(r * n.x() / length, r * n.y() / length, 0.0) : Vector3d::Zero();
+}
+
+}  // namespace
+
+Vector3d ConvexShape::Farthest(const Vector3d& n) const {
+  switch (type) {
+    case mjGEOM_SPHERE:
+      return Vector3d::Zero();
+    case mjGEOM_CAPSULE:
+      return {0.0, 0.0, std::copysign(size[1], n.z())};
+    case mjGEOM_ELLIPSOID: {
+      const Vector3d scaled = size.cwiseProduct(n);
+      return size.cwiseProduct(scaled / scaled.norm());
+    }
+    case mjGEOM_CYLINDER:
+      return OnCircle(n, size[0]) + Vector3d(0.0, 0.0, std::copysign(size[1], n.z()));
+    case mjGEOM_BOX:
+      return {std::copysign(size[0], n.x()), std::copysign(size[1], n.y()),
+              std::copysign(size[2], n.z())};
+    default:
+      return vertices->Farthest(n);
+  }
+}
+
+}  // namespace mjcf_pdg::verify

@@ -1,0 +1,476 @@
+#include "verify/verifier.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+namespace mjcf_pdg {
+namespace {
+
+using verify::Certificate;
+using verify::CheckedPair;
+using verify::ConvexPair;
+using verify::Depths;
+using verify::Finding;
+using verify::Matrix3d;
+using verify::Proof;
+using verify::Vector3d;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kLimitTolerance = 1e-6;  // joint limits [rad or m], as the contract has it
+// A contact of exactly `rest` still rests: shares of it and of the pair's size.
+constexpr double kRestRounding = 1e-6, kSizeRounding = 1e-12;
+// A plane from an earlier call, or one found while measuring, is accepted if it shows that much
+// more than is needed, as a share of the pair's size; else the pair is decided anew, always in the
+// same way, so that no verdict depends on what was asked before.
+constexpr double kClear = 1e-9;
+
+Eigen::Map<const Vector3d> At(const mjtNum* p) { return Eigen::Map<const Vector3d>(p); }
+Matrix3d Rotation(const mjtNum* p) {
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(p);
+}
+
+bool ContactOnly(int type) { return type == mjGEOM_SDF || type == mjGEOM_HFIELD; }
+
+bool AllFinite(std::span<const double> q) {
+  return std::all_of(q.begin(), q.end(), [](double v) { return std::isfinite(v); });
+}
+
+std::pair<int, int> Sorted(int geom1, int geom2) { return std::minmax(geom1, geom2); }
+
+}  // namespace
+
+Verifier::Verifier(std::shared_ptr<const VerifierModel> model, const Options& options, double range)
+    : shared_(std::move(model)),
+      tolerance_(options.tolerance),
+      clearance_(options.clearance),
+      rest_(options.rest),
+      range_(range),
+      model_(shared_->unblinded),
+      data_(mj_makeData(&model_)),
+      exact_(*shared_, rest_ * (1.0 + kRestRounding)) {
+  if (!data_) throw Error("MuJoCo could not allocate its data for this model");
+  NeutraliseMargins();
+  const std::size_t pairs = shared_->pairs.size();
+  required_.resize(pairs);
+  plane_.assign(pairs, Vector3d::Zero());
+  contact_.assign(pairs, -1);
+  order_.reserve(pairs);
+  rest_q_in_.reserve(model_.nq);
+  verdict_.certified = !shared_->has_contact_only_pairs;
+  UpdateRest({});
+}
+
+// MuJoCo detects contacts nearer than margin + gap. Ours are zero, and what a negative sum allows
+// is in CheckedPair::allowed. Only geoms without signed distances get a margin, where a clearance
+// must be seen by their contacts.
+void Verifier::NeutraliseMargins() {
+  geom_margin_.assign(model_.ngeom, 0.0);
+  body_margin_.assign(model_.nbody, 0.0);
+  pair_margin_.assign(model_.npair, 0.0);
+  no_gap_.assign(std::max(model_.ngeom, model_.npair), 0.0);
+  for (int g = 0; g < model_.ngeom; ++g) {
+    if (!ContactOnly(model_.geom_type[g])) continue;
+    geom_margin_[g] = clearance_;
+    body_margin_[model_.geom_bodyid[g]] = clearance_;
+  }
+  for (int k = 0; k < model_.npair; ++k) {
+    if (ContactOnly(model_.geom_type[model_.pair_geom1[k]]) ||
+        ContactOnly(model_.geom_type[model_.pair_geom2[k]])) {
+      pair_margin_[k] = clearance_;
+    }
+  }
+  model_.geom_margin = geom_margin_.data();
+  model_.geom_gap = no_gap_.data();
+  model_.body_margin = body_margin_.data();
+  model_.pair_margin = pair_margin_.data();
+  model_.pair_gap = no_gap_.data();
+}
+
+// The pairs are sorted by the lower and the higher id of their geoms.
+int Verifier::PairIndex(int geom1, int geom2) const {
+  const auto& pairs = shared_->pairs;
+  const std::pair<int, int> sought = Sorted(geom1, geom2);
+  const auto it = std::lower_bound(pairs.begin(), pairs.end(), sought,
+                                   [](const CheckedPair& pair, const std::pair<int, int>& key) {
+                                     return Sorted(pair.geom1, pair.geom2) < key;
+                                   });
+  if (it == pairs.end() || Sorted(it->geom1, it->geom2) != sought) return -1;
+  return static_cast<int>(it - pairs.begin());
+}
+
+void Verifier::SetMocap(std::span<const double> pos, std::span<const double> quat) {
+  for (int b = 1; b < model_.nbody; ++b) {
+    const int mocap = model_.body_mocapid[b];
+    if (mocap < 0) continue;
+    const double* p = pos.empty() ? model_.body_pos + 3 * b : pos.data() + 3 * mocap;
+    const double* r = quat.empty() ? model_.body_quat + 4 * b : quat.data() + 4 * mocap;
+    std::copy(p, p + 3, data_->mocap_pos + 3 * mocap);
+    std::copy(r, r + 4, data_->mocap_quat + 4 * mocap);
+  }
+  UpdateRest({});
+}
+
+// The distance that a pair must keep if it rests on nothing [m].
+double Verifier::Usual(const CheckedPair& pair) const {
+  return (pair.separable ? clearance_ : 0.0) - pair.allowed;
+}
+
+double Verifier::DepthAtRest(int geom1, int geom2) const {
+  const int index = PairIndex(geom1, geom2);
+  if (index < 0) return 0.0;
+  return required_[index] < Usual(shared_->pairs[index]) ? required_[index] : 0.0;
+}
+
+// What each pair must keep. Empty q_in: nothing rests.
+void Verifier::UpdateRest(std::span<const double> q_in) {
+  const auto& pairs = shared_->pairs;
+  for (std::size_t k = 0; k < pairs.size(); ++k) required_[k] = Usual(pairs[k]);
+  rest_q_in_.assign(q_in.begin(), q_in.end());
+  if (q_in.empty()) return;
+  Pose(q_in);
+  AskCollision();
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const CheckedPair& pair = pairs[k];
+    double depth = 0.0, size = 0.0;
+    if (pair.contact_only) {
+      depth = -ContactDistance(static_cast<int>(k));
+    } else if (SphereBound(pair) < 0.0) {
+      depth = -Read(pair, 0.0, Depths::kMeasured).distance;
+      size = shared_->shapes[pair.geom1].extent + shared_->shapes[pair.geom2].extent;
+    }
+    const bool rests = depth > 0.0 && depth <= rest_ + kRestRounding * rest_ + kSizeRounding * size;
+    if (rests) required_[k] = std::min(required_[k], -depth);
+  }
+}
+
+// False where the numbers are no numbers.
+bool Verifier::SetRest(std::span<const double> q, std::span<const double> q_in) {
+  if (!(rest_ > 0.0)) q_in = {};
+  if (!AllFinite(q) || !AllFinite(q_in)) return false;
+  if (!std::equal(q_in.begin(), q_in.end(), rest_q_in_.begin(), rest_q_in_.end())) UpdateRest(q_in);
+  return true;
+}
+
+void Verifier::Pose(std::span<const double> q) {
+  ++queries_;
+  std::copy(q.begin(), q.end(), data_->qpos);
+  mj_kinematics(&model_, data_.get());
+}
+
+// MuJoCo reports a full arena by a warning alone, and drops contacts.
+void Verifier::AskCollision() {
+  mjData& d = *data_;
+  d.warning[mjWARN_CONTACTFULL].number = 0;
+  mj_collision(&model_, &d);
+  findings_.arena_full = d.warning[mjWARN_CONTACTFULL].number > 0;
+  std::fill(contact_.begin(), contact_.end(), -1);
+  contacts_of_other_pairs_.clear();
+  for (int c = 0; c < d.ncon; ++c) {
+    const int pair = PairIndex(d.contact[c].geom[0], d.contact[c].geom[1]);
+    if (pair < 0) {
+      contacts_of_other_pairs_.push_back(c);
+      continue;
+    }
+    int& deepest = contact_[pair];
+    if (deepest < 0 || !(d.contact[c].dist >= d.contact[deepest].dist)) deepest = c;
+  }
+}
+
+double Verifier::ContactDistance(int pair) const {
+  return contact_[pair] < 0 ? kInfinity : data_->contact[contact_[pair]].dist;
+}
+
+// From bounding spheres; never above the pair's distance. -inf when nothing is known.
+double Verifier::SphereBound(const CheckedPair& pair) const {
+  const mjData& d = *data_;
+  const int a = pair.geom1, b = pair.geom2;
+  const Vector3d between = At(d.geom_xpos + 3 * b) - At(d.geom_xpos + 3 * a);
+  const double reach = shared_->shapes[b].extent;
+  double bound = 0.0;
+  if (model_.geom_type[a] == mjGEOM_PLANE) {
+    const double* up = d.geom_xmat + 9 * a;  // third column
+    bound = up[2] * between[0] + up[5] * between[1] + up[8] * between[2] - reach;
+  } else {
+    bound = between.norm() - shared_->shapes[a].extent - reach;
+  }
+  return std::isnan(bound) ? -kInfinity : bound;
+}
+
+// From the geoms' oriented boxes: how far apart they are along each box's own axes.
+double Verifier::BoxBound(const CheckedPair& pair) const {
+  if (model_.geom_type[pair.geom1] == mjGEOM_PLANE) return -kInfinity;
+  const mjData& d = *data_;
+  const int geom[] = {pair.geom1, pair.geom2};
+  Matrix3d R[2];
+  Vector3d center[2], half[2];
+  for (int k = 0; k < 2; ++k) {
+    R[k] = Rotation(d.geom_xmat + 9 * geom[k]);
+    center[k] = At(d.geom_xpos + 3 * geom[k]) + R[k] * At(model_.geom_aabb + 6 * geom[k]);
+    half[k] = At(model_.geom_aabb + 6 * geom[k] + 3);
+  }
+  const Vector3d between = center[1] - center[0];
+  const Matrix3d turn = R[0].transpose() * R[1];
+  const Vector3d first =
+      (R[0].transpose() * between).cwiseAbs() - half[0] - turn.cwiseAbs() * half[1];
+  const Vector3d second =
+      (R[1].transpose() * between).cwiseAbs() - half[1] - turn.transpose().cwiseAbs() * half[0];
+  return std::max(first.maxCoeff(), second.maxCoeff());
+}
+
+ConvexPair Verifier::Place(const CheckedPair& pair) const {
+  const mjData& d = *data_;
+  const Matrix3d R1 = Rotation(d.geom_xmat + 9 * pair.geom1);
+  return {shared_->shapes[pair.geom1], shared_->shapes[pair.geom2],
+          R1.transpose() * Rotation(d.geom_xmat + 9 * pair.geom2),
+          R1.transpose() * (At(d.geom_xpos + 3 * pair.geom2) - At(d.geom_xpos + 3 * pair.geom1))};
+}
+
+Verifier::Reading Verifier::ToWorld(const CheckedPair& pair, const Certificate& found) const {
+  const Matrix3d R1 = Rotation(data_->geom_xmat + 9 * pair.geom1);
+  const Vector3d origin = At(data_->geom_xpos + 3 * pair.geom1);
+  return {found.gap, R1 * found.n, origin + R1 * found.p1, origin + R1 * found.p2};
+}
+
+// A half-space against a convex geom: one support point tells all.
+Verifier::Reading Verifier::AskPlane(const CheckedPair& pair) const {
+  const mjData& d = *data_;
+  const verify::ConvexShape& shape = shared_->shapes[pair.geom2];
+  const Vector3d n_W = Rotation(d.geom_xmat + 9 * pair.geom1).col(2);
+  const Matrix3d R = Rotation(d.geom_xmat + 9 * pair.geom2);
+  const Vector3d lowest_W = At(d.geom_xpos + 3 * pair.geom2) +
+                            R * shape.Farthest(-(R.transpose() * n_W)) - shape.radius * n_W;
+  const double distance = n_W.dot(lowest_W - At(d.geom_xpos + 3 * pair.geom1));
+  return {distance, n_W, lowest_W - distance * n_W, lowest_W};
+}
+
+Verifier::Reading Verifier::AskExact(const CheckedPair& pair, double cutoff, Depths depths) const {
+  double fromto[6] = {};
+  Reading reading;
+  reading.distance =
+      exact_.Distance(*data_, pair, cutoff, tolerance_ + pair.allowed, depths, fromto);
+  if (std::isnan(reading.distance)) reading.distance = -kInfinity;
+  reading.p1_W = At(fromto);
+  reading.p2_W = At(fromto + 3);
+  Vector3d n = (reading.p2_W - reading.p1_W) * (reading.distance < 0.0 ? -1.0 : 1.0);
+  if (n.norm() < kClear * shared_->shapes[pair.geom2].extent) {
+    n = At(data_->geom_xpos + 3 * pair.geom2) - At(data_->geom_xpos + 3 * pair.geom1);
+  }
+  reading.n_W = n.norm() > 0.0 ? Vector3d(n.normalized()) : Vector3d::UnitZ();
+  return reading;
+}
+
+// The pair's signed distance where it is below `cutoff`.
+Verifier::Reading Verifier::Read(const CheckedPair& pair, double cutoff, Depths depths) const {
+  if (pair.exact) return AskExact(pair, cutoff, depths);
+  if (model_.geom_type[pair.geom1] == mjGEOM_PLANE) return AskPlane(pair);
+  const verify::Search search =
+      depths == Depths::kMeasured ? verify::Search::kGlobal : verify::Search::kLocal;
+  return ToWorld(pair, verify::Measure(Place(pair), cutoff, search));
+}
+
+// Two convex geoms, or a plane and one, by their certificate; frame of geom 1, of a plane the
+// world.
+Certificate Verifier::DecideConvex(int index) const {
+  const CheckedPair& pair = shared_->pairs[index];
+  const ConvexPair placed = Place(pair);
+  const double away = At(data_->geom_xpos + 3 * pair.geom2).norm();
+  const double needed = required_[index] - tolerance_ - verify::Rounding(placed, away);
+  if (model_.geom_type[pair.geom1] == mjGEOM_PLANE) {
+    const Reading reading = AskPlane(pair);
+    const bool holds = reading.distance >= needed;
+    return {holds ? Proof::kPlane : Proof::kPoints, reading.n_W, reading.distance,
+            holds ? reading.p1_W : reading.p2_W, reading.p2_W};
+  }
+  const bool centred = !(placed.between.squaredNorm() > 0.0);
+  return verify::Decide(placed, needed, centred ? Vector3d::UnitX() : placed.between);
+}
+
+Certificate Verifier::CertificateOf(int geom1, int geom2) const {
+  const int index = PairIndex(geom1, geom2);
+  if (index < 0) throw Error("the geoms are no pair that counts");
+  const CheckedPair& pair = shared_->pairs[index];
+  Certificate found = DecideConvex(index);
+  if (model_.geom_type[pair.geom1] == mjGEOM_PLANE) return found;
+  const Reading reading = ToWorld(pair, found);
+  return {found.proof, reading.n_W, reading.distance, reading.p1_W, reading.p2_W};
+}
+
+// Is a pair that has signed distances as far apart as it must be? Always decided in the same way.
+Proof Verifier::Judge(int index) const {
+  const CheckedPair& pair = shared_->pairs[index];
+  if (!pair.exact) return DecideConvex(index).proof;
+  const Depths depths = required_[index] > 0.0 ? Depths::kMeasured : Depths::kSkipped;
+  const double needed = required_[index] - tolerance_;
+  const double cutoff = std::max(needed, 0.0) + tolerance_;
+  return AskExact(pair, cutoff, depths).distance >= needed ? Proof::kPlane : Proof::kPoints;
+}
+
+// The same, with what is cheap asked first: spheres, and the last plane.
+bool Verifier::KeepsApart(int index) {
+  const CheckedPair& pair = shared_->pairs[index];
+  const double needed = required_[index] - tolerance_;
+  if (SphereBound(pair) >= needed) return true;
+  const bool has_plane = pair.exact || model_.geom_type[pair.geom1] == mjGEOM_PLANE;
+  if (has_plane) return Judge(index) == Proof::kPlane;
+  const ConvexPair placed = Place(pair);
+  const double clearly = needed + kClear * placed.size() + placed.radii();
+  Vector3d& n = plane_[index];
+  if (n.squaredNorm() > 0.0 && placed.CoreGap(n) >= clearly) return true;
+  verify::MinimumNormQuestion question;
+  question.start = n.squaredNorm() > 0.0 ? n : placed.between;
+  if (!(question.start.squaredNorm() > 0.0)) question.start = Vector3d::UnitX();
+  question.enough = clearly;
+  const verify::MinimumNorm found = verify::FindMinimumNorm(placed, question);
+  n = found.n;
+  return found.lower >= clearly || Judge(index) == Proof::kPlane;
+}
+
+bool Verifier::IsFree(std::span<const double> q, std::span<const double> q_in) {
+  if (!SetRest(q, q_in)) return false;
+  Pose(q);
+  findings_.Clear();
+  CheckLimits(q);
+  if (!findings_.limits.empty()) return false;
+  for (int k = 0; k < static_cast<int>(shared_->pairs.size()); ++k) {
+    if (!shared_->pairs[k].contact_only && !KeepsApart(k)) return false;
+  }
+  AskCollision();
+  CheckContacts();
+  return !findings_.arena_full &&
+         std::none_of(findings_.pairs.begin(), findings_.pairs.end(),
+                      [](const Finding& finding) { return finding.violates; });
+}
+
+const Verdict& Verifier::Check(std::span<const double> q, std::span<const double> q_in,
+                               Depths depths) {
+  verdict_.free = false;
+  verdict_.contacts.clear();
+  violations_ = {};
+  if (!SetRest(q, q_in)) {
+    violations_.not_a_number = true;
+    verdict_.reason = "the configuration is not a number";
+    return verdict_;
+  }
+  Pose(q);
+  findings_.Clear();
+  AskCollision();
+  verdict_.min_distance = clearance_ + range_;
+  CheckContacts();
+  CheckPairs(depths);
+  CheckLimits(q);
+  FillViolations();
+  verify::WriteVerdict(model_, findings_, verdict_);
+  return verdict_;
+}
+
+// Pairs in the order of their bounds: once a bound exceeds all that matters, we are done.
+void Verifier::CheckPairs(Depths depths) {
+  const double matters = tolerance_ + clearance_;
+  order_.clear();
+  for (int k = 0; k < static_cast<int>(shared_->pairs.size()); ++k) {
+    if (shared_->pairs[k].contact_only) continue;
+    const double bound = SphereBound(shared_->pairs[k]);
+    if (bound <= std::max(verdict_.min_distance, matters)) order_.emplace_back(bound, k);
+  }
+  std::sort(order_.begin(), order_.end());
+  for (const auto& [bound, k] : order_) {
+    const CheckedPair& pair = shared_->pairs[k];
+    const double cutoff = std::max(verdict_.min_distance, matters);
+    if (bound > cutoff) break;
+    if (BoxBound(pair) > cutoff) continue;
+    const Depths asked = required_[k] > 0.0 ? Depths::kMeasured : depths;
+    const Reading reading = Read(pair, cutoff, asked);
+    if (reading.distance >= cutoff) continue;
+    verdict_.min_distance = std::min(verdict_.min_distance, reading.distance);
+    const double size = shared_->shapes[pair.geom1].extent + shared_->shapes[pair.geom2].extent;
+    const double needed = required_[k] - tolerance_;
+    Proof proof = Proof::kPlane;
+    if (pair.exact) {
+      proof = reading.distance >= needed ? Proof::kPlane : Proof::kPoints;
+    } else if (!(reading.distance >= needed + kClear * size)) {
+      proof = Judge(k);
+    }
+    if (proof != Proof::kPlane || reading.distance < tolerance_) Report(k, reading, proof);
+  }
+}
+
+void Verifier::Report(int index, const Reading& reading, Proof proof) {
+  const CheckedPair& pair = shared_->pairs[index];
+  Finding finding;
+  finding.contact.geom = {pair.geom1, pair.geom2};
+  finding.contact.distance = reading.distance;
+  verify::SetPlace(reading.n_W, reading.p1_W, reading.p2_W, finding.contact);
+  finding.required = required_[index];
+  finding.violates = proof != Proof::kPlane;
+  finding.unproven = proof == Proof::kUnproven;
+  finding.frozen = !pair.separable;
+  findings_.pairs.push_back(finding);
+}
+
+// MuJoCo's word alone: of SDFs and height fields, and of pairs that are not in our table.
+void Verifier::CheckContacts() {
+  const mjData& d = *data_;
+  const auto report = [&](const mjContact& contact, const Finding& as) {
+    if (contact.dist >= as.required + tolerance_) return;
+    Finding finding = as;
+    verify::SetFromContact(contact, finding.contact);
+    finding.violates = !(contact.dist >= as.required - tolerance_);
+    verdict_.min_distance = std::min(verdict_.min_distance, contact.dist);
+    auto same = [&](const Finding& f) { return f.contact.geom == finding.contact.geom; };
+    const auto known = std::find_if(findings_.pairs.begin(), findings_.pairs.end(), same);
+    if (known == findings_.pairs.end()) {
+      findings_.pairs.push_back(finding);
+    } else if (contact.dist < known->contact.distance) {
+      *known = finding;
+    }
+  };
+  for (std::size_t k = 0; k < contact_.size(); ++k) {
+    const CheckedPair& pair = shared_->pairs[k];
+    if (!pair.contact_only || contact_[k] < 0) continue;
+    verdict_.min_distance = std::min(verdict_.min_distance, d.contact[contact_[k]].dist);
+    Finding finding;
+    finding.contact.geom = {pair.geom1, pair.geom2};
+    finding.required = required_[k];
+    finding.frozen = !pair.separable;
+    report(d.contact[contact_[k]], finding);
+  }
+  for (const int c : contacts_of_other_pairs_) {
+    Finding finding;
+    finding.contact.geom = {d.contact[c].geom[0], d.contact[c].geom[1]};
+    report(d.contact[c], finding);
+  }
+}
+
+// All joints of the model, frozen ones too. A ball's whole angle counts, twist included.
+void Verifier::CheckLimits(std::span<const double> q) {
+  verdict_.limit_excess = 0.0;
+  for (int j = 0; j < model_.njnt; ++j) {
+    const int type = model_.jnt_type[j];
+    if (!model_.jnt_limited[j] || type == mjJNT_FREE) continue;
+    const double* value = q.data() + model_.jnt_qposadr[j];
+    const double low = model_.jnt_range[2 * j], high = model_.jnt_range[2 * j + 1];
+    double excess = 0.0;
+    if (type == mjJNT_BALL) {
+      const double sine = std::hypot(value[1], value[2], value[3]);
+      excess = 2.0 * std::atan2(sine, std::abs(value[0])) - high;
+    } else {
+      excess = std::max(low - *value, *value - high);
+    }
+    verdict_.limit_excess = std::max(verdict_.limit_excess, excess);
+    if (excess > kLimitTolerance) findings_.limits.push_back({j, excess});
+  }
+}
+
+void Verifier::FillViolations() {
+  violations_.arena_full = findings_.arena_full;
+  violations_.limits = !findings_.limits.empty();
+  for (const Finding& finding : findings_.pairs) {
+    if (!finding.violates) continue;
+    (finding.frozen ? violations_.frozen : violations_.separable) = true;
+    violations_.uncertified |= finding.unproven;
+  }
+}
+
+}  // namespace mjcf_pdg

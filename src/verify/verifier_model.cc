@@ -1,0 +1,187 @@
+#include "verify/verifier_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "verify/triangles.h"
+
+namespace mjcf_pdg {
+namespace {
+
+using verify::CheckedPair;
+using verify::ConvexShape;
+using verify::MeshSolid;
+using verify::Vector3d;
+using verify::VertexTree;
+
+// FCL's thresholds are absolute. The largest mesh of its trees is about that long, so that one of
+// half a metre is in millimetres.
+constexpr double kLargestInTrees = 512.0;
+
+std::shared_ptr<const VertexTree> TreeOf(const mjModel& m, int mesh) {
+  std::vector<Vector3d> vertices(m.mesh_vertnum[mesh]);
+  for (int v = 0; v < m.mesh_vertnum[mesh]; ++v) {
+    const float* p = m.mesh_vert + 3 * (m.mesh_vertadr[mesh] + v);
+    vertices[v] = Vector3d(p[0], p[1], p[2]);
+  }
+  return std::make_shared<const VertexTree>(std::move(vertices));
+}
+
+double Extent(const VertexTree& tree) {
+  double extent = 0.0;
+  for (const Vector3d& p : tree.vertices()) extent = std::max(extent, p.norm());
+  return extent;
+}
+
+ConvexShape ShapeOf(const mjModel& m, int geom) {
+  const double* size = m.geom_size + 3 * geom;
+  ConvexShape shape;
+  shape.type = m.geom_type[geom];
+  switch (shape.type) {
+    case mjGEOM_SPHERE:
+      shape.radius = shape.extent = size[0];
+      break;
+    case mjGEOM_CAPSULE:
+      shape.size = Vector3d(0.0, size[1], 0.0);
+      shape.radius = size[0];
+      shape.extent = size[0] + size[1];
+      break;
+    case mjGEOM_CYLINDER:
+      shape.size = Vector3d(size[0], size[1], 0.0);
+      shape.extent = std::hypot(size[0], size[1]);
+      break;
+    case mjGEOM_ELLIPSOID:
+      shape.size = Vector3d(size[0], size[1], size[2]);
+      shape.extent = shape.size.maxCoeff();
+      break;
+    default:
+      shape.size = Vector3d(size[0], size[1], size[2]);
+      shape.extent = shape.size.norm();
+  }
+  return shape;
+}
+
+mjModel Unblinded(const mjModel& m, const std::vector<CheckedPair>& pairs) {
+  mjModel copy = m;
+  copy.opt.disableflags &= ~(mjDSBL_CONTACT | mjDSBL_CONSTRAINT | mjDSBL_NATIVECCD);
+  copy.opt.enableflags &= ~(mjENBL_OVERRIDE | mjENBL_SLEEP | mjENBL_SPECULATIVE | mjENBL_IPC);
+  // MuJoCo's defaults at least; a model may ask for fewer iterations or a coarser result.
+  copy.opt.ccd_iterations = std::max(copy.opt.ccd_iterations, 50);
+  copy.opt.ccd_tolerance = std::min(copy.opt.ccd_tolerance, 1e-6);
+  std::size_t contacts = 0;
+  for (const CheckedPair& pair : pairs) contacts += mj_maxContact(&m, pair.geom1, pair.geom2, 1);
+  // All contacts, and what MuJoCo's broad phase puts beside them: lists of body and geom pairs.
+  const std::size_t bodies = m.nbody, sixteen_megabytes = std::size_t{1} << 24;
+  const std::size_t need =
+      sixteen_megabytes + contacts * sizeof(mjContact) + pairs.size() * 64 + bodies * bodies * 16;
+  copy.narena = std::max<mjtSize>(copy.narena, static_cast<mjtSize>(need));
+  return copy;
+}
+
+// Per geom: it is to collide as its triangles, and they are not those of its convex hull anyway.
+class ExactGeoms {
+ public:
+  ExactGeoms(const mjModel& m, const SceneOptions& options) : m_(m), exact_(m.ngeom, 0) {
+    if (!options.exact_mesh) return;
+    constexpr char kMark[] = "mjcf_pdg.exact_mesh";
+    const int text = mj_name2id(&m, mjOBJ_TEXT, kMark);
+    if (text < 0) {
+      for (int g = 0; g < m.ngeom; ++g) Mark(g);
+      return;
+    }
+    std::istringstream names(m.text_data + m.text_adr[text]);
+    for (std::string name; names >> name;) {
+      const int geom = mj_name2id(&m, mjOBJ_GEOM, name.c_str());
+      if (geom < 0) throw Error("no geom named '" + name + "'");
+      Mark(geom);
+    }
+  }
+
+  std::vector<char> Take() { return std::move(exact_); }
+
+ private:
+  void Mark(int geom) {
+    if (m_.geom_type[geom] != mjGEOM_MESH) return;
+    const int mesh = m_.geom_dataid[geom];
+    const auto [known, is_new] = convex_.try_emplace(mesh, false);
+    if (is_new) {
+      known->second =
+          verify::IsBoundaryOfHull(verify::MeshTriangles(m_, mesh, true), *TreeOf(m_, mesh));
+    }
+    exact_[geom] = !known->second;
+  }
+
+  const mjModel& m_;
+  std::vector<char> exact_;
+  std::map<int, bool> convex_;  // by mesh
+};
+
+class SolidBuilder {
+ public:
+  SolidBuilder(const mjModel& m, double scale) : m_(m), scale_(scale) {}
+
+  std::shared_ptr<const MeshSolid> Make(int geom, bool exact) {
+    if (m_.geom_type[geom] == mjGEOM_BOX) {
+      const Vector3d half = Eigen::Map<const Vector3d>(m_.geom_size + 3 * geom);
+      return std::make_shared<const MeshSolid>(verify::BoxTriangles(half), true, scale_);
+    }
+    if (m_.geom_type[geom] != mjGEOM_MESH) return nullptr;
+    const int mesh = m_.geom_dataid[geom];
+    std::shared_ptr<const MeshSolid>& known = built_[{mesh, exact}];
+    if (!known) {
+      known =
+          std::make_shared<const MeshSolid>(verify::MeshTriangles(m_, mesh, exact), !exact, scale_);
+    }
+    return known;
+  }
+
+ private:
+  const mjModel& m_;
+  const double scale_;
+  std::map<std::pair<int, bool>, std::shared_ptr<const MeshSolid>> built_;  // by mesh, exact
+};
+
+}  // namespace
+
+VerifierModel::VerifierModel(std::shared_ptr<const mjModel> model_owner, const mjModel& m,
+                             const SceneOptions& options)
+    : owner(std::move(model_owner)),
+      exact(ExactGeoms(m, options).Take()),
+      pairs(verify::FindPairs(m, options, exact)) {
+  unblinded = Unblinded(m, pairs);
+  std::map<int, std::shared_ptr<const VertexTree>> trees;  // by mesh
+  for (int g = 0; g < m.ngeom; ++g) shapes.push_back(ShapeOf(m, g));
+  double largest = 0.0;  // of what exact pairs have
+  for (const CheckedPair& pair : pairs) {
+    has_contact_only_pairs |= pair.contact_only;
+    for (const int g : {pair.geom1, pair.geom2}) {
+      if (m.geom_type[g] == mjGEOM_MESH && !shapes[g].vertices) {
+        std::shared_ptr<const VertexTree>& tree = trees[m.geom_dataid[g]];
+        if (!tree) tree = TreeOf(m, m.geom_dataid[g]);
+        shapes[g].vertices = tree;
+        shapes[g].extent = Extent(*tree);
+      }
+      const int type = m.geom_type[g];
+      if (pair.exact && (type == mjGEOM_BOX || type == mjGEOM_MESH)) {
+        largest = std::max(largest, shapes[g].extent);
+      }
+    }
+  }
+  solids.resize(m.ngeom);
+  if (!(largest > 0.0)) return;
+  // A power of two: coordinates keep their digits.
+  SolidBuilder builder(m, std::exp2(std::round(std::log2(kLargestInTrees / (2.0 * largest)))));
+  for (const CheckedPair& pair : pairs) {
+    if (!pair.exact) continue;
+    for (const int g : {pair.geom1, pair.geom2}) {
+      if (!solids[g]) solids[g] = builder.Make(g, exact[g]);
+    }
+  }
+}
+
+}  // namespace mjcf_pdg

@@ -1,0 +1,35 @@
+// The vertices of a mesh in a tree of boxes: which of them reaches farthest, exactly and without
+// trust in anybody's convex hull.
+#ifndef MJCF_PDG_SRC_VERIFY_VERTEX_TREE_H_
+#define MJCF_PDG_SRC_VERIFY_VERTEX_TREE_H_
+
+#include <Eigen/Dense>
+#include <vector>
+
+namespace mjcf_pdg::verify {
+
+class VertexTree {
+ public:
+  explicit VertexTree(std::vector<Eigen::Vector3d> vertices);  // at least one
+
+  // The vertex v with the largest n · v.
+  const Eigen::Vector3d& Farthest(const Eigen::Vector3d& n) const;
+
+  const std::vector<Eigen::Vector3d>& vertices() const { return vertices_; }
+
+ private:
+  struct Node {
+    Eigen::Vector3d center, half;  // of the box about its vertices
+    int begin = 0, end = 0;        // its vertices
+    int second = 0;                // the second child; the first is the next node; 0: a leaf
+  };
+  void Build(int begin, int end);
+  void Search(int node, const Eigen::Vector3d& n, double& most, int& farthest) const;
+
+  std::vector<Eigen::Vector3d> vertices_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace mjcf_pdg::verify
+
+#endif  // MJCF_PDG_SRC_VERIFY_VERTEX_TREE_H_

@@ -1,0 +1,262 @@
+#include "tests/support/pose_trials.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "tests/support/test_support.h"
+#include "tests/support/verify_scenes.h"
+#include "verify/verifier.h"
+
+namespace mjcf_pdg::test {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr int kPosesOfAPair = 48;    // a model each
+constexpr double kTolerance = 1e-6;  // of the scale
+// What dot products and formulas may be off by, as shares of the lengths involved. Faces of hulls
+// are MuJoCo's: single-precision vertices, corners merged by qhull.
+constexpr double kPlaneRounding = 1e-13, kInsideRounding = 1e-9, kHullRounding = 2e-6;
+// One in so many overlaps that are far from the tolerance is asked of the slow oracle, too.
+constexpr int kSlowlyAsked = 50;
+constexpr std::size_t kWordy = 10;
+
+// A size between a hundredth of the scale and the scale.
+double Length(double scale, Random& rng) { return scale * std::pow(10.0, rng.Uniform(-2.0, 0.0)); }
+
+Shape RandomConvex(int type, double scale, Random& rng) {
+  Shape shape;
+  shape.type = type;
+  shape.size = {Length(scale, rng), Length(scale, rng), Length(scale, rng)};
+  if (type != mjGEOM_MESH) return shape;
+  const int count = rng.Chance(0.3) ? 4 + rng.Index(5) : 4 + rng.Index(197);
+  for (int k = 0; k < count; ++k) {
+    shape.vertices.push_back(rng.UnitVector().cwiseProduct(shape.size));
+  }
+  return shape;
+}
+
+std::string GeomText(const Shape& shape, const std::string& name, std::string& assets) {
+  std::string text = "<geom name='" + name + "' mass='1' type='" + TypeName(shape.type) + "'";
+  if (shape.type != mjGEOM_MESH) return text + " size='" + Join(shape.size) + "'/>";
+  assets += "<mesh name='" + name + "' inertia='shell' vertex='";
+  for (const Vector3d& p : shape.vertices) assets += Join(p) + " ";
+  assets += "'/>";
+  return text + " mesh='" + name + "'/>";
+}
+
+Vector3d At(const mjtNum* p) { return {p[0], p[1], p[2]}; }
+
+// How deep the point is inside the geom, roughly: negative outside, 0 on the surface.
+double Inside(const mjModel& m, const mjData& d, int geom, const Vector3d& p_W) {
+  const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> R(d.geom_xmat + 9 * geom);
+  const Vector3d x = R.transpose() * (p_W - At(d.geom_xpos + 3 * geom));
+  const Vector3d size = At(m.geom_size + 3 * geom);
+  switch (m.geom_type[geom]) {
+    case mjGEOM_PLANE:
+      return -x.z();
+    case mjGEOM_SPHERE:
+      return size[0] - x.norm();
+    case mjGEOM_CAPSULE:
+      return size[0] - std::hypot(x.x(), x.y(), std::max(std::abs(x.z()) - size[1], 0.0));
+    case mjGEOM_ELLIPSOID:
+      return size.minCoeff() * (1.0 - x.cwiseQuotient(size).norm());
+    case mjGEOM_CYLINDER:
+      return std::min(size[0] - std::hypot(x.x(), x.y()), size[1] - std::abs(x.z()));
+    case mjGEOM_BOX:
+      return (size - x.cwiseAbs()).minCoeff();
+  }
+  const int mesh = m.geom_dataid[geom];
+  const float* vertices = m.mesh_vert + 3 * m.mesh_vertadr[mesh];
+  const auto vertex = [&](int k) {
+    return Vector3d(vertices[3 * k], vertices[3 * k + 1], vertices[3 * k + 2]);
+  };
+  Vector3d middle = Vector3d::Zero();
+  const int count = m.mesh_vertnum[mesh];
+  for (int k = 0; k < count; ++k) middle += vertex(k) / count;
+  const int* graph = m.mesh_graph + m.mesh_graphadr[mesh];
+  const int* face = graph + 2 + 3 * graph[0] + 3 * graph[1];
+  double inside = 1e300;
+  for (int f = 0; f < graph[1]; ++f, face += 3) {
+    const Vector3d a = vertex(face[0]);
+    Vector3d n = (vertex(face[1]) - a).cross(vertex(face[2]) - a).normalized();
+    if (n.dot(middle - a) > 0.0) n = -n;
+    inside = std::min(inside, n.dot(a - x));
+  }
+  return inside;
+}
+
+// One model of two geoms, the second on a free joint.
+class Trial {
+ public:
+  Trial(const Scene& scene, double scale)
+      : scene_(scene),
+        m_(*scene.model()),
+        scale_(scale),
+        tolerance_(kTolerance * scale),
+        verifier_(scene.verifier_model(), MakeOptions(tolerance_)),
+        data_(mj_makeData(&m_)) {}
+
+  // Poses the geoms; the second's pose is read from `q`.
+  void Pose(const std::vector<double>& q) {
+    q_ = q;
+    mju_copy(data_->qpos, q.data(), 7);
+    mj_kinematics(&m_, data_.get());
+    mj_comPos(&m_, data_.get());
+  }
+  // Along the normal of the nearest points, or of the least overlap, to that signed distance.
+  void MoveTo(double distance) {
+    const Verdict& verdict = verifier_.Check(q_);
+    if (verdict.contacts.empty() && verdict.min_distance >= 1.0) return;
+    const verify::Certificate found = verifier_.CertificateOf(0, 1);
+    for (int k = 0; k < 3; ++k) q_[k] += (distance - found.gap) * found.n[k];
+    Pose(q_);
+  }
+
+  void Judge(Random& rng, PoseTally& tally, PoseTrials& trials) {
+    const bool free = verifier_.IsFree(q_);
+    const bool agrees = verifier_.Check(q_).free == free;
+    const verify::Certificate found = verifier_.CertificateOf(0, 1);
+    ++tally.poses;
+    if (found.proof == verify::Proof::kUnproven) {
+      ++tally.unproven;
+    } else {
+      ++(free ? tally.free : tally.overlapping);
+    }
+    std::string wrong;
+    if (!agrees) wrong = "IsFree and Check differ; ";
+    if (free != (found.proof == verify::Proof::kPlane)) wrong += "no proof; ";
+    wrong += free ? RefutePlane(found) : RefutePoints(found, rng);
+    if (found.proof != verify::Proof::kUnproven) AskMujoco(free, tally);
+    if (wrong.empty()) return;
+    if (++trials.wrong_count > static_cast<long>(kWordy)) return;
+    trials.wrong.push_back(wrong + (free ? "free: " : "not free: ") + TypeName(m_.geom_type[0]) +
+                           " " + Join(m_.geom_size, 3) + ", " + TypeName(m_.geom_type[1]) + " " +
+                           Join(m_.geom_size + 3, 3) + ", scale " + Join(&scale_, 1) + ", q " +
+                           Join(q_.data(), 7));
+  }
+
+ private:
+  static Options MakeOptions(double tolerance) {
+    Options options;
+    options.tolerance = tolerance;
+    return options;
+  }
+  double Lengths() const {
+    return m_.geom_rbound[0] + m_.geom_rbound[1] + At(data_->geom_xpos + 3).norm();
+  }
+
+  // The plane must leave no more than the tolerance.
+  std::string RefutePlane(const verify::Certificate& found) const {
+    const double gap =
+        m_.geom_type[0] == mjGEOM_PLANE
+            ? BruteDistance(&m_, data_.get(), 0, 1).distance
+            : -Support(&m_, data_.get(), 0, found.n) - Support(&m_, data_.get(), 1, -found.n);
+    const bool unit = std::abs(found.n.norm() - 1.0) < 1e-12;
+    if (unit && gap >= -tolerance_ - kPlaneRounding * Lengths()) return "";
+    return "the plane shows an overlap of " + Join(&gap, 1) + "; ";
+  }
+
+  // The point must be in both shapes, and no direction that the slow oracle finds may part them.
+  std::string RefutePoints(const verify::Certificate& found, Random& rng) const {
+    const bool hull = m_.geom_type[0] == mjGEOM_MESH || m_.geom_type[1] == mjGEOM_MESH;
+    const double rounding = (hull ? kHullRounding : kInsideRounding) * Lengths();
+    if (found.proof == verify::Proof::kPoints) {
+      const double depth[] = {Inside(m_, *data_, 0, found.p1), Inside(m_, *data_, 1, found.p2)};
+      if (!(depth[0] >= -rounding && depth[1] >= -rounding)) {
+        return "the common point is outside: " + Join(depth, 2) + "; ";
+      }
+      const double apart = (found.p2 - found.p1).norm();
+      if (!(apart <= kInsideRounding * Lengths())) {
+        return "two points instead of one: " + Join(&apart, 1) + "; ";
+      }
+    }
+    const bool clear = found.gap < -100.0 * tolerance_;
+    if (clear && rng.Index(kSlowlyAsked) != 0) return "";
+    const double brute = BruteDistance(&m_, data_.get(), 0, 1).distance;
+    if (brute < -tolerance_ + kPlaneRounding * Lengths()) return "";
+    return "a plane shows an overlap of no more than " + Join(&brute, 1) + "; ";
+  }
+
+  void AskMujoco(bool free, PoseTally& tally) {
+    mj_collision(&m_, data_.get());
+    double deepest = 0.0;
+    for (int c = 0; c < data_->ncon; ++c) deepest = std::min(deepest, data_->contact[c].dist);
+    const double distance = mj_geomDistance(&m_, data_.get(), 0, 1, scale_, nullptr);
+    tally.collision_missed += !free && data_->ncon == 0;
+    tally.collision_invented += free && deepest < -tolerance_;
+    tally.distance_missed += !free && !(distance < -tolerance_);
+    tally.distance_invented += free && distance < -tolerance_;
+  }
+
+  const Scene& scene_;
+  const mjModel& m_;
+  const double scale_, tolerance_;
+  Verifier verifier_;
+  DataPtr data_;
+  std::vector<double> q_;
+};
+
+// A turn by quarters, and offsets that make faces, edges and middles meet.
+std::vector<double> AlignedPose(const mjModel& m, Random& rng) {
+  Eigen::Quaterniond r = Eigen::Quaterniond::Identity();
+  for (int axis = 0; axis < 3; ++axis) {
+    r = r * Eigen::AngleAxisd(0.5 * M_PI * rng.Index(4), Vector3d::Unit(axis));
+  }
+  Vector3d p = Vector3d::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double reach = m.geom_size[axis] + m.geom_size[3 + rng.Index(3)];
+    p[axis] = 0.5 * (rng.Index(5) - 2) * reach;
+  }
+  return FreePose(p, r.normalized());
+}
+
+void RunPair(int type1, int type2, Random& rng, PoseTrials& trials) {
+  const double scale = std::pow(10.0, rng.Uniform(-3.0, 3.0));
+  std::string assets;
+  const std::string first = GeomText(RandomConvex(type1, scale, rng), "g1", assets);
+  const std::string second = GeomText(RandomConvex(type2, scale, rng), "g2", assets);
+  const Scene scene =
+      Scene::FromString("<mujoco><asset>" + assets + "</asset><worldbody>" + first +
+                        "<body><freejoint/>" + second + "</body></worldbody></mujoco>");
+  Trial trial(scene, scale);
+  for (int k = 0; k < kPosesOfAPair; ++k) {
+    if (k % 4 == 0) {
+      trial.Pose(AlignedPose(*scene.model(), rng));
+      trial.Judge(rng, trials.aligned, trials);
+      continue;
+    }
+    const double spread = scale * std::pow(10.0, rng.Uniform(-1.5, 0.0));
+    trial.Pose(FreePose(rng.InBox(spread), rng.UnitQuat()));
+    if (k % 4 == 1) {
+      trial.Judge(rng, trials.random, trials);
+      continue;
+    }
+    const double beyond[] = {1e-9, 1e-3, 0.05, 0.5, 2.0, 5.0};  // in tolerances
+    const double sign = rng.Chance(0.5) ? 1.0 : -1.0;
+    trial.MoveTo(kTolerance * scale * (sign * beyond[rng.Index(6)] - 1.0));
+    trial.Judge(rng, trials.near, trials);
+  }
+}
+
+}  // namespace
+
+PoseTrials RunPoseTrials(long poses, std::uint64_t seed) {
+  const std::vector<int> types = {mjGEOM_PLANE,    mjGEOM_SPHERE, mjGEOM_CAPSULE, mjGEOM_ELLIPSOID,
+                                  mjGEOM_CYLINDER, mjGEOM_BOX,    mjGEOM_MESH};
+  Random rng(seed);
+  PoseTrials trials;
+  for (long done = 0; done < poses;) {
+    for (std::size_t i = 0; i < types.size(); ++i) {
+      for (std::size_t j = std::max<std::size_t>(i, 1); j < types.size() && done < poses; ++j) {
+        RunPair(types[i], types[j], rng, trials);
+        done += kPosesOfAPair;
+      }
+    }
+  }
+  return trials;
+}
+
+}  // namespace mjcf_pdg::test
