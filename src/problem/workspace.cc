@@ -11,9 +11,7 @@ namespace {
 constexpr double kDistanceJitter = 6e-6;
 // What the aim keeps away from the tolerance where jitter is small beside it [tolerances].
 constexpr double kAimInside = 0.2;
-constexpr double kMeshGap = 2e-6;  // Tolerances::mesh_gap [size]; of 1e-6 … 1e-5 the quickest
-// A contact as deep as Options::rest, but for rounding, still rests [tolerances].
-constexpr double kRestRounding = 1e-3;
+constexpr double kMeshGap = 2e-6;   // Tolerances::mesh_gap [size]; of 1e-6 … 1e-5 the quickest
 constexpr double kTouching = 10.0;  // Tolerances::touching [tolerances]
 
 double TypicalSize(const SceneTables& tables) {
@@ -52,13 +50,14 @@ Workspace::Workspace(const SceneTables& tables, const Options& options)
   problem_.required.setZero(static_cast<Eigen::Index>(tables.pairs.size()));
 }
 
-void Workspace::Begin(const VectorXd& q_in, const MocapPoses& mocap) {
+void Workspace::Begin(const VectorXd& q_in, const MocapPoses& mocap, const VectorXd* rest) {
   finder.Forget();
   finder.SetMocap(mocap);
   problem_.mocap = mocap;
   problem_.q_in = Normalized(problem_.tables, q_in);
   norm.SetReference(problem_.q_in, mocap);
   SetRequired();
+  if (rest) problem_.required = problem_.required.cwiseMin(*rest);
 }
 
 void Workspace::Begin(const Workspace& other) {
@@ -80,22 +79,6 @@ void Workspace::SetRequired() {
     if (pair.exact && pair.moves)
       required += problem_.tolerances.aim + problem_.tolerances.mesh_gap;
     problem_.required[static_cast<Eigen::Index>(k)] = required;
-  }
-  if (problem_.options.rest > 0.0) LetContactsRest();
-}
-
-// A contact of q_in that is no deeper than `rest` may keep its depth.
-void Workspace::LetContactsRest() {
-  const double deepest_at_rest = -problem_.options.rest - kRestRounding * problem_.tolerances.user;
-  depths_.setZero(problem_.required.size());
-  finder.Pose(problem_.q_in);
-  for (const NearPair& near :
-       finder.Find(0.0)) {  // of several contacts of a pair the deepest counts
-    depths_[near.pair] = std::min(depths_[near.pair], near.distance);
-  }
-  for (Eigen::Index k = 0; k < depths_.size(); ++k) {
-    const bool rests = depths_[k] < 0.0 && depths_[k] >= deepest_at_rest;
-    if (rests) problem_.required[k] = std::min(problem_.required[k], depths_[k]);
   }
 }
 

@@ -21,8 +21,9 @@ class Workspace {
   Workspace& operator=(const Workspace&) = delete;
 
   // A new problem: q_in (nq) among obstacles at `mocap`. Everything that refers to q_in is set
-  // here: the reference of the norm, the required distances. With Options::rest one query.
-  void Begin(const VectorXd& q_in, const MocapPoses& mocap = {});
+  // here: the reference of the norm, the required distances. `rest`: per kept pair the distance
+  // to which it may rest, negative, infinite of pairs that may not [m]; null: none may.
+  void Begin(const VectorXd& q_in, const MocapPoses& mocap = {}, const VectorXd* rest = nullptr);
   // The same problem for other tables of the same model: as `other` poses it, with its budget.
   void Begin(const Workspace& other);
 
@@ -40,11 +41,9 @@ class Workspace {
 
  private:
   void SetRequired();
-  void LetContactsRest();
 
   Problem problem_;
   std::vector<NearPair> overlaps_;
-  VectorXd depths_;  // per kept pair, of contacts that may rest [m]
 };
 
 }  // namespace mjcf_pdg

@@ -78,6 +78,7 @@ void Reporter::Unsolved(const std::vector<double>& q_in, const Outcome* outcome,
   } else if (outcome && outcome->has_overlap) {
     candidate = &outcome->least_overlap;
   }
+  if (!Reports()) result.depth_in = verifier_.Check(q_in, q_in).min_distance;
   Assign(candidate ? candidate->q : inside, result.q);
   result.start = NameOf(candidate ? candidate->start : Component::kNone);
   Verdict verdict = verifier_.Check(result.q, q_in);

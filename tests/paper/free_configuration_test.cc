@@ -69,9 +69,9 @@ std::string PocketXml(double start_x, double start_y) {
 
 // Two long bars along x and y, between a floor and a ceiling.
 const char kCross[] =
-    "<geom type='box' size='4 .02 .015'/><geom type='box' size='.02 4 .015'/>"
-    "<geom type='plane' size='5 5 1' pos='0 0 -.011'/>"
-    "<geom type='plane' size='5 5 1' pos='0 0 .011' zaxis='0 0 -1'/>";
+    "<geom type='box' size='60 .02 .015'/><geom type='box' size='.02 60 .015'/>"
+    "<geom type='plane' size='0 0 1' pos='0 0 -.011'/>"
+    "<geom type='plane' size='0 0 1' pos='0 0 .011' zaxis='0 0 -1'/>";
 const char kExtent[] = "<statistic extent='1'/>";
 
 TEST_F(FreeConfigurationTest, MotionCoherenceAloneKnowsAHiddenPocket) {
