@@ -70,6 +70,10 @@ if(MJCF_PDG_BUILD_TESTS)
     add_custom_target(long_tests
       COMMAND "${CMAKE_COMMAND}" -E env MJCF_PDG_LONG_TESTS=1 $<TARGET_FILE:mjcf_pdg_tests>
       DEPENDS mjcf_pdg_tests USES_TERMINAL)
+    # Do the tests see errors? Plants some, one at a time, in a copy of the tree: an hour or two.
+    add_custom_target(mutation_test
+      COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tests/mutations/run.py" --build "${PROJECT_BINARY_DIR}"
+      USES_TERMINAL VERBATIM)
     # Cases are listed when ctest starts, not at build time: a crash in start-up is a failed test, not a failed build.
     gtest_discover_tests(mjcf_pdg_tests DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60)
   endif()

@@ -330,7 +330,8 @@ bool AssimpReads(const std::string& path) {
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
-// A NUL follows a coordinate. assimp 5.2 takes it for the end of the line and finds no corners.
+// A NUL follows a coordinate. assimp 5.2 takes it for the end of the line and finds no corners, 5.4
+// for a blank.
 TEST_F(MeshImportTest, AFileWithANulIsReadIfAssimpDoesAndRefusedOtherwise) {
   std::string ply =
       "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
