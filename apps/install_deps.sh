@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs what building and running mjcf-pdg needs (Debian 12 and newer, Ubuntu 22.04 and newer).
+# Installs what building and running mjcf-pdg needs (Debian 12 and 13, Ubuntu 22.04 and 24.04: the packages have the
+# same names there; on Ubuntu most are in `universe`, which its images have switched on).
 # Quick when all is there. MJCF_PDG_SKIP_DEPS=1 skips the check, for machines that get the packages in another way.
 # MuJoCo is not among them: CMake finds or fetches it.
 set -euo pipefail
@@ -23,7 +24,8 @@ if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
   cat >&2 <<'END'
 install_deps: this is not a Debian or Ubuntu system, so please install by hand:
   a C++20 compiler, CMake 3.22 or newer, make, python3 with pip (or set MuJoCo_ROOT to an unpacked MuJoCo 4.0.x);
-  with headers: Eigen 3.4, assimp 5, zlib, CLI11, nlohmann-json, FCL 0.7; for tests GoogleTest with GMock, CGAL 5;
+  with headers: Eigen 3.4, FCL 0.7, assimp 5.2, zlib, CLI11 2.1, nlohmann-json 3.9; for tests GoogleTest 1.11 with
+  GMock, CGAL 5.4;
   for pictures: EGL and libpng with headers, and Mesa's EGL with its software driver (llvmpipe).
 Then run this again with MJCF_PDG_SKIP_DEPS=1.
 END

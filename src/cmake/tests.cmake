@@ -10,7 +10,7 @@ file(GLOB bench_sources CONFIGURE_DEPENDS bench/*.cc)
 # Shapes of meshes and a second opinion on them. CGAL is GPL: it must not get into the library or the program.
 find_package(CGAL QUIET)
 if(NOT CGAL_FOUND)
-  message(FATAL_ERROR "Tests and benchmarks need CGAL: install libcgal-dev, "
+  message(FATAL_ERROR "Tests and benchmarks need CGAL 5.4 or newer: install libcgal-dev, "
           "or set MJCF_PDG_BUILD_TESTS=OFF and MJCF_PDG_BUILD_BENCH=OFF")
 endif()
 add_library(mjcf_pdg_mesh_support STATIC EXCLUDE_FROM_ALL ${mesh_sources})
@@ -70,6 +70,10 @@ if(MJCF_PDG_BUILD_TESTS)
     add_custom_target(long_tests
       COMMAND "${CMAKE_COMMAND}" -E env MJCF_PDG_LONG_TESTS=1 $<TARGET_FILE:mjcf_pdg_tests>
       DEPENDS mjcf_pdg_tests USES_TERMINAL)
+    # Do the tests see errors? Plants some, one at a time, in a copy of the tree: an hour or two.
+    add_custom_target(mutation_test
+      COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tests/mutations/run.py" --build "${PROJECT_BINARY_DIR}"
+      USES_TERMINAL VERBATIM)
     # Cases are listed when ctest starts, not at build time: a crash in start-up is a failed test, not a failed build.
     gtest_discover_tests(mjcf_pdg_tests DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60)
   endif()
@@ -79,6 +83,15 @@ if(MJCF_PDG_BUILD_TESTS)
              COMMAND "${CMAKE_COMMAND}" --build "${PROJECT_BINARY_DIR}" --config $<CONFIG>
                      --target all_verify_interface_header_sets)
   endif()
+
+  # Looking for a package that is disabled is an error.
+  set(disabled assimp nlohmann_json CLI11 PNG GTest CGAL)
+  list(TRANSFORM disabled REPLACE "(.+)" "-DCMAKE_DISABLE_FIND_PACKAGE_\\1=ON")
+  add_test(NAME library_alone_needs_no_more_than_it_says
+           COMMAND "${CMAKE_COMMAND}" -S "${PROJECT_SOURCE_DIR}" -B "${PROJECT_BINARY_DIR}/library_alone"
+                   -G "${CMAKE_GENERATOR}" -D "CMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER}"
+                   -D "MuJoCo_ROOT=${MuJoCo_ROOT}" -D "mujoco_DIR=${mujoco_DIR}"
+                   -D MJCF_PDG_BUILD_APP=OFF -D MJCF_PDG_BUILD_TESTS=OFF -D MJCF_PDG_BUILD_BENCH=OFF ${disabled})
 
   if(MJCF_PDG_INSTALL)
     add_test(NAME consumer_of_installed_package
@@ -95,7 +108,7 @@ set(bench_programs ${bench_sources})
 list(FILTER bench_programs INCLUDE REGEX "_bench\\.cc$")
 list(REMOVE_ITEM bench_sources ${bench_programs})
 if(MJCF_PDG_BUILD_BENCH AND bench_programs)
-  find_package(CLI11 REQUIRED)
+  find_package(CLI11 2.1 REQUIRED)
   find_package(nlohmann_json 3.9 REQUIRED)
   add_library(mjcf_pdg_bench_support STATIC ${bench_sources})
   target_include_directories(mjcf_pdg_bench_support PUBLIC . bench src)

@@ -94,8 +94,8 @@ TEST_F(CcdgTest, AFastWristDoesNotSkipAWire) {
   EXPECT_LE(near.distance, mover.options.Gap());
 }
 
-TEST_F(CcdgTest, ACapsuleIsStoppedByABoxThatMuJoCoLetsItPierce) {
-  // See capsule_box.h: to MuJoCo many of the targets look free.
+TEST_F(CcdgTest, ACapsuleIsStoppedByABoxThatMuJoCoMayLetItPierce) {
+  // See capsule_box.h: to MuJoCo 4.0 many of the targets look free.
   Random rng(5);
   int missed = 0, overlapping = 0;
   for (int i = 0; i < 300; ++i) {
@@ -119,7 +119,6 @@ TEST_F(CcdgTest, ACapsuleIsStoppedByABoxThatMuJoCoLetsItPierce) {
     ++overlapping;
   }
   std::printf("  %d of %d overlapping targets have no contact in MuJoCo\n", missed, overlapping);
-  EXPECT_GT(missed, overlapping / 100);
   EXPECT_GT(overlapping, 50);
 }
 

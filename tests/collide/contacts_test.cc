@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <map>
 
@@ -235,7 +236,7 @@ TEST_F(ContactsTest, EveryFindIsOneQuery) {
   }
 }
 
-// ---- Holes of MuJoCo's own contact list ----
+// ---- Holes of MuJoCo's own contact list: with and without them the answers are the oracle's ----
 
 int MujocoContacts(const Scene& scene, const VectorXd& q, double& smallest) {
   const DataPtr d(mj_makeData(scene.model()));
@@ -246,28 +247,29 @@ int MujocoContacts(const Scene& scene, const VectorXd& q, double& smallest) {
   return d->ncon;
 }
 
-TEST_F(ContactsTest, CapsulesThatPierceABoxAreFoundWhereMujocoSeesNothing) {
-  int missed = 0;
+TEST_F(ContactsTest, CapsulesThatPierceABoxAreFoundWhetherMujocoSeesThemOrNot) {
+  int missed = 0, overlapping = 0;
   for (int trial = 0; trial < 1000; ++trial) {
     const Scene scene = Scene::FromString(TwoGeomXml(
         {.first = {mjGEOM_CAPSULE, {0.05, 0.5, 0}}, .second = {mjGEOM_BOX, {0.2, 0.15, 0.1}}}));
     ContactFinder finder(scene.tables());
     const VectorXd q = RandomConfiguration(scene, rng_, 0.2);
     finder.Pose(q);
-    double smallest;
-    if (MujocoContacts(scene, q, smallest) > 0) continue;
     const double expected = Brute(finder, scene.tables().pairs[0]).distance;
     if (expected > -0.01) continue;
-    ++missed;
+    ++overlapping;
     ASSERT_EQ(finder.Find(0).size(), 1u) << Join(q);
     EXPECT_NEAR(finder.Find(0)[0].distance, expected, 3e-5);
+    double smallest;
+    missed += MujocoContacts(scene, q, smallest) == 0;
   }
-  EXPECT_GT(missed, 3) << "MuJoCo has been repaired";
+  std::printf("  MuJoCo misses %d of %d\n", missed, overlapping);
+  EXPECT_GT(overlapping, 500);
 }
 
-TEST_F(ContactsTest, BoxesWithinAMarginAreFoundWhereMujocoDropsOrMisreadsThem) {
+TEST_F(ContactsTest, BoxesWithinAMarginAreFoundWhereMujocoMayDropOrMisreadThem) {
   const std::string margin = "margin='0.025'";
-  int dropped = 0, misread = 0;
+  int within = 0, dropped = 0, misread = 0;
   for (int trial = 0; trial < 1500; ++trial) {
     const Scene scene =
         Scene::FromString(TwoGeomXml({.first = {mjGEOM_BOX, {0.1, 0.2, 0.05}, {}, margin},
@@ -275,17 +277,18 @@ TEST_F(ContactsTest, BoxesWithinAMarginAreFoundWhereMujocoDropsOrMisreadsThem) {
     ContactFinder finder(scene.tables());
     const VectorXd q = RandomConfiguration(scene, rng_, 0.35);
     finder.Pose(q);
-    if (finder.Find(0.05).empty()) continue;
-    const double distance = finder.Find(0.05)[0].distance;
-    if (distance > 0.049) continue;
+    const double expected = Brute(finder, scene.tables().pairs[0]).distance;
+    if (expected > 0.049) continue;
+    ++within;
+    ASSERT_EQ(finder.Find(0.05).size(), 1u) << Join(q);
+    EXPECT_NEAR(finder.Find(0.05)[0].distance, expected, 3e-5) << Join(q);
     double smallest;
     const bool drops = MujocoContacts(scene, q, smallest) == 0;
-    if (!drops && std::abs(smallest - distance) < 1e-3) continue;
-    (drops ? dropped : misread)++;
-    EXPECT_NEAR(distance, Brute(finder, scene.tables().pairs[0]).distance, 3e-5) << Join(q);
+    dropped += drops;
+    misread += !drops && std::abs(smallest - expected) > 1e-3;
   }
-  EXPECT_GT(dropped, 0) << "MuJoCo has been repaired";
-  EXPECT_GT(misread, 0) << "MuJoCo has been repaired";
+  std::printf("  MuJoCo drops %d of %d and misreads %d\n", dropped, within, misread);
+  EXPECT_GT(within, 500);
 }
 
 TEST_F(ContactsTest, SettingsOfTheUsersModelDoNotBlindIt) {

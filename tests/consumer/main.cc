@@ -1,4 +1,4 @@
-// Uses the installed library as the README shows it: a ball that is stuck in the floor.
+// Uses the installed library as README and docs/consumers.md show it: a ball stuck in the floor.
 #include <cstdio>
 #include <vector>
 
@@ -18,5 +18,12 @@ int main() {
   mjcf_pdg::Solver solver(scene);
   const mjcf_pdg::Result result = solver.Solve(std::vector<double>(1, 0.0));
   std::printf("up by %g m (expected 0.02)\n", result.q[0]);
-  return result.status == mjcf_pdg::Status::kSolved ? 0 : 1;
+  if (result.status != mjcf_pdg::Status::kSolved) return 1;
+
+  // As a control loop does: however small the budget, a free hint makes the answer free.
+  solver.SetHint(result.q);
+  solver.SetBudget({.queries = 1, .seconds = 0.0});
+  mjcf_pdg::Result again;
+  solver.Solve(std::vector<double>(1, -0.01), again);
+  return solver.IsFree(again.q) ? 0 : 1;
 }

@@ -3,11 +3,18 @@
 
 #include <assimp/scene.h>
 #include <gtest/gtest.h>
+#include <pthread.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <assimp/Exporter.hpp>
+#include <assimp/Importer.hpp>
 #include <cctype>
+#include <csignal>
 #include <cstdint>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -306,14 +313,57 @@ TEST_F(MeshImportTest, TruncatedFilesAreRefusedOrReadNeverACrash) {
   EXPECT_GT(read, 0);
 }
 
-TEST_F(MeshImportTest, AFileThatCrashesAssimpIsRefusedToo) {
+// Whether assimp, in a process of its own, gets a triangle out of a file. What it makes of damaged
+// ones differs from version to version: some die of them.
+bool AssimpReads(const std::string& path) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const rlimit no_core = {0, 0};
+    ::setrlimit(RLIMIT_CORE, &no_core);
+    Assimp::Importer importer;
+    const aiScene* const scene = importer.ReadFile(path, 0);
+    const bool has_face = scene && scene->mNumMeshes > 0 && scene->mMeshes[0]->mNumFaces > 0;
+    ::_exit(has_face && scene->mMeshes[0]->mFaces[0].mNumIndices == 3 ? 0 : 1);
+  }
+  int status = 0;
+  EXPECT_EQ(::waitpid(child, &status, 0), child);
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+// A NUL follows a coordinate. assimp 5.2 takes it for the end of the line and finds no corners, 5.4
+// for a blank.
+TEST_F(MeshImportTest, AFileWithANulIsReadIfAssimpDoesAndRefusedOtherwise) {
   std::string ply =
       "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
       "property float z\nelement face 1\nproperty list uchar int vertex_index\nend_header\n"
       "0 0? 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n";
   ply[ply.find('?')] = '\0';
   const std::string path = Write("nul.ply", ply);
-  EXPECT_EQ(ErrorOf([&] { ReadMeshFile(path); }).rfind(path, 0), 0u);
+  if (AssimpReads(path)) {
+    const TriangleMesh mesh = ReadMeshFile(path);
+    EXPECT_EQ(mesh.triangles.cols(), 1);
+    EXPECT_NEAR(SurfaceArea(mesh), 0.5, 1e-6);
+  } else {
+    EXPECT_EQ(ErrorOf([&] { ReadMeshFile(path); }).rfind(path, 0), 0u);
+  }
+}
+
+// Kills what is forked while it is set; a handler of fork cannot be taken back.
+bool g_children_die = false;
+
+// Whatever assimp has been cured of: the next crash is dealt with, too.
+TEST_F(MeshImportTest, AReaderThatIsKilledIsAnErrorThatNamesTheFile) {
+  ASSERT_EQ(::pthread_atfork(nullptr, nullptr,
+                             [] {
+                               if (g_children_die) ::raise(SIGKILL);
+                             }),
+            0);
+  const std::string path = Write("cube.obj", ObjText(CubeMesh()));
+  g_children_die = true;
+  const std::string error = ErrorOf([&] { ReadMeshFile(path); });
+  g_children_die = false;
+  EXPECT_EQ(error, path + ": the file is damaged: assimp does not survive it");
+  EXPECT_EQ(ReadMeshFile(path).triangles.cols(), 12);
 }
 
 TEST_F(MeshImportTest, ABinaryStlThatPromisesTooMuchIsRefused) {

@@ -137,21 +137,30 @@ TEST_F(ExactMeshScenesTest, OverlappingRingsStayLinked) {
 
 struct Known {
   const char* key;
-  double most;  // σ of a known answer [m²], with some room
+  // A pose whose freedom follows from the shapes' measures: the answer is no farther.
+  Vector3d position;
+  Quaterniond turn = Quaterniond::Identity();
 };
 
-// All keyframes that penetrate are solved, and no farther than by the paper's steps.
-void ExpectNoWorseThanThePaper(const std::string& name, const std::vector<Known>& keys) {
+Quaterniond Turn(double degrees, const Vector3d& axis) {
+  return Quaterniond(Eigen::AngleAxisd(degrees * M_PI / 180.0, axis));
+}
+
+// All keyframes that penetrate are solved, no farther than the known pose and than by the paper's
+// steps.
+void ExpectNearAsKnown(const std::string& name, const std::vector<Known>& keys) {
   const Scene scene = Scene::FromFile(MJCF_PDG_MODEL_DIR "/rigid/" + name + ".xml", Exact());
   Options paper;
   paper.method = Method::kPaper;
   for (const Known& known : keys) {
     SCOPED_TRACE(name + " " + known.key);
     const std::vector<double> q = scene.KeyQpos(mj_name2id(scene.model(), mjOBJ_KEY, known.key));
+    const std::vector<double> there = FreePose(known.position, known.turn);
+    ASSERT_TRUE(FreeByBoth(scene, there));
     const Result ours = Solver(scene).Solve(q), theirs = Solver(scene, paper).Solve(q);
     ASSERT_EQ(ours.status, Status::kSolved) << ours.reason;
     EXPECT_TRUE(FreeByBoth(scene, ours.q));
-    EXPECT_LE(ours.sigma, known.most);
+    EXPECT_LE(ours.sigma, ObjectNorm(scene, Metric::kSequential, q).Sigma(there));
     if (theirs.status == Status::kSolved) {
       EXPECT_TRUE(FreeByBoth(scene, theirs.q));
       EXPECT_LE(ours.sigma, 1.05 * theirs.sigma);
@@ -159,21 +168,50 @@ void ExpectNoWorseThanThePaper(const std::string& name, const std::vector<Known>
   }
 }
 
+constexpr double kHair = 2e-5;  // off what touches [m]
+
+// A torus of radii 50 and 10 mm around a post of 20 mm. Straight, its middle may lie 20 mm beside
+// the post's. Turned by α about y, the middle of its tube passes 50 cos α before and after its own:
+// that may lie 50 cos α - 30 mm beside; α = 45° is near the best between 60° and 0.
 TEST_F(ExactMeshScenesTest, ARingOnAPost) {
-  ExpectNoWorseThanThePaper("ring_on_post", {{"off_centre", 2.35e-4}, {"tilted", 1.0}});
+  const double tilted = 0.05 * std::cos(M_PI / 4) - 0.03;
+  ExpectNearAsKnown("ring_on_post",
+                    {{"off_centre", {0.02 - kHair, 0, 0.06}},
+                     {"tilted", {tilted - kHair, 0, 0.06}, Turn(45, Vector3d::UnitY())}});
 }
 
+// A ball of 30 mm. The bottom lies at 8 mm. The wall within leans outward, from 29.75 mm at that
+// height to 39.65 mm at 60 mm; the cup has 20 sides, which come as near as cos 9° of that. Off the
+// two sides next to x the shortest way is across them, up and in.
 TEST_F(ExactMeshScenesTest, ABallInACup) {
-  ExpectNoWorseThanThePaper("ball_in_cup", {{"through_wall", 1.0}, {"through_bottom", 1.75e-4}});
+  const double nine = M_PI / 20, lean = std::atan2((0.03965 - 0.02975) * std::cos(nine), 0.052);
+  const double distance = (0.03965 * std::cos(nine) - 0.02 * std::cos(nine)) * std::cos(lean);
+  // Both sides turn away from x by 9°, which the way along x sees.
+  const double way =
+      (0.03 - distance) / std::hypot(std::cos(nine) * std::cos(lean), std::sin(lean));
+  const double up = std::atan2(std::sin(lean), std::cos(nine) * std::cos(lean));
+  ExpectNearAsKnown(
+      "ball_in_cup",
+      {{"through_wall",
+        {0.02 - (way + kHair) * std::cos(up), 0, 0.06 + (way + kHair) * std::sin(up)}},
+       {"through_bottom", {0, 0, 0.038 + kHair}}});
 }
 
+// Two tori of radii 50 and 10 mm, one upright with its middle at x = 50 mm: their tubes pass each
+// other at 20 mm.
 TEST_F(ExactMeshScenesTest, LinksOfAChain) {
-  ExpectNoWorseThanThePaper("linked_rings", {{"pulled_apart", 1.0}, {"pushed_together", 1.0}});
+  ExpectNearAsKnown("linked_rings",
+                    {{"pulled_apart", {-0.03 + kHair, 0, 0}},
+                     {"pushed_together", {0.03 - kHair, 0, 0}, Turn(10, Vector3d::UnitX())}});
 }
 
-// A quarter of a turn is 2 mm of pitch, the play 0.6 mm: coarse steps outward lift the nut off.
+// A thread 3 mm deep on half a pitch of 4 mm: the play of 0.6 mm across is 0.8 mm along. A quarter
+// of a turn is 2 mm of pitch; lifted is 3 mm. Coarse steps outward lift the nut off.
 TEST_F(ExactMeshScenesTest, ANutOnABolt) {
-  ExpectNoWorseThanThePaper("nut_on_bolt", {{"quarter_turn", 4.2e-6}, {"lifted", 9.5e-6}});
+  ExpectNearAsKnown(
+      "nut_on_bolt",
+      {{"quarter_turn", {0, 0, 0.016 + 0.002 - 0.0008 + kHair}, Turn(90, Vector3d::UnitZ())},
+       {"lifted", {0, 0, 0.016 + 0.0008 - kHair}}});
 }
 
 // Shifted across and tilted it has no straight way out but off the bolt, ten times as far. (Of

@@ -327,7 +327,7 @@ TEST_F(SolverHardCasesTest, InterlockedArmsComeApart) {
   ExpectAllSolved(xml, {0, 0, 1.7, 1, 0, 0, 1.7, 1}, 0.05, 7);
 }
 
-TEST_F(SolverHardCasesTest, RodsThroughSlabsThatMujocoMissesAreSeenAndSeparated) {
+TEST_F(SolverHardCasesTest, RodsThroughSlabsThatMujocoMayMissAreSeenAndSeparated) {
   const Scene scene = Scene::FromString(World(R"(<geom type="box" size=".3 .3 .02"/>
       <body><freejoint/><geom type="capsule" size=".01 .3"/></body>)"));
   Solver solver(scene);
@@ -341,12 +341,11 @@ TEST_F(SolverHardCasesTest, RodsThroughSlabsThatMujocoMissesAreSeenAndSeparated)
     mju_copy(d->qpos, q_in.data(), 7);
     mj_forward(scene.model(), d.get());
     const Result result = solver.Solve(q_in);
-    missed += d->ncon == 0 && result.status != Status::kAlreadyFree;
+    missed += d->ncon == 0;
     ExpectSolved(scene, q_in, result);
     EXPECT_LT(result.depth_in, -0.01);
   }
   std::printf("  %d of 150 rods are invisible to MuJoCo\n", missed);
-  EXPECT_GT(missed, 0) << "MuJoCo has been repaired";
 }
 
 TEST_F(SolverHardCasesTest, RandomRobotsInClutterAreSolvedWithEffortIfNeedBe) {

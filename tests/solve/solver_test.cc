@@ -302,6 +302,8 @@ TEST_F(SolverTest, ATinyTimeLimitEndsTheSolveWithoutAFalseClaim) {
     const Result result = Solver(scene, hurried).Solve(q_in);
     EXPECT_EQ(result.q.size(), q_in.size());
     EXPECT_LE(result.stats.starts, 1);
+    // q_in, one step of the first start and the check of the answer, however hard the problem.
+    EXPECT_LE(result.stats.collision_queries, 7);
     if (result.status == Status::kSolved) ExpectSolved(scene, q_in, result);
     if (result.status != Status::kUnsolved) continue;
     ++unsolved;

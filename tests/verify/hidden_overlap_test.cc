@@ -1,7 +1,10 @@
-// One test for each way in which MuJoCo alone calls an overlapping configuration free.
+// One test for each way in which MuJoCo 4.0 alone calls an overlapping configuration free. Settings
+// hide contacts by design; where it is a flaw of MuJoCo, the test holds without that, too, and only
+// says how often it was met.
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,14 +41,23 @@ MujocoSays AskMujoco(const mjModel* m, const std::vector<double>& q) {
   return says;
 }
 
-// MuJoCo alone finds nothing at q; we name an overlap of that depth.
-void ExpectHole(const std::string& xml, const std::vector<double>& q, double depth) {
+void TellMissed(int missed, int all) {
+  std::printf("  MuJoCo misses or misreads %d of %d\n", missed, all);
+}
+
+// An overlap of that depth at q is named.
+void ExpectSeen(const std::string& xml, const std::vector<double>& q, double depth) {
   const Scene scene = Scene::FromString(xml);
-  EXPECT_EQ(AskMujoco(scene.model(), q).deepest, 0.0) << "MuJoCo sees it: no hole";
   const Verdict verdict = Verify(scene, q);
   EXPECT_FALSE(verdict.free);
   EXPECT_NEAR(verdict.min_distance, -depth, 1e-6);
   EXPECT_THAT(verdict.reason, HasSubstr("overlap by"));
+}
+
+// The same, and the model's settings hide it from MuJoCo alone.
+void ExpectHole(const std::string& xml, const std::vector<double>& q, double depth) {
+  EXPECT_EQ(AskMujoco(Scene::FromString(xml).model(), q).deepest, 0.0) << "MuJoCo sees it: no hole";
+  ExpectSeen(xml, q, depth);
 }
 
 TEST_F(HiddenOverlapTest, ACapsuleThatPiercesABoxIsNotFree) {
@@ -72,7 +84,7 @@ TEST_F(HiddenOverlapTest, ACapsuleThatPiercesABoxIsNotFree) {
     missed += AskMujoco(scene.model(), q).deepest == 0.0;
   }
   EXPECT_GT(piercing, 300);
-  EXPECT_GT(missed, 10) << "MuJoCo sees them all: no hole";
+  TellMissed(missed, piercing);
 }
 
 TEST_F(HiddenOverlapTest, ContactsDisabledByAFlagHideNothing) {
@@ -115,7 +127,7 @@ TEST_F(HiddenOverlapTest, AFullArenaHidesNothing) {
 // MuJoCo shrinks its broad-phase boxes by a negative margin; a small geom's turns inside out, and
 // overlaps of any depth are lost.
 TEST_F(HiddenOverlapTest, ANegativeMarginHidesNoMoreThanItAllows) {
-  ExpectHole(R"(<mujoco><worldbody><geom name="block" type="box" size=".1 .1 .1"/>
+  ExpectSeen(R"(<mujoco><worldbody><geom name="block" type="box" size=".1 .1 .1"/>
     <body><freejoint/><geom name="bead" type="sphere" size=".001" margin="-.01"/></body>
     </worldbody></mujoco>)",
              {0, 0, 0.07, 1, 0, 0, 0}, 0.031);
@@ -143,7 +155,7 @@ TEST_F(HiddenOverlapTest, NativeConvexCollisionDisabledHidesNothing) {
     EXPECT_FALSE(Verify(scene, q).free) << Join(ToEigen(q));
     missed += depth == 0.0;
   }
-  EXPECT_GT(missed, 2) << "MuJoCo sees them all: no hole";
+  TellMissed(missed, 300);
 }
 
 constexpr int kPoses = 20000;  // of each pair
@@ -173,8 +185,8 @@ TEST_F(HiddenOverlapTest, ATooShallowDepthHidesNoMoreThanANegativeMarginAllows) 
       }
     }
   }
-  EXPECT_GT(right, 100);
-  EXPECT_GT(wrong, 30) << "MuJoCo is right: no hole";
+  EXPECT_GT(right + wrong, 130);
+  TellMissed(wrong, right + wrong);
 }
 
 // What a contact at rest may keep is its true depth, however shallow MuJoCo says that it is.
@@ -195,8 +207,8 @@ TEST_F(HiddenOverlapTest, ATooShallowDepthDoesNotRestWhereTheTrueOneIsTooDeep) {
       ++(overlap.hidden() < kWrong ? right : wrong);
     }
   }
-  EXPECT_GT(right, 100);
-  EXPECT_GT(wrong, 30) << "MuJoCo is right: no hole";
+  EXPECT_GT(right + wrong, 130);
+  TellMissed(wrong, right + wrong);
 }
 
 TEST_F(HiddenOverlapTest, AnOverriddenMarginHidesNothing) {
@@ -228,7 +240,7 @@ TEST_F(HiddenOverlapTest, APositiveMarginHidesNothing) {
     }
   }
   EXPECT_GT(overlaps, 300);
-  EXPECT_GT(missed, 10) << "MuJoCo sees them all: no hole";
+  TellMissed(missed, overlaps);
 }
 
 // mj_collision finds nothing and mj_geomDistance says exactly 0, with any number of iterations and
@@ -240,7 +252,6 @@ TEST_F(HiddenOverlapTest, ConvexMeshesOfTensOfMetresThatOverlapAreNotFree) {
     <worldbody><geom type="box" size="100 100 100"/><body><freejoint/>
     <geom type="mesh" mesh="m"/></body></worldbody></mujoco>)";
   const Scene scene = Scene::FromString(xml);
-  EXPECT_EQ(AskMujoco(scene.model(), q).deepest, 0.0) << "MuJoCo sees it: no hole";
   const Verdict verdict = Verify(scene, q);
   EXPECT_FALSE(verdict.free);
   EXPECT_LT(verdict.min_distance, -2.0 * 4.16 + 0.01);
