@@ -14,6 +14,11 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Cores nearer than this share of the pair's size, or overlapping, have their normal from Climb.
 constexpr double kTouching = 1e-9;
 constexpr double kShare = 1e-4;  // of a depth: how much better another direction may be
+// Depths are measured to that, as a share of the pair's size.
+constexpr double kMeasured = 1e-10;
+// A second climb is not worth its time from a start that near the first one's end (cosine), or with
+// that many times its overlap: of random pairs, 0.6 % of the depths get worse by more than 1e-4.
+constexpr double kSameBasin = 0.9, kHopeless = 2.0;
 // Coordinates are known to about 2e-16 of themselves; a distance is made of a few dozen of them.
 constexpr double kRounding = 1e-14;
 
@@ -58,6 +63,7 @@ class Starts {
 
   static constexpr int kKept = 3;
   const Vector3d& operator[](int k) const { return best_[k].n; }
+  double gap(int k) const { return best_[k].gap; }
 
  private:
   struct Start {
@@ -98,7 +104,7 @@ Certificate Decide(const ConvexPair& pair, double required, const Vector3d& star
   const Starts starts(pair, found);
   CoreGap best{found.n, found.lower, found.a(), found.b()};
   for (int k = 0; k < Starts::kKept; ++k) {
-    const CoreGap top = Climb(pair, starts[k]);
+    const CoreGap top = Climb(pair, starts[k], kRoundingOfSize);
     if (k == 0 || top.gap > best.gap) best = top;
     if (best.gap >= bound) return Make(pair, best, Proof::kPlane);
   }
@@ -119,9 +125,10 @@ Certificate Measure(const ConvexPair& pair, double cutoff, Search search) {
     return Make(pair, ToCoreGap(found), Proof::kPlane);
   }
   const Starts starts(pair, found);
-  CoreGap best = Climb(pair, starts[0]);
+  CoreGap best = Climb(pair, starts[0], kMeasured);
   for (int k = 1; k < Starts::kKept; ++k) {
-    const CoreGap top = Climb(pair, starts[k]);
+    if (starts[k].dot(best.n) > kSameBasin || starts.gap(k) < kHopeless * best.gap) continue;
+    const CoreGap top = Climb(pair, starts[k], kMeasured);
     if (top.gap > best.gap) best = top;
   }
   if (search == Search::kGlobal) {

@@ -10,9 +10,11 @@ namespace {
 // overlap, and of the pair's size. The smaller, the fewer steps; the larger, the better conditioned
 // the minimum-norm point.
 constexpr double kBeyondDepth = 0.05, kBeyondSize = 1e-4;
-constexpr int kClimbs = 30;        // steps; deep overlaps of round shapes take the most
-constexpr double kNoRise = 1e-15;  // of the pair's size
-constexpr int kBudget = 4000;      // triangles of a search
+constexpr int kClimbs = 30;  // steps; deep overlaps of round shapes take the most
+// How near the minimum-norm point of the first step is found, as a share of the pair's size, and
+// how much nearer each next one, as a share of the last and of what the step has gained.
+constexpr double kFirstAccuracy = 1e-4, kFiner = 0.01;
+constexpr int kBudget = 4000;  // triangles of a search
 
 // The least, over convex combinations of the columns of M, of the largest row: the value of a
 // matrix game that is played with pairs of columns, and with all three.
@@ -37,15 +39,18 @@ double GameValue(const Matrix3d& M) {
 
 }  // namespace
 
-CoreGap Climb(const ConvexPair& pair, const Vector3d& n) {
+CoreGap Climb(const ConvexPair& pair, const Vector3d& n, double accuracy) {
   const DifferencePoint support = pair.Support(n);
   CoreGap best{n, n.dot(support.p), support.a, support.b};
+  const double finest = accuracy * pair.size();
+  double fine = kFirstAccuracy * pair.size();  // of the step's minimum-norm point
   for (int k = 0; k < kClimbs; ++k) {
     const double depth = std::max(-best.gap, 0.0);
     const double apart = depth + kBeyondDepth * depth + kBeyondSize * pair.size();
     MinimumNormQuestion question;
     question.shift = apart * best.n;
     question.start = best.n;
+    question.accuracy = fine;
     const MinimumNorm found = FindMinimumNorm(pair, question);
     if (found.holds_origin) break;
     const double gap = found.lower - apart * found.n.dot(best.n);
@@ -58,7 +63,9 @@ CoreGap Climb(const ConvexPair& pair, const Vector3d& n) {
       best.n = found.n;
       best.gap = gap;
     }
-    if (!(rise > kNoRise * pair.size())) break;
+    const double inaccuracy = found.upper() - found.lower;
+    if (rise <= finest && (inaccuracy <= finest || fine <= finest)) break;
+    fine = std::max(finest, std::min(kFiner * fine, kFiner * std::max(rise, 0.0)));
   }
   return best;
 }
@@ -98,7 +105,7 @@ double DirectionSearch::UpperBound(const Triangle& triangle) const {
 bool DirectionSearch::LookAtMiddle(const Triangle& triangle) {
   const Vector3d middle = (triangle.d[0] + triangle.d[1] + triangle.d[2]).normalized();
   if (pair_.CoreGap(middle) <= best_.gap) return false;
-  best_ = Climb(pair_, middle);
+  best_ = Climb(pair_, middle, kRoundingOfSize);
   Remember(best_.b - best_.a);
   return true;
 }

@@ -22,8 +22,11 @@ struct CoreGap {
   Vector3d a = Vector3d::Zero(), b = Vector3d::Zero();
 };
 
-// A local maximum of gap(n), from n (unit); never below gap(n).
-CoreGap Climb(const ConvexPair& pair, const Vector3d& n);
+// As near as a plane can be found, as a share of the pair's size.
+inline constexpr double kRoundingOfSize = 1e-14;
+
+// A local maximum of gap(n), from n (unit), to `accuracy` of the pair's size; never below gap(n).
+CoreGap Climb(const ConvexPair& pair, const Vector3d& n, double accuracy);
 
 class DirectionSearch {
  public:

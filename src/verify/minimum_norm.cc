@@ -44,7 +44,9 @@ bool AffineMinimizer(const std::array<Vector3d, 4>& p, int count, std::array<dou
 class Wolfe {
  public:
   Wolfe(const ConvexPair& pair, const MinimumNormQuestion& question)
-      : pair_(pair), question_(question), rounding_(kConverged * pair.size()) {}
+      : pair_(pair),
+        question_(question),
+        rounding_(std::max(kConverged * pair.size(), question.accuracy)) {}
 
   MinimumNorm Run() {
     Ask(question_.start.normalized());

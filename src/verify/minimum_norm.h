@@ -34,7 +34,8 @@ struct MinimumNormQuestion {
   Vector3d shift = Vector3d::Zero();
   Vector3d start = Vector3d::UnitX();  // any direction; the nearer to n, the fewer steps
   double enough = std::numeric_limits<double>::infinity();  // stop once lower is that ...
-  double near = -1.0;                                       // ... or upper below this
+  double near = -1.0;                                       // ... or upper below this ...
+  double accuracy = 0.0;  // ... or both are as near each other; 0: as rounding allows
 };
 
 MinimumNorm FindMinimumNorm(const ConvexPair& pair, const MinimumNormQuestion& question);

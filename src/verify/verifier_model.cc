@@ -23,11 +23,21 @@ using verify::VertexTree;
 // half a metre is in millimetres.
 constexpr double kLargestInTrees = 512.0;
 
-std::shared_ptr<const VertexTree> TreeOf(const mjModel& m, int mesh) {
-  std::vector<Vector3d> vertices(m.mesh_vertnum[mesh]);
-  for (int v = 0; v < m.mesh_vertnum[mesh]; ++v) {
-    const float* p = m.mesh_vert + 3 * (m.mesh_vertadr[mesh] + v);
-    vertices[v] = Vector3d(p[0], p[1], p[2]);
+Vector3d Vertex(const mjModel& m, int mesh, int v) {
+  const float* p = m.mesh_vert + 3 * (m.mesh_vertadr[mesh] + v);
+  return {p[0], p[1], p[2]};
+}
+
+// What the mesh is as a convex geom: MuJoCo collides the hull that its compiler has found, which
+// the user can ask to have few vertices.
+std::shared_ptr<const VertexTree> HullOf(const mjModel& m, int mesh) {
+  std::vector<Vector3d> vertices;
+  if (m.mesh_graphadr[mesh] < 0) {
+    for (int v = 0; v < m.mesh_vertnum[mesh]; ++v) vertices.push_back(Vertex(m, mesh, v));
+  } else {
+    const int* graph = m.mesh_graph + m.mesh_graphadr[mesh];
+    const int *ids = graph + 2 + graph[0], *end = ids + graph[0];  // after the vertices' edges
+    for (; ids != end; ++ids) vertices.push_back(Vertex(m, mesh, *ids));
   }
   return std::make_shared<const VertexTree>(std::move(vertices));
 }
@@ -111,7 +121,7 @@ class ExactGeoms {
     const auto [known, is_new] = convex_.try_emplace(mesh, false);
     if (is_new) {
       known->second =
-          verify::IsBoundaryOfHull(verify::MeshTriangles(m_, mesh, true), *TreeOf(m_, mesh));
+          verify::IsBoundaryOfHull(verify::MeshTriangles(m_, mesh, true), *HullOf(m_, mesh));
     }
     exact_[geom] = !known->second;
   }
@@ -162,7 +172,7 @@ VerifierModel::VerifierModel(std::shared_ptr<const mjModel> model_owner, const m
     for (const int g : {pair.geom1, pair.geom2}) {
       if (m.geom_type[g] == mjGEOM_MESH && !shapes[g].vertices) {
         std::shared_ptr<const VertexTree>& tree = trees[m.geom_dataid[g]];
-        if (!tree) tree = TreeOf(m, m.geom_dataid[g]);
+        if (!tree) tree = HullOf(m, m.geom_dataid[g]);
         shapes[g].vertices = tree;
         shapes[g].extent = Extent(*tree);
       }
