@@ -13,8 +13,9 @@ using verify::CheckedPair;
 using verify::ConvexPair;
 using verify::Depths;
 using verify::Finding;
-using verify::Matrix3d;
+using verify::PosedPair;
 using verify::Proof;
+using verify::Reading;
 using verify::Vector3d;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -25,11 +26,6 @@ constexpr double kRestRounding = 1e-6, kSizeRounding = 1e-12;
 // more than is needed, as a share of the pair's size; else the pair is decided anew, always in the
 // same way, so that no verdict depends on what was asked before.
 constexpr double kClear = 1e-9;
-
-Eigen::Map<const Vector3d> At(const mjtNum* p) { return Eigen::Map<const Vector3d>(p); }
-Matrix3d Rotation(const mjtNum* p) {
-  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(p);
-}
 
 bool ContactOnly(int type) { return type == mjGEOM_SDF || type == mjGEOM_HFIELD; }
 
@@ -131,14 +127,13 @@ void Verifier::UpdateRest(std::span<const double> q_in) {
   if (q_in.empty()) return;
   Pose(q_in);
   AskCollision();
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const CheckedPair& pair = pairs[k];
+  for (int k = 0; k < static_cast<int>(pairs.size()); ++k) {
     double depth = 0.0, size = 0.0;
-    if (pair.contact_only) {
-      depth = -ContactDistance(static_cast<int>(k));
-    } else if (SphereBound(pair) < 0.0) {
-      depth = -Read(pair, 0.0, Depths::kMeasured).distance;
-      size = shared_->shapes[pair.geom1].extent + shared_->shapes[pair.geom2].extent;
+    if (pairs[k].contact_only) {
+      depth = contact_[k] < 0 ? 0.0 : -data_->contact[contact_[k]].dist;
+    } else if (Posed(k).SphereBound() < 0.0) {
+      depth = -Read(k, 0.0, Depths::kMeasured).distance;
+      size = Posed(k).size();
     }
     const bool rests = depth > 0.0 && depth <= rest_ + kRestRounding * rest_ + kSizeRounding * size;
     if (rests) required_[k] = std::min(required_[k], -depth);
@@ -178,143 +173,56 @@ void Verifier::AskCollision() {
   }
 }
 
-double Verifier::ContactDistance(int pair) const {
-  return contact_[pair] < 0 ? kInfinity : data_->contact[contact_[pair]].dist;
-}
-
-// From bounding spheres; never above the pair's distance. -inf when nothing is known.
-double Verifier::SphereBound(const CheckedPair& pair) const {
-  const mjData& d = *data_;
-  const int a = pair.geom1, b = pair.geom2;
-  const Vector3d between = At(d.geom_xpos + 3 * b) - At(d.geom_xpos + 3 * a);
-  const double reach = shared_->shapes[b].extent;
-  double bound = 0.0;
-  if (model_.geom_type[a] == mjGEOM_PLANE) {
-    const double* up = d.geom_xmat + 9 * a;  // third column
-    bound = up[2] * between[0] + up[5] * between[1] + up[8] * between[2] - reach;
-  } else {
-    bound = between.norm() - shared_->shapes[a].extent - reach;
-  }
-  return std::isnan(bound) ? -kInfinity : bound;
-}
-
-// From the geoms' oriented boxes: how far apart they are along each box's own axes.
-double Verifier::BoxBound(const CheckedPair& pair) const {
-  if (model_.geom_type[pair.geom1] == mjGEOM_PLANE) return -kInfinity;
-  const mjData& d = *data_;
-  const int geom[] = {pair.geom1, pair.geom2};
-  Matrix3d R[2];
-  Vector3d center[2], half[2];
-  for (int k = 0; k < 2; ++k) {
-    R[k] = Rotation(d.geom_xmat + 9 * geom[k]);
-    center[k] = At(d.geom_xpos + 3 * geom[k]) + R[k] * At(model_.geom_aabb + 6 * geom[k]);
-    half[k] = At(model_.geom_aabb + 6 * geom[k] + 3);
-  }
-  const Vector3d between = center[1] - center[0];
-  const Matrix3d turn = R[0].transpose() * R[1];
-  const Vector3d first =
-      (R[0].transpose() * between).cwiseAbs() - half[0] - turn.cwiseAbs() * half[1];
-  const Vector3d second =
-      (R[1].transpose() * between).cwiseAbs() - half[1] - turn.transpose().cwiseAbs() * half[0];
-  return std::max(first.maxCoeff(), second.maxCoeff());
-}
-
-ConvexPair Verifier::Place(const CheckedPair& pair) const {
-  const mjData& d = *data_;
-  const Matrix3d R1 = Rotation(d.geom_xmat + 9 * pair.geom1);
-  return {shared_->shapes[pair.geom1], shared_->shapes[pair.geom2],
-          R1.transpose() * Rotation(d.geom_xmat + 9 * pair.geom2),
-          R1.transpose() * (At(d.geom_xpos + 3 * pair.geom2) - At(d.geom_xpos + 3 * pair.geom1))};
-}
-
-Verifier::Reading Verifier::ToWorld(const CheckedPair& pair, const Certificate& found) const {
-  const Matrix3d R1 = Rotation(data_->geom_xmat + 9 * pair.geom1);
-  const Vector3d origin = At(data_->geom_xpos + 3 * pair.geom1);
-  return {found.gap, R1 * found.n, origin + R1 * found.p1, origin + R1 * found.p2};
-}
-
-// A half-space against a convex geom: one support point tells all.
-Verifier::Reading Verifier::AskPlane(const CheckedPair& pair) const {
-  const mjData& d = *data_;
-  const verify::ConvexShape& shape = shared_->shapes[pair.geom2];
-  const Vector3d n_W = Rotation(d.geom_xmat + 9 * pair.geom1).col(2);
-  const Matrix3d R = Rotation(d.geom_xmat + 9 * pair.geom2);
-  const Vector3d lowest_W = At(d.geom_xpos + 3 * pair.geom2) +
-                            R * shape.Farthest(-(R.transpose() * n_W)) - shape.radius * n_W;
-  const double distance = n_W.dot(lowest_W - At(d.geom_xpos + 3 * pair.geom1));
-  return {distance, n_W, lowest_W - distance * n_W, lowest_W};
-}
-
-Verifier::Reading Verifier::AskExact(const CheckedPair& pair, double cutoff, Depths depths) const {
+Reading Verifier::AskExact(int index, double cutoff, Depths depths) const {
+  const CheckedPair& pair = shared_->pairs[index];
   double fromto[6] = {};
   Reading reading;
   reading.distance =
       exact_.Distance(*data_, pair, cutoff, tolerance_ + pair.allowed, depths, fromto);
   if (std::isnan(reading.distance)) reading.distance = -kInfinity;
-  reading.p1_W = At(fromto);
-  reading.p2_W = At(fromto + 3);
+  reading.p1_W = verify::VectorAt(fromto);
+  reading.p2_W = verify::VectorAt(fromto + 3);
   Vector3d n = (reading.p2_W - reading.p1_W) * (reading.distance < 0.0 ? -1.0 : 1.0);
-  if (n.norm() < kClear * shared_->shapes[pair.geom2].extent) {
-    n = At(data_->geom_xpos + 3 * pair.geom2) - At(data_->geom_xpos + 3 * pair.geom1);
+  if (n.norm() < kClear * Posed(index).size()) {
+    n = verify::VectorAt(data_->geom_xpos + 3 * pair.geom2) -
+        verify::VectorAt(data_->geom_xpos + 3 * pair.geom1);
   }
   reading.n_W = n.norm() > 0.0 ? Vector3d(n.normalized()) : Vector3d::UnitZ();
   return reading;
 }
 
 // The pair's signed distance where it is below `cutoff`.
-Verifier::Reading Verifier::Read(const CheckedPair& pair, double cutoff, Depths depths) const {
-  if (pair.exact) return AskExact(pair, cutoff, depths);
-  if (model_.geom_type[pair.geom1] == mjGEOM_PLANE) return AskPlane(pair);
+Reading Verifier::Read(int index, double cutoff, Depths depths) const {
+  const PosedPair posed = Posed(index);
+  if (posed.pair.exact) return AskExact(index, cutoff, depths);
+  if (posed.HasPlane()) return posed.AgainstPlane();
   const verify::Search search =
       depths == Depths::kMeasured ? verify::Search::kGlobal : verify::Search::kLocal;
-  return ToWorld(pair, verify::Measure(Place(pair), cutoff, search));
-}
-
-// Two convex geoms, or a plane and one, by their certificate; frame of geom 1, of a plane the
-// world.
-Certificate Verifier::DecideConvex(int index) const {
-  const CheckedPair& pair = shared_->pairs[index];
-  const ConvexPair placed = Place(pair);
-  const double away = At(data_->geom_xpos + 3 * pair.geom2).norm();
-  const double needed = required_[index] - tolerance_ - verify::Rounding(placed, away);
-  if (model_.geom_type[pair.geom1] == mjGEOM_PLANE) {
-    const Reading reading = AskPlane(pair);
-    const bool holds = reading.distance >= needed;
-    return {holds ? Proof::kPlane : Proof::kPoints, reading.n_W, reading.distance,
-            holds ? reading.p1_W : reading.p2_W, reading.p2_W};
-  }
-  const bool centred = !(placed.between.squaredNorm() > 0.0);
-  return verify::Decide(placed, needed, centred ? Vector3d::UnitX() : placed.between);
+  return posed.ToWorld(verify::Measure(posed.Shapes(), cutoff, search));
 }
 
 Certificate Verifier::CertificateOf(int geom1, int geom2) const {
   const int index = PairIndex(geom1, geom2);
   if (index < 0) throw Error("the geoms are no pair that counts");
-  const CheckedPair& pair = shared_->pairs[index];
-  Certificate found = DecideConvex(index);
-  if (model_.geom_type[pair.geom1] == mjGEOM_PLANE) return found;
-  const Reading reading = ToWorld(pair, found);
-  return {found.proof, reading.n_W, reading.distance, reading.p1_W, reading.p2_W};
+  return Posed(index).Decide(required_[index] - tolerance_);
 }
 
 // Is a pair that has signed distances as far apart as it must be? Always decided in the same way.
 Proof Verifier::Judge(int index) const {
-  const CheckedPair& pair = shared_->pairs[index];
-  if (!pair.exact) return DecideConvex(index).proof;
-  const Depths depths = required_[index] > 0.0 ? Depths::kMeasured : Depths::kSkipped;
   const double needed = required_[index] - tolerance_;
+  if (!shared_->pairs[index].exact) return Posed(index).Decide(needed).proof;
+  const Depths depths = required_[index] > 0.0 ? Depths::kMeasured : Depths::kSkipped;
   const double cutoff = std::max(needed, 0.0) + tolerance_;
-  return AskExact(pair, cutoff, depths).distance >= needed ? Proof::kPlane : Proof::kPoints;
+  return AskExact(index, cutoff, depths).distance >= needed ? Proof::kPlane : Proof::kPoints;
 }
 
 // The same, with what is cheap asked first: spheres, and the last plane.
 bool Verifier::KeepsApart(int index) {
-  const CheckedPair& pair = shared_->pairs[index];
+  const PosedPair posed = Posed(index);
   const double needed = required_[index] - tolerance_;
-  if (SphereBound(pair) >= needed) return true;
-  const bool has_plane = pair.exact || model_.geom_type[pair.geom1] == mjGEOM_PLANE;
-  if (has_plane) return Judge(index) == Proof::kPlane;
-  const ConvexPair placed = Place(pair);
+  if (posed.SphereBound() >= needed) return true;
+  if (posed.pair.exact || posed.HasPlane()) return Judge(index) == Proof::kPlane;
+  const ConvexPair placed = posed.Shapes();
   const double clearly = needed + kClear * placed.size() + placed.radii();
   Vector3d& n = plane_[index];
   if (n.squaredNorm() > 0.0 && placed.CoreGap(n) >= clearly) return true;
@@ -371,25 +279,24 @@ void Verifier::CheckPairs(Depths depths) {
   order_.clear();
   for (int k = 0; k < static_cast<int>(shared_->pairs.size()); ++k) {
     if (shared_->pairs[k].contact_only) continue;
-    const double bound = SphereBound(shared_->pairs[k]);
+    const double bound = Posed(k).SphereBound();
     if (bound <= std::max(verdict_.min_distance, matters)) order_.emplace_back(bound, k);
   }
   std::sort(order_.begin(), order_.end());
   for (const auto& [bound, k] : order_) {
-    const CheckedPair& pair = shared_->pairs[k];
+    const PosedPair posed = Posed(k);
     const double cutoff = std::max(verdict_.min_distance, matters);
     if (bound > cutoff) break;
-    if (BoxBound(pair) > cutoff) continue;
+    if (posed.BoxBound() > cutoff) continue;
     const Depths asked = required_[k] > 0.0 ? Depths::kMeasured : depths;
-    const Reading reading = Read(pair, cutoff, asked);
+    const Reading reading = Read(k, cutoff, asked);
     if (reading.distance >= cutoff) continue;
     verdict_.min_distance = std::min(verdict_.min_distance, reading.distance);
-    const double size = shared_->shapes[pair.geom1].extent + shared_->shapes[pair.geom2].extent;
     const double needed = required_[k] - tolerance_;
     Proof proof = Proof::kPlane;
-    if (pair.exact) {
+    if (posed.pair.exact) {
       proof = reading.distance >= needed ? Proof::kPlane : Proof::kPoints;
-    } else if (!(reading.distance >= needed + kClear * size)) {
+    } else if (!(reading.distance >= needed + kClear * posed.size())) {
       proof = Judge(k);
     }
     if (proof != Proof::kPlane || reading.distance < tolerance_) Report(k, reading, proof);

@@ -24,6 +24,7 @@
 #include "verify/certificate.h"
 #include "verify/exact_pair.h"
 #include "verify/findings.h"
+#include "verify/posed_pair.h"
 #include "verify/verifier_model.h"
 
 namespace mjcf_pdg {
@@ -77,11 +78,6 @@ class Verifier {
   double DepthAtRest(int geom1, int geom2) const;
 
  private:
-  struct Reading {
-    double distance = 0.0;  // signed [m]
-    Eigen::Vector3d n_W, p1_W, p2_W;
-  };
-
   void NeutraliseMargins();
   int PairIndex(int geom1, int geom2) const;  // -1 when there is none
   double Usual(const verify::CheckedPair& pair) const;
@@ -90,14 +86,9 @@ class Verifier {
   void Pose(std::span<const double> q);
   void AskCollision();
 
-  double SphereBound(const verify::CheckedPair& pair) const;
-  double BoxBound(const verify::CheckedPair& pair) const;
-  verify::ConvexPair Place(const verify::CheckedPair& pair) const;
-  Reading ToWorld(const verify::CheckedPair& pair, const verify::Certificate& found) const;
-  Reading AskPlane(const verify::CheckedPair& pair) const;
-  Reading AskExact(const verify::CheckedPair& pair, double cutoff, verify::Depths depths) const;
-  Reading Read(const verify::CheckedPair& pair, double cutoff, verify::Depths depths) const;
-  verify::Certificate DecideConvex(int pair) const;
+  verify::PosedPair Posed(int pair) const { return {*shared_, *data_, shared_->pairs[pair]}; }
+  verify::Reading AskExact(int pair, double cutoff, verify::Depths depths) const;
+  verify::Reading Read(int pair, double cutoff, verify::Depths depths) const;
   verify::Proof Judge(int pair) const;
   bool KeepsApart(int pair);
 
@@ -105,7 +96,7 @@ class Verifier {
   void CheckPairs(verify::Depths depths);
   void CheckContacts();
   void CheckLimits(std::span<const double> q);
-  void Report(int pair, const Reading& reading, verify::Proof proof);
+  void Report(int pair, const verify::Reading& reading, verify::Proof proof);
   void FillViolations();
 
   const std::shared_ptr<const VerifierModel> shared_;

@@ -7,6 +7,7 @@
 #include "model/kinematics.h"
 #include "model/scene_tables.h"
 #include "tests/support/test_support.h"
+#include "verify/verifier_model.h"
 
 namespace mjcf_pdg::test {
 namespace {
@@ -17,6 +18,15 @@ std::set<std::pair<int, int>> KeptPairs(const Scene& scene) {
   std::set<std::pair<int, int>> pairs;
   for (const KeptPair& pair : scene.tables().pairs) pairs.insert({pair.geom1, pair.geom2});
   EXPECT_EQ(pairs.size(), scene.tables().pairs.size()) << "a pair is listed twice";
+  return pairs;
+}
+
+// The same as the verifier has them, which finds its own.
+std::set<std::pair<int, int>> VerifiersPairs(const Scene& scene) {
+  std::set<std::pair<int, int>> pairs;
+  for (const verify::CheckedPair& pair : scene.verifier_model()->pairs) {
+    pairs.insert({pair.geom1, pair.geom2});
+  }
   return pairs;
 }
 
@@ -82,6 +92,7 @@ TEST_F(KeptPairsTest, KeptPairsAreThoseThatMuJoCoFiltersKeep) {
     const Scene scene = Scene::FromString(xml);
     const auto expected = CollidingPairs(scene.model());
     ASSERT_EQ(KeptPairs(scene), expected) << "trial " << trial << "\n" << xml;
+    ASSERT_EQ(VerifiersPairs(scene), expected) << "trial " << trial << "\n" << xml;
     kept += expected.size();
     possible += scene.model()->ngeom * (scene.model()->ngeom - 1) / 2;
   }
@@ -109,6 +120,7 @@ TEST_F(KeptPairsTest, PairsOfTypesThatMujocoCannotCollideAreNotKept) {
           second + "/><body pos='.01 .02 .03'><freejoint/><geom " + geoms[first] +
           "/></body></worldbody></mujoco>");
       EXPECT_EQ(KeptPairs(scene), CollidingPairs(scene.model())) << geoms[first] << second;
+      EXPECT_EQ(VerifiersPairs(scene), CollidingPairs(scene.model())) << geoms[first] << second;
     }
   }
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "mjcf_pdg/pdg.h"
+#include "tests/support/allocation_counter.h"
 #include "tests/support/test_support.h"
 #include "tests/support/verify_scenes.h"
 
@@ -27,7 +28,7 @@ class VerifierTest : public MujocoTest {};
 
 TEST_F(VerifierTest, TwoBoxesOverlapByTheDepthOfTheirSlide) {
   const Scene scene = Scene::FromString(TwoBoxes());
-  const Verdict apart = Verify(scene, {0.25});
+  const Verdict apart = Verify(scene, {0.25}, Measuring());
   EXPECT_TRUE(apart.free);
   EXPECT_TRUE(apart.certified);
   EXPECT_NEAR(apart.min_distance, 0.05, 1e-9);
@@ -62,9 +63,11 @@ TEST_F(VerifierTest, ANegativeMarginAndGapIsAnOverlapTheModelAllows) {
   EXPECT_EQ(verdict.reason, "geom 'wall' and geom 'block' overlap by 6.1 mm (6 mm allowed)");
 }
 
-TEST_F(VerifierTest, FarGeomsHaveADistanceCutOffAtOneMetre) {
+TEST_F(VerifierTest, DistancesAreCutOffWhereTheOptionSays) {
   const Scene scene = Scene::FromString(TwoBoxes());
-  EXPECT_EQ(Verify(scene, {9.0}).min_distance, 1.0);
+  EXPECT_EQ(Verify(scene, {9.0}, Measuring()).min_distance, 1.0);
+  EXPECT_EQ(Verify(scene, {9.0}).min_distance, 0.0);
+  EXPECT_EQ(Verify(scene, {0.21}).min_distance, 0.0);
 }
 
 TEST_F(VerifierTest, SignedDistancesAreThoseOfTheSlowOracle) {
@@ -83,7 +86,7 @@ TEST_F(VerifierTest, SignedDistancesAreThoseOfTheSlowOracle) {
       mju_copy(d->qpos, q.data(), 7);
       mj_kinematics(scene.model(), d.get());
       const double brute = BruteDistance(scene.model(), d.get(), 0, 1).distance;
-      const Verdict verdict = Verify(scene, q);
+      const Verdict verdict = Verify(scene, q, Measuring());
       EXPECT_NEAR(verdict.min_distance, brute, 2e-6) << TwoGeomXml(geoms) << Join(ToEigen(q));
       EXPECT_EQ(verdict.free, brute > -1e-6) << TwoGeomXml(geoms) << Join(ToEigen(q));
       overlaps += brute < 0.0;
@@ -293,13 +296,13 @@ TEST_F(VerifierTest, NeitherTheUsersModelNorTheOrderOfChecksMatters) {
   const Scene scene = Scene::FromString(ArmXml());
   const std::vector<char> before = ModelBytes(scene.model());
   Random rng(5);
-  Verifier verifier(scene.verifier_model(), {});
+  Verifier verifier(scene.verifier_model(), Measuring());
   std::vector<std::vector<double>> configurations;
   std::vector<double> distances;
   int free = 0;
   for (int i = 0; i < 100; ++i) {
     configurations.push_back(ToVector(RandomConfiguration(scene, rng)));
-    const Verdict once = Verify(scene, configurations.back());
+    const Verdict once = Verify(scene, configurations.back(), Measuring());
     distances.push_back(once.min_distance);
     free += once.free;
   }
@@ -309,6 +312,63 @@ TEST_F(VerifierTest, NeitherTheUsersModelNorTheOrderOfChecksMatters) {
   EXPECT_GT(free, 5);
   EXPECT_LT(free, 95);
   EXPECT_EQ(ModelBytes(scene.model()), before);
+}
+
+TEST_F(VerifierTest, IsFreeSaysWhatCheckSaysWhateverWasAskedBefore) {
+  Random rng(6);
+  const Scene scene = Scene::FromString(RandomRobotXml(rng));
+  Verifier verifier(scene.verifier_model(), {});
+  int free = 0;
+  for (int i = 0; i < 500; ++i) {
+    const std::vector<double> q = ToVector(RandomConfiguration(scene, rng));
+    const bool is_free = verifier.IsFree(q);
+    EXPECT_EQ(Verifier(scene.verifier_model(), {}).IsFree(q), is_free);
+    EXPECT_EQ(verifier.Check(q).free, is_free) << verifier.verdict().reason;
+    free += is_free;
+  }
+  EXPECT_GT(free, 10);
+  EXPECT_LT(free, 490);
+}
+
+TEST_F(VerifierTest, WarmChecksOfFreeConfigurationsAllocateNothing) {
+  if (!AllocationCounter::Works()) GTEST_SKIP() << "no allocation is seen here";
+  Random rng(7);
+  const Scene scene = Scene::FromString(RandomRobotXml(rng));
+  Verifier verifier(scene.verifier_model(), Measuring());
+  std::vector<std::vector<double>> free, colliding;
+  while (free.size() < 20 || colliding.size() < 20) {
+    const std::vector<double> q = ToVector(RandomConfiguration(scene, rng));
+    (verifier.Check(q).free ? free : colliding).push_back(q);
+  }
+  const AllocationCounter counter;
+  for (const std::vector<double>& q : free) EXPECT_TRUE(verifier.IsFree(q));
+  for (const std::vector<double>& q : colliding) EXPECT_FALSE(verifier.IsFree(q));
+  for (const std::vector<double>& q : free) EXPECT_TRUE(verifier.Check(q).free);
+  EXPECT_EQ(counter.count(), 0);
+}
+
+TEST_F(VerifierTest, ViolationsAreToldApartByCode) {
+  const std::string xml = R"(<mujoco><worldbody><geom name="wall" type="box" size=".1 .1 .1"/>
+    <body pos=".205 0 0"><joint type="slide" axis="1 0 0" range="-1 1"/>
+      <geom type="box" size=".1 .1 .1"/></body>
+    <body name="b" pos="0 0 1"><joint type="slide" axis="0 0 1"/>
+      <geom size=".1"/></body></worldbody></mujoco>)";
+  SceneOptions only_b;
+  only_b.movable = {"b"};
+  const Scene scene = Scene::FromString(xml, only_b);
+  Verifier verifier(scene.verifier_model(), {});
+  const auto violations = [&](const std::vector<double>& q) {
+    verifier.Check(q);
+    const Verifier::Violations& v = verifier.violations();
+    EXPECT_FALSE(v.uncertified || v.arena_full || v.not_a_number);
+    return std::vector<bool>{v.separable, v.frozen, v.limits};
+  };
+  EXPECT_EQ(violations({0.0, 0.0}), (std::vector<bool>{false, false, false}));
+  EXPECT_EQ(violations({0.0, -0.85}), (std::vector<bool>{true, false, false}));
+  EXPECT_EQ(violations({-0.02, 0.0}), (std::vector<bool>{false, true, false}));
+  EXPECT_EQ(violations({1.1, 0.0}), (std::vector<bool>{false, false, true}));
+  verifier.Check(std::vector<double>{NAN, 0.0});
+  EXPECT_TRUE(verifier.violations().not_a_number);
 }
 
 }  // namespace
