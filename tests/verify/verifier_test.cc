@@ -63,11 +63,11 @@ TEST_F(VerifierTest, ANegativeMarginAndGapIsAnOverlapTheModelAllows) {
   EXPECT_EQ(verdict.reason, "geom 'wall' and geom 'block' overlap by 6.1 mm (6 mm allowed)");
 }
 
-TEST_F(VerifierTest, DistancesAreCutOffWhereTheOptionSays) {
+TEST_F(VerifierTest, DistancesAreCutOffWhereTheirRangeEnds) {
   const Scene scene = Scene::FromString(TwoBoxes());
   EXPECT_EQ(Verify(scene, {9.0}, Measuring()).min_distance, 1.0);
-  EXPECT_EQ(Verify(scene, {9.0}).min_distance, 0.0);
-  EXPECT_EQ(Verify(scene, {0.21}).min_distance, 0.0);
+  EXPECT_EQ(Verifier(scene.verifier_model(), {}, 0.0).Check(std::vector{9.0}).min_distance, 0.0);
+  EXPECT_EQ(Verifier(scene.verifier_model(), {}, 0.0).Check(std::vector{0.21}).min_distance, 0.0);
 }
 
 TEST_F(VerifierTest, SignedDistancesAreThoseOfTheSlowOracle) {
