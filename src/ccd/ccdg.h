@@ -37,8 +37,8 @@ struct CcdOptions {
   // Pairs that the motion does not move count, too: where they overlap, the start is in collision.
   bool still_pairs = false;
 
-  // Contact band: pairs stop between half of it and all of it apart [m]. Four tolerances: wide
-  // enough for sure normals (distances are good to a hundredth of a tolerance).
+  // Contact band: pairs stop between half of it and all of it apart [m]. Four tolerances: two are
+  // left where the motion ends, so that contact normals, noise below a tenth of one, are sure.
   double Gap() const { return 4.0 * tolerance; }
 };
 

@@ -10,7 +10,8 @@
 //
 // Every lever holds on a whole interval [s, s + horizon] and starts from the pose at s: a point's
 // distance from a joint's axis grows at most by the travel that the joints in between give it, and
-// never beyond the stretched chain of anchors.
+// never beyond the stretched chain of anchors. The same holds on [s - horizon, s]: run backwards,
+// the motion has the same speeds.
 // Units: s has none, lengths in m, angles in rad.
 #ifndef MJCF_PDG_SRC_CCD_MOTION_BOUND_H_
 #define MJCF_PDG_SRC_CCD_MOTION_BOUND_H_

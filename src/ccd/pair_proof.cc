@@ -7,7 +7,8 @@ namespace mjcf_pdg {
 namespace {
 
 // λ grows with the horizon: it is tried on the whole, then on a few times what that proved, at
-// least a 16th of it. Three are enough: a fourth changes less than 1 % of the poses.
+// least a 16th of it. The second saves 1 % of the poses of usual motions, the third is for turns
+// far away or along a long slide; a fourth would save less than a thousandth.
 constexpr int kHorizons = 3;
 constexpr double kHorizonPerReach = 4.0;
 constexpr double kSmallestShrink = 1.0 / 16.0;

@@ -5,7 +5,7 @@
 // the distance. Along a motion x(s) = x + s (v + ω×x) + (at most ½ a s²) the support function is
 // asked in the tilted direction n + s n×ω, so that the bound is exact to first order: geoms that
 // slide along each other, or part, are passed in few steps. An exact mesh counts as its convex
-// hull, which only lowers the bound.
+// hull, which only lowers the bound. For a step backwards, v and ω are given with opposite signs.
 #ifndef MJCF_PDG_SRC_CCD_SEPARATION_H_
 #define MJCF_PDG_SRC_CCD_SEPARATION_H_
 

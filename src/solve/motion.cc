@@ -55,6 +55,7 @@ struct MotionChecker::Impl {
   void RefuseFrozenMotion() const;
   void LetRest();
   void Fill(const CcdResult& result);
+  void FillOutside(int joint);
 
   Scene scene;
   Options options;
@@ -118,6 +119,16 @@ void MotionChecker::Impl::Fill(const CcdResult& result) {
   }
 }
 
+void MotionChecker::Impl::FillOutside(int joint) {
+  motion.outcome = MotionOutcome::kLimit;
+  motion.t = 0.0;
+  motion.q.assign(normalized.data(), normalized.data() + normalized.size());
+  motion.certified = true;
+  motion.pairs.clear();
+  motion.joint = scene.tables().joints[joint].id;
+  motion.poses = motion.distance_queries = 0;
+}
+
 MotionChecker::MotionChecker(const Scene& scene, const Options& options) {
   CheckOptions(options, *scene.model());
   impl_ = std::make_unique<Impl>(scene, options);
@@ -139,11 +150,7 @@ const Motion& MotionChecker::Check(std::span<const double> q0, std::span<const d
   impl.finder.Forget();
   const int outside = JointOutsideLimits(impl.scene.tables(), impl.normalized, kLimitTolerance);
   if (outside >= 0) {
-    CcdResult result;
-    result.outcome = CcdOutcome::kLimit;
-    result.joint = outside;
-    result.q = impl.normalized;
-    impl.Fill(result);
+    impl.FillOutside(outside);
     return impl.motion;
   }
   impl.LetRest();

@@ -16,6 +16,18 @@ CcdResult Move(const Scene& scene, const VectorXd& q0, const VectorXd& dq,
   return Ccdg(scene.tables(), finder).Move({q0, dq}, options);
 }
 
+// Of the nearest of the pairs that a motion names, where it ends.
+double Nearest(const Scene& scene, const CcdResult& result) {
+  ContactFinder finder(scene.tables());
+  finder.Pose(result.q);
+  double nearest = 1.0;
+  for (const int pair : result.pairs) {
+    NearPair near;
+    if (finder.Distance(pair, 1.0, near)) nearest = std::min(nearest, near.distance);
+  }
+  return nearest;
+}
+
 CcdResult MoveFromDefault(const std::string& xml, const VectorXd& dq, const CcdOptions& options) {
   const Scene scene = Scene::FromString(xml);
   return Move(scene, ToEigen(scene.DefaultQpos()), dq, options);
@@ -29,42 +41,46 @@ CcdOptions Halving(bool halve) {
 
 // ---- Proofs are carried down ----
 
-// A rod that turns many times past a post, and beside it a slab that slides over another, so near
-// that their bounding volumes prove nothing.
-constexpr char kRod[] = R"(<geom type="capsule" size=".01" fromto=".31 0 -1 .31 0 1"/>
-    <body><joint axis="0 0 1"/><geom type="capsule" size=".01" fromto="0 0 0 .28 0 0"/></body>)";
-constexpr char kSlabs[] = R"(<geom type="box" size="1 1 .1" pos="99 0 0"/>
-    <body pos="99 0 .25"><joint type="slide" axis="1 0 0"/><geom type="box" size="1 1 .1"/></body>)";
-
 std::string World(const std::string& inside) {
   return "<mujoco><worldbody>" + inside + "</worldbody></mujoco>";
 }
 
+// A ball that slides past another at a millimetre; with a slab at its side that slides over another
+// slab, so near that no bounding volume proves anything, but its one distance proves all.
+std::string Sliding(const std::string& slab, const std::string& other_slab) {
+  return World("<geom size='.5'/>" + other_slab +
+               "<body pos='-2 1.001 0'><joint type='slide' axis='1 0 0'/><geom size='.5'/>" + slab +
+               "</body>");
+}
+
 TEST_F(CcdgBisectionTest, APairProvenOnAnIntervalIsNotAskedAgainInItsParts) {
+  const VectorXd way = VectorXd::Constant(1, 4.0);
   for (const bool halve : {false, true}) {
-    const CcdOptions options = Halving(halve);
-    const CcdResult rod = MoveFromDefault(World(kRod), VectorXd::Constant(1, 40.0), options);
+    const CcdResult ball = MoveFromDefault(Sliding("", ""), way, Halving(halve));
     const CcdResult both =
-        MoveFromDefault(World(std::string(kRod) + kSlabs), Eigen::Vector2d(40.0, 0.5), options);
-    EXPECT_EQ(rod.outcome, CcdOutcome::kFree);
+        MoveFromDefault(Sliding("<geom type='box' size='1 1 .1' pos='0 49 .25'/>",
+                                "<geom type='box' size='9 1 .1' pos='0 50 0'/>"),
+                        way, Halving(halve));
+    EXPECT_EQ(ball.outcome, CcdOutcome::kFree);
     EXPECT_EQ(both.outcome, CcdOutcome::kFree);
-    EXPECT_GT(rod.poses, 20);  // many parts
-    EXPECT_EQ(both.poses, rod.poses);
-    // The slabs: once, and where halving asks both ends first, once more.
-    EXPECT_LE(both.distance_queries, rod.distance_queries + (halve ? 2 : 1));
-    EXPECT_GT(both.distance_queries, rod.distance_queries);
+    EXPECT_GE(ball.poses, 3);  // several parts
+    EXPECT_EQ(both.poses, ball.poses);
+    EXPECT_EQ(both.distance_queries, ball.distance_queries + 1);
   }
 }
 
-TEST_F(CcdgBisectionTest, ProofsFromBothEndsTakeFewerPosesThanThoseFromTheStartAlone) {
-  // A ball on a tangent past another, at a clearance of 1/20: proofs from the start alone need a
-  // pose wherever the last one ends.
-  const CcdResult result = MoveFromDefault(
-      World(R"(<geom size=".5"/><body pos="-2 1.02 0"><joint type="slide" axis="1 0 0"/>
-            <joint type="hinge" axis="0 0 1" pos="0 3 0"/><geom size=".5"/></body>)"),
-      Eigen::Vector2d(4.0, 0.02), {});
-  EXPECT_EQ(result.outcome, CcdOutcome::kFree);
-  EXPECT_LE(result.poses, 8);
+// A rod that turns six times past a post at 1 cm.
+constexpr char kRod[] = R"(<geom type="capsule" size=".01" fromto=".31 0 -1 .31 0 1"/>
+    <body><joint axis="0 0 1"/><geom type="capsule" size=".01" fromto="0 0 0 .28 0 0"/></body>)";
+
+TEST_F(CcdgBisectionTest, ProofsFromBothEndsSavePoses) {
+  const VectorXd turns = VectorXd::Constant(1, 40.0);
+  const CcdResult split = MoveFromDefault(World(kRod), turns, Halving(false));
+  EXPECT_EQ(split.outcome, CcdOutcome::kFree);
+  EXPECT_LE(split.poses, 35);  // 39 where a pose is asked only where the proofs end
+  const CcdResult halved = MoveFromDefault(World(kRod), turns, Halving(true));
+  EXPECT_EQ(halved.outcome, CcdOutcome::kFree);
+  EXPECT_LE(halved.poses, 45);  // 59 where what an end proves is forgotten until it is asked again
 }
 
 // ---- Both ways of splitting ----
@@ -145,6 +161,20 @@ TEST_F(CcdgBisectionTest, AThousandTurnsEndInFreedomContactOrTheBudget) {
         EXPECT_NEAR(result.t, 1.0 / 2000.0, 5e-5);
       }
     }
+  }
+}
+
+TEST_F(CcdgBisectionTest, ASlidesLimitIsHeldToAShareOfTheTolerance) {
+  const Scene scene =
+      Scene::FromString(World("<body><joint type='slide' range='-1 1'/><geom size='.1'/></body>"));
+  for (const double tolerance : {1e-6, 1e-9, 1e-3}) {
+    CcdOptions options;
+    options.tolerance = tolerance;
+    const VectorXd q0 = VectorXd::Zero(1);
+    const VectorXd within = VectorXd::Constant(1, 1.0 + 0.5e-3 * tolerance);
+    const VectorXd beyond = VectorXd::Constant(1, 1.0 + 2e-3 * tolerance);
+    EXPECT_EQ(Move(scene, q0, within, options).outcome, CcdOutcome::kFree);
+    EXPECT_EQ(Move(scene, q0, beyond, options).outcome, CcdOutcome::kLimit);
   }
 }
 

@@ -112,7 +112,7 @@ struct Tally {
 
 // Walks the motion at 1e-3 and compares. Late: an overlap before the answer's t.
 void Judge(const Case& random, const CcdResult& result, const CcdOptions& options, Tally& tally) {
-  constexpr double kSample = 1e-3, kError = 1e-7;
+  constexpr double kSample = 1e-3, kError = 1e-7, kFar = 1e-4;
   const mjModel& m = random.scene.tables().query_model;
   const KeptPair& pair = random.scene.tables().pairs[0];
   const DataPtr d(mj_makeData(&m));
@@ -121,7 +121,7 @@ void Judge(const Case& random, const CcdResult& result, const CcdOptions& option
     Integrate(random.scene.tables(), random.q0, s * random.dq, q);
     mju_copy(d->qpos, q.data(), static_cast<int>(q.size()));
     mj_kinematics(&m, d.get());
-    return IndependentDistance(m, d.get(), pair.geom1, pair.geom2, 1.0);
+    return IndependentDistance(m, d.get(), pair.geom1, pair.geom2, kFar);
   };
   ++tally.motions;
   ++tally.outcomes[result.outcome];

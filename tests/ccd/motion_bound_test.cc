@@ -266,6 +266,16 @@ TEST_F(MotionBoundTest, ASlideInBetweenLengthensTheLeverByItsTravel) {
   EXPECT_NEAR(RatesOf(world, dq).geoms, (1.0 + 0.5) * 1.0 + 0.5, 1e-12);
 }
 
+// The far anchor bounds the lever of the near joint: it moves away with the slide in between.
+TEST_F(MotionBoundTest, ASlideBetweenTwoHingesStretchesTheChainOfAnchors) {
+  const std::string world = std::string(kPlane) + R"(<body pos="0 0 9"><joint axis="0 1 0"/>
+      <body><joint type="slide" axis="1 0 0"/><body pos="1 0 0"><joint axis="0 1 0"/>
+      <geom type="sphere" size=".1" pos=".2 0 0"/></body></body></body>)";
+  const Vector3d dq(1.0, 0.5, 2.0);
+  // Outer hinge: 0.2. Slide: 0.5. Inner: |1| + 0.5 + 0.2, less than 1.2 + 0.5 + 0.4 by travels.
+  EXPECT_NEAR(RatesOf(world, dq).geoms, 2.0 * 0.2 + 0.5 + 1.0 * (1.0 + 0.5 + 0.2), 1e-12);
+}
+
 TEST_F(MotionBoundTest, JointsAboveBothGeomsDoNotCount) {
   const std::string world = R"(<body><joint axis="0 0 1"/>
       <body pos="1 0 0"><joint axis="0 1 0"/><geom type="sphere" size=".1" pos=".2 0 0"/></body>
