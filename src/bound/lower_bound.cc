@@ -129,6 +129,8 @@ void LowerBound::AddOverlap(const LowerBoundInput& in, const NearPair& near) {
 // Pair by pair, the most promising first. Those that hardly raise the sum are passed over.
 void LowerBound::ClaimOverlaps(const LowerBoundInput& in) {
   chains_.Fill(in);
+  heap_.reserve(kFirstCells + in.max_cells + 3);
+  for (std::vector<int>* path : {&path1_, &path2_}) path->reserve(in.norm.terms().size());
   for (const NearPair& near : in.overlaps) AddOverlap(in, near);
   OrderFalling(
       static_cast<int>(overlaps_.size()), [this](int k) { return overlaps_[k].problem.hope; },

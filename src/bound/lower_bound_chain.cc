@@ -60,6 +60,7 @@ void Chains::Fill(const LowerBoundInput& in) {
   in_ = &in;
   m_ = in.posed.model();
   movers_.clear();
+  above_.reserve(m_->nbody);
   for (const NormTerm& term : in.norm.terms()) movers_.push_back(MoverOf(term));
   if (in.metric == Metric::kDisplacement) MergeRigidPieces();
 }

@@ -52,6 +52,9 @@ struct DirectionCell {
   }  // heap: least on top
 };
 
+// The search begins with so many, and goes on by cutting one into four.
+inline constexpr int kFirstCells = 6 * 3 * 3;
+
 // √S for all directions, by branch and bound. Gives up once the pair cannot beat `floor` (√S) or no
 // cells are left. `heap` is scratch.
 double SearchDirections(const PairProblem& pair, double floor, int& cells_left,

@@ -59,15 +59,16 @@ LocalOptions LocalOptions::Retreating() {
 
 // Rooms for the most rows there can be, so that no later run needs more.
 LocalOptimization::LocalOptimization(Workspace& work) : problem_(work.problem()), work_(work) {
-  const std::size_t pairs = work.problem().tables.pairs.size();
-  const int n = work.problem().tables.n,
-            limits = 2 * static_cast<int>(work.problem().tables.joints.size());
+  const SceneTables& tables = problem_.tables;
+  const std::size_t pairs = tables.pairs.size();
+  const int n = tables.n, limits = 2 * static_cast<int>(tables.joints.size());
   const int rows = kMaxContactRows * (1 + WitnessMemory::kPerPair) + limits;
   rows_.Reserve(rows, n);
   lcp_.Reserve(n, rows);
   GrowTo(n, rows, G_);
   for (VectorXd* per_row : {&lambda_, &b_, &bounds_, &slack_}) GrowTo(rows, *per_row);
   nearest_.reserve(pairs);
+  apart_.resize(n);
   for (Iterate* it : {&descent_.best, &descent_.current, &descent_.trial}) it->near.reserve(pairs);
 }
 
@@ -370,6 +371,7 @@ void LocalOptimization::Begin(const VectorXd& q, const LocalOptions& options, De
   static_cast<Progress&>(d) = {};
   static_cast<LocalOutcome&>(d.result) = {};
   d.options = options;
+  to_known_.resize(work_.norm.rows());
   memory_.Clear(problem_.tables.pairs.size());
   features_.Clear(problem_.tables.pairs.size());
   work_.finder.ForgetConvex();

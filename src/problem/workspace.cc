@@ -54,7 +54,8 @@ void Workspace::Begin(const VectorXd& q_in, const MocapPoses& mocap, const Vecto
   finder.Forget();
   finder.SetMocap(mocap);
   problem_.mocap = mocap;
-  problem_.q_in = Normalized(problem_.tables, q_in);
+  problem_.q_in = q_in;
+  SetMovable(problem_.tables, q_in, problem_.q_in);
   norm.SetReference(problem_.q_in, mocap);
   SetRequired();
   if (rest) problem_.required = problem_.required.cwiseMin(*rest);

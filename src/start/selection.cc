@@ -88,6 +88,27 @@ Item& Next(std::vector<Item>& items, int& used) {
 
 }  // namespace
 
+// Rooms for the largest of everything, so that no later call needs more.
+StartSelection::StartSelection(Workspace& work) : problem_(work.problem()), work_(work) {
+  const SceneTables& tables = problem_.tables;
+  int slides = 0;
+  for (const JointEntry& joint : tables.joints) {
+    for (int k = 0; k < joint.ndof; ++k) slides += joint.Slides(k);
+  }
+  const VectorXd q(tables.model->nq);
+  translations_.assign(1 + 2 * slides, q);
+  found_.assign(translations_.size(), {q});
+  rays_.assign(translations_.size(), VectorXd(tables.n));
+  open_.reserve(translations_.size());
+  trial_ = q;
+  for (VectorXd* per_dof : {&dq_, &hopped_, &scaled_, &steps_}) per_dof->resize(tables.n);
+  between_.reserve(tables.n);
+  free_.reserve(slides);
+  touching_.reserve(tables.pairs.size());
+  others_.reserve(tables.pairs.size());
+  own_.reserve(tables.model->ngeom);
+}
+
 // steps_: how far each dof moves for a step of `length` [m] in object-norm units; dofs that the
 // norm hardly sees are held back.
 void StartSelection::FindDofSteps(const VectorXd& at, double length) {

@@ -32,7 +32,7 @@ struct FreeOnRay {
 // Keeps its memory between calls. What `start` was is ignored; it must not be an argument, too.
 class StartSelection {
  public:
-  explicit StartSelection(Workspace& work) : problem_(work.problem()), work_(work) {}
+  explicit StartSelection(Workspace& work);
 
   // q_in moved as far to the other side as q lies on this one: q_in ⊖ (q ⊖ q_in).
   void Mirrored(const VectorXd& q, VectorXd& start);
