@@ -39,7 +39,7 @@ namespace mjcf_pdg {
 namespace {
 
 constexpr double kLimitTolerance = 1e-6;  // joint limits count as held up to this [rad or m]
-constexpr double kRounding = 1e-9;        // of distances and depths, taken off what we claim [m]
+constexpr double kRounding = 1e-3;        // of distances, taken off what we claim [tolerances]
 
 // The least sin²(Δ/2) over Δ in [low, high].
 double LeastChord(double low, double high) {
@@ -95,7 +95,7 @@ void LowerBound::AddOverlap(const LowerBoundInput& in, const NearPair& near) {
   if (!kept.has_distance || !kept.moves || kept.exact) return;  // convex geoms only
   Overlap& added = overlaps_.emplace_back();
   PairProblem& pair = added.problem;
-  pair.required = in.required[near.pair] - in.tolerance - kRounding;
+  pair.required = in.required[near.pair] - in.tolerance * (1.0 + kRounding);
   pair.needed = pair.required - near.distance;
   const mjModel& m = *in.posed.model();
   pair.plane = m.geom_type[kept.geom1] == mjGEOM_PLANE;

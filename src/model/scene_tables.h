@@ -66,6 +66,8 @@ struct SceneTables {
   std::vector<int> column_of_dof;  // nv -> n, -1 when frozen
   std::vector<char> body_moves;    // nbody: some movable joint is above it
   int n = 0;
+  double size =
+      1.0;  // half of the colliding geoms that may move have a smaller bounding radius [m]
   int root_body = -1;  // the norm's root link, -1: top bodies
 
   std::vector<KeptPair> pairs;  // sorted by body pair

@@ -325,7 +325,27 @@ void NormEvaluator::InnerProduct(const MatrixXd& J, MatrixXd& H) const {
     H.block(block.begin, block.begin, block.size, block.size).noalias() =
         own.transpose().lazyProduct(own);
   }
-  H.diagonal().array() += 1e-8 * H.diagonal().mean() + 1e-12;
+  KeepPositive(H);
+}
+
+// Dofs that move no mass get a little of what others of their kind have, so that H can be factored.
+void NormEvaluator::KeepPositive(MatrixXd& H) const {
+  constexpr double kShare = 1e-8;                  // of the mean of slides, of turns
+  constexpr double kSlide = 1e-12, kTurn = 1e-10;  // at least: [1], [size²]
+  double sums[2] = {}, counts[2] = {};
+  for (const JointEntry& joint : tables_.joints) {
+    for (int k = 0; k < joint.ndof; ++k) {
+      sums[joint.Slides(k)] += H(joint.col + k, joint.col + k);
+      ++counts[joint.Slides(k)];
+    }
+  }
+  const double least[2] = {kTurn * tables_.size * tables_.size, kSlide};
+  for (const JointEntry& joint : tables_.joints) {
+    for (int k = 0; k < joint.ndof; ++k) {
+      const bool slides = joint.Slides(k);
+      H(joint.col + k, joint.col + k) += kShare * sums[slides] / counts[slides] + least[slides];
+    }
+  }
 }
 
 double NormEvaluator::TermSigma(const NormTerm& term, const VectorXd& r) const {

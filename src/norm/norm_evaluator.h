@@ -63,6 +63,7 @@ class NormEvaluator {
   void Retract(const VectorXd& q, const VectorXd& dq, VectorXd& out) const;
 
  private:
+  void KeepPositive(MatrixXd& H) const;
   struct Piece;
   // What a term is about, whatever q_in: a joint or a body's pose, and the bodies that move with
   // it, parents first.

@@ -71,14 +71,15 @@ void ContactRow(const SceneTables& tables, const PosedModel& posed, int pair, co
   }
 }
 
-void AppendLimitRows(const SceneTables& tables, const VectorXd& q, double reach,
+void AppendLimitRows(const SceneTables& tables, const VectorXd& q, double reach, double slide_reach,
                      ContactRows& rows) {
   for (const JointEntry& joint : tables.joints) {
     if (!joint.limited) continue;
     if (joint.type != mjJNT_BALL) {
       const double below = q[joint.qadr] - joint.lo, above = joint.hi - q[joint.qadr];
-      if (below < reach) rows.C(rows.Append(below), joint.col) = 1.0;
-      if (above < reach) rows.C(rows.Append(above), joint.col) = -1.0;
+      const double near = joint.type == mjJNT_SLIDE ? slide_reach : reach;
+      if (below < near) rows.C(rows.Append(below), joint.col) = 1.0;
+      if (above < near) rows.C(rows.Append(above), joint.col) = -1.0;
       continue;
     }
     const double* quat = q.data() + joint.qadr;

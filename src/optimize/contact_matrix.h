@@ -29,8 +29,9 @@ struct ContactRows {
 void ContactRow(const SceneTables& tables, const PosedModel& posed, int pair, const Vector3d& p1_W,
                 const Vector3d& p2_W, const Vector3d& n_W, Eigen::Ref<Eigen::RowVectorXd> out);
 
-// Rows for joint limits closer than `reach` [rad or m] at q.
-void AppendLimitRows(const SceneTables& tables, const VectorXd& q, double reach, ContactRows& rows);
+// Rows for joint limits closer than `reach` [rad] at q, of slides than `slide_reach` [m].
+void AppendLimitRows(const SceneTables& tables, const VectorXd& q, double reach, double slide_reach,
+                     ContactRows& rows);
 
 }  // namespace mjcf_pdg
 

@@ -12,20 +12,21 @@ namespace {
 constexpr int kMaxContactRows = 48;
 // μ [m], for scenes up to desk size; larger ones scale it. Joint limits give way to nothing.
 constexpr double kFirstPrice = 10.0, kHighestPrice = 1e4, kLimitPrice = 1e6;
-constexpr double kDeskSize = 0.1, kDeskDepth = 1.0;  // typical radius and deepest overlap there [m]
+constexpr double kDeskSize = 0.1;        // typical radius there [m]
+constexpr double kSizePerDepth = 0.1;    // deep overlaps make a scene larger
 constexpr double kPriceOverForce = 3.0;  // by which steps are judged, over the largest force
 constexpr double kNearKnown = 0.15;      // √σ to a known optimum, in units of its own √σ
 constexpr double kBeatsKnown = 0.95;     // a prediction below that may lead elsewhere
 constexpr int kGiveUpFrom = 4;  // a start that still overlaps after so many steps is judged too
 constexpr int kHopeless = 2, kSettled = 2;               // such steps in a row end it
-constexpr double kSmallStep = 1e-7, kSmallShare = 1e-4;  // a small step: [m] and of √σ
+constexpr double kSmallStep = 1e-6, kSmallShare = 1e-4;  // a small step: [size] and of √σ
 constexpr int kPatience = 7;            // steps without progress before the trust radius shrinks
 constexpr int kPatienceWithPlanes = 1;  // ... where each step teaches where triangles cross
 // Levenberg-Marquardt: a tenth after steps that keep most of what they promise, tenfold after
 // others.
 constexpr double kFirstDamping = 0.1, kLeastDamping = 1e-5, kRenewedDamping = 1e-4;
 constexpr double kKept = 0.75, kBroken = 0.25;  // share of the promised decrease
-constexpr double kLeastRadius = 1e-7;           // [m]
+constexpr double kLeastRadius = 1e-6;           // [size]
 constexpr double kFullStep = 0.9;               // of the trust radius: it may be doubled
 constexpr double kLargestTurn = 1.0;  // of a joint in a step; no linearization holds beyond [rad]
 // Margins within which pairs get rows, in units of the scene's size; later 1.5 times the step.
@@ -38,7 +39,8 @@ constexpr double kStandOffPerOverlap = 2.0, kStandOffPerStep = 0.03, kStandOffKe
 // A step that ends in an overlap is made again: by this share of its length the first time, when
 // what it taught may suffice, then by the smaller one.
 constexpr double kFirstRetreat = 0.7, kRetreat = 0.15;
-constexpr double kLimitReach = 0.5;  // joint limits farther than this get no row [rad or m]
+// Joint limits farther than this get no row: [rad], of slides [size].
+constexpr double kLimitReach = 0.5, kSlideReach = 5.0;
 
 }  // namespace
 
@@ -162,7 +164,7 @@ void LocalOptimization::Linearize(const Iterate& at, double margin) {
     memory_.Add(tables, posed, *near, merge);
   }
   contact_rows_ = rows_.m;
-  AppendLimitRows(tables, at.q, kLimitReach, rows_);
+  AppendLimitRows(tables, at.q, kLimitReach, kSlideReach * problem_.size, rows_);
   work_.norm.Linearize(at.q, r_, J_);
 }
 
@@ -282,7 +284,7 @@ bool LocalOptimization::Retreat(Descent& d) {
   d.current.near.resize(d.current.found);
   features_.AppendLearnt(problem_.tables, work_.finder.posed(), kFirstMargin * problem_.size,
                          d.current.near);
-  return d.radius >= kLeastRadius;
+  return d.radius >= kLeastRadius * problem_.size;
 }
 
 // Steps are judged by a price a few times the largest force: by μ, which is far above, a micrometre
@@ -344,7 +346,8 @@ void LocalOptimization::Advance(Descent& d) {
 
 // Settled where it is free, or in an overlap whose price can rise no more: contacts conflict there.
 bool LocalOptimization::HasConverged(Descent& d) {
-  const bool small = d.length < kSmallStep + kSmallShare * std::sqrt(d.current.sigma);
+  const bool small =
+      d.length < kSmallStep * problem_.size + kSmallShare * std::sqrt(d.current.sigma);
   if (Free(d.current)) {
     const double change = std::abs(d.sigma_before - d.current.sigma);
     d.settled = change <= d.options.convergence * d.current.sigma ? d.settled + 1 : 0;
@@ -364,7 +367,7 @@ bool LocalOptimization::ReturnToBest(Descent& d) {
   d.current = d.best;
   d.finder_at_current = false;
   d.without_progress = 0;
-  return d.radius >= kLeastRadius;
+  return d.radius >= kLeastRadius * problem_.size;
 }
 
 void LocalOptimization::Begin(const VectorXd& q, const LocalOptions& options, Descent& d) {
@@ -387,7 +390,7 @@ void LocalOptimization::Begin(const VectorXd& q, const LocalOptions& options, De
   ClampToLimits(problem_.tables, next_);
   Look(next_, kFirstMargin * problem_.size, d.current);
   Evaluate(kFirstMargin * problem_.size, d.current);
-  scale_ = std::max({1.0, problem_.size / kDeskSize, d.current.worst / kDeskDepth});
+  scale_ = std::max(problem_.size, kSizePerDepth * d.current.worst) / kDeskSize;
   mu_ = kFirstPrice * scale_;
   d.radius = d.largest_radius = std::min(d.options.trust_radius * scale_, d.options.largest_step);
   d.best = d.current;

@@ -25,7 +25,8 @@ VectorXd ContactSpaceIteration::Optimize(const VectorXd& q_c, const IterationOpt
   rows_.Clear(tables.n);
   dq_.setZero(tables.n);
   AppendContactRows(q_c);
-  AppendLimitRows(tables, q_c, std::numeric_limits<double>::infinity(), rows_);
+  constexpr double kAll = std::numeric_limits<double>::infinity();
+  AppendLimitRows(tables, q_c, kAll, kAll, rows_);
   work_.norm.Linearize(q_c, r_, J_);
   work_.norm.InnerProduct(J_, H_);
   whitening_.Factor(H_, work_.norm.blocks());

@@ -14,21 +14,6 @@ constexpr double kAimInside = 0.2;
 constexpr double kMeshGap = 2e-6;   // Tolerances::mesh_gap [size]; of 1e-6 … 1e-5 the quickest
 constexpr double kTouching = 10.0;  // Tolerances::touching [tolerances]
 
-double TypicalSize(const SceneTables& tables) {
-  const mjModel& m = *tables.model;
-  std::vector<double> radii;
-  for (int g = 0; g < m.ngeom; ++g) {
-    const bool collides = m.geom_contype[g] || m.geom_conaffinity[g];
-    if (collides && tables.body_moves[m.geom_bodyid[g]] && m.geom_rbound[g] > 0.0) {
-      radii.push_back(m.geom_rbound[g]);
-    }
-  }
-  if (radii.empty()) return 1.0;
-  const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
-  std::nth_element(radii.begin(), middle, radii.end());
-  return *middle;
-}
-
 }  // namespace
 
 Tolerances::Tolerances(double tolerance, double scene_size)
@@ -44,8 +29,8 @@ Workspace::Workspace(const SceneTables& tables, const Options& options)
       finder(tables, options.clearance),
       problem_{.tables = tables,
                .options = options,
-               .size = TypicalSize(tables),
-               .tolerances = Tolerances(options.tolerance, TypicalSize(tables)),
+               .size = tables.size,
+               .tolerances = Tolerances(options.tolerance, tables.size),
                .without = ComponentsNamed(options.without, options.method)} {
   problem_.required.setZero(static_cast<Eigen::Index>(tables.pairs.size()));
 }

@@ -7,6 +7,8 @@ namespace {
 
 // How much farther from q_in than a refused candidate, doubled until the verifier agrees [share].
 constexpr double kFirstBeyond = 1e-4, kLastBeyond = 0.1;
+// ... than one that is proven but disputed, where no more than 1 % of the way is worth it.
+constexpr double kBeyondDisputed = 0.01;
 
 }  // namespace
 
@@ -20,16 +22,27 @@ bool Acceptance::Accept(Outcome& outcome, const VectorXd* hint) {
 }
 
 // One that the verifier refuses is moved a little further out and asked about again: by a descent
-// that keeps a distance, or else straight on.
+// that keeps a distance, or else straight on. So is one that MuJoCo's contacts dispute, since
+// people simulate what they get; but a proof is enough where that does not help.
 bool Acceptance::AcceptCandidate(Candidate& candidate) {
   if (!work_.Spent()) strategy_.Polish(candidate);
-  if (IsFree(candidate.q, candidate.start)) return true;
-  if (work_.Spent()) return false;
-  const bool retreated = strategy_.Retreat(candidate, trial_);
-  if (retreated && IsFree(trial_, candidate.start)) return true;
-  for (double beyond = kFirstBeyond; beyond < kLastBeyond && !work_.Spent(); beyond *= 2.0) {
+  const bool proven = IsFree(candidate.q, candidate.start);
+  if (proven && !verifier_.disputed()) return true;
+  if (!work_.Spent() && AcceptFartherOut(candidate, proven)) return true;
+  return proven && IsFree(candidate.q, candidate.start);
+}
+
+// `proven`: the candidate itself is free, but disputed, so that only
+// what nobody disputes is better.
+bool Acceptance::AcceptFartherOut(const Candidate& candidate, bool proven) {
+  const auto better = [&] {
+    return IsFree(trial_, candidate.start) && !(proven && verifier_.disputed());
+  };
+  if (strategy_.Retreat(candidate, trial_) && better()) return true;
+  const double last_beyond = proven ? kBeyondDisputed : kLastBeyond;
+  for (double beyond = kFirstBeyond; beyond < last_beyond && !work_.Spent(); beyond *= 2.0) {
     starts_.Beyond(problem_.q_in, candidate.q, 1.0 + beyond, trial_);
-    if (IsFree(trial_, candidate.start)) return true;
+    if (better()) return true;
   }
   return false;
 }

@@ -33,6 +33,7 @@ class Acceptance {
 
  private:
   bool AcceptCandidate(Candidate& candidate);
+  bool AcceptFartherOut(const Candidate& candidate, bool proven);
   bool IsFree(const VectorXd& q, Component start);
 
   const Problem& problem_;

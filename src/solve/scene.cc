@@ -16,6 +16,10 @@
 namespace mjcf_pdg {
 namespace {
 
+// Of MuJoCo's convex solver [scene's size]: distances to cylinders jitter by 5e-7 m at its default
+// of 1e-6 m in scenes of 0.1 m.
+constexpr double kCcdTolerance = 1e-8;
+
 struct ModelDeleter {
   void operator()(mjModel* m) const { mj_deleteModel(m); }
 };
@@ -104,6 +108,21 @@ void FillRoot(SceneTables& tables, const std::string& name) {
   }
 }
 
+double TypicalSize(const SceneTables& tables) {
+  const mjModel& m = *tables.model;
+  std::vector<double> radii;
+  for (int g = 0; g < m.ngeom; ++g) {
+    const bool collides = m.geom_contype[g] || m.geom_conaffinity[g];
+    if (collides && tables.body_moves[m.geom_bodyid[g]] && m.geom_rbound[g] > 0.0) {
+      radii.push_back(m.geom_rbound[g]);
+    }
+  }
+  if (radii.empty()) return 1.0;
+  const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
+  std::nth_element(radii.begin(), middle, radii.end());
+  return *middle;
+}
+
 // Settings that blind MuJoCo's collision detection are undone on a private struct.
 mjModel UnblindedCopy(const SceneTables& tables) {
   mjModel copy = *tables.model;
@@ -130,6 +149,7 @@ std::shared_ptr<const SceneTables> MakeTables(std::shared_ptr<const mjModel> own
   tables->owner = std::move(owner);
   tables->model = model;
   FillJoints(*tables, options);
+  tables->size = TypicalSize(*tables);
   FillRoot(*tables, options.root);
   MarkExactGeoms(options, *tables);
   FillKeptPairs(*tables);
@@ -138,8 +158,7 @@ std::shared_ptr<const SceneTables> MakeTables(std::shared_ptr<const mjModel> own
   tables->support = std::make_shared<const SupportPoints>(*model, tables->pairs);
   tables->query_model = UnblindedCopy(*tables);
   tables->query_model.opt.disableflags |= mjDSBL_MULTICCD;
-  // Distances to cylinders jitter by 5e-7 m at MuJoCo's default of 1e-6.
-  tables->query_model.opt.ccd_tolerance = 1e-9;
+  tables->query_model.opt.ccd_tolerance = kCcdTolerance * tables->size;
   return tables;
 }
 

@@ -269,6 +269,7 @@ const Verdict& Verifier::Check(std::span<const double> q, std::span<const double
   CheckPairs(depths);
   CheckLimits(q);
   FillViolations();
+  FindDisputes();
   verify::WriteVerdict(model_, findings_, verdict_);
   return verdict_;
 }
@@ -377,6 +378,17 @@ void Verifier::FillViolations() {
     if (!finding.violates) continue;
     (finding.frozen ? violations_.frozen : violations_.separable) = true;
     violations_.uncertified |= finding.unproven;
+  }
+}
+
+void Verifier::FindDisputes() {
+  disputed_ = false;
+  if (tolerance_ < model_.opt.ccd_tolerance)
+    return;  // finer than MuJoCo's contacts are meant to be
+  for (std::size_t k = 0; k < contact_.size(); ++k) {
+    const CheckedPair& pair = shared_->pairs[k];
+    if (contact_[k] < 0 || pair.exact || pair.contact_only) continue;
+    disputed_ |= data_->contact[contact_[k]].dist < required_[k] - tolerance_;
   }
 }
 

@@ -63,6 +63,8 @@ class Verifier {
   };
   const Violations& violations() const { return violations_; }
   const Verdict& verdict() const { return verdict_; }  // of the last Check
+  // MuJoCo's contacts make more of a pair's overlap than the plane that decided the last Check.
+  bool disputed() const { return disputed_; }
   bool certified() const {
     return verdict_.certified;
   }  // what Verdict::certified says of every configuration
@@ -98,6 +100,7 @@ class Verifier {
   void CheckLimits(std::span<const double> q);
   void Report(int pair, const verify::Reading& reading, verify::Proof proof);
   void FillViolations();
+  void FindDisputes();
 
   const std::shared_ptr<const VerifierModel> shared_;
   const double tolerance_, clearance_, rest_, range_;
@@ -118,6 +121,7 @@ class Verifier {
   std::vector<int> contacts_of_other_pairs_;
   verify::Findings findings_;
   Violations violations_;
+  bool disputed_ = false;
   std::int64_t queries_ = 0;
   Verdict verdict_;
 };

@@ -8,6 +8,9 @@
 namespace mjcf_pdg {
 namespace {
 
+constexpr double kParallel = 1e-11;  // sine of an angle: none
+constexpr double kPierces = 1e-8;    // a segment so near to the box meets it [half its diagonal]
+
 using Eigen::Vector3d;
 
 Vector3d NearestInBox(const Vector3d& p, const Vector3d& half) {
@@ -87,7 +90,7 @@ SignedGap PiercingGap(const Vector3d& a, const Vector3d& b, const Vector3d& half
   double t = lean > 0.0 ? 1.0 : 0.0;
   if (out.edge >= 0) {
     t = CrossingParameter(a, b - a, half, out);
-  } else if (std::abs(lean) < 1e-12) {
+  } else if (std::abs(lean) < kParallel * (b - a).norm()) {
     t = NearestParameter(a, b - a, Vector3d::Zero());
   }
   SignedGap gap;
@@ -106,7 +109,7 @@ SignedGap CapsuleBoxGap(const Vector3d& a, const Vector3d& b, double radius, con
   const Vector3d on_segment = a + t * (b - a);
   const Vector3d on_box = NearestInBox(on_segment, half);
   const double distance = (on_box - on_segment).norm();
-  if (distance > 1e-9) {
+  if (distance > kPierces * half.norm()) {
     gap.n = (on_box - on_segment) / distance;
     gap.distance = distance;
     gap.p1 = on_segment;

@@ -7,9 +7,9 @@ namespace {
 
 constexpr int kMaxSteps = 30;
 constexpr int kMaxGrowth = 60;  // of a polytope [corners]
-// Where the two bounds of a distance or depth meet: [m], and as a share of it.
-constexpr double kMeet = 1e-9, kMeetShare = 1e-6;
-constexpr double kTouching = 1e-7;  // the direction between nearer cores is not certain [m]
+// Where the two bounds of a distance or depth meet: [scene's size], and as a share of it.
+constexpr double kMeet = 1e-8, kMeetShare = 1e-6;
+constexpr double kTouching = 1e-6;  // the direction between nearer cores is not certain [size]
 
 }  // namespace
 
@@ -77,7 +77,7 @@ std::optional<ExpandingPolytope::Face> ConvexDistance::Overlap(const RelativePos
     const ExpandingPolytope::Face face = polytope_.Nearest();
     const Corner farthest = Farthest(pair, pose, face.n);
     const double beyond = farthest.x.dot(face.n) - face.distance;
-    if (beyond <= kMeet + kMeetShare * face.distance) return face;
+    if (beyond <= kMeet * tables_.size + kMeetShare * face.distance) return face;
     sound = polytope_.Add(farthest);
   }
   return std::nullopt;
@@ -115,14 +115,15 @@ ConvexDistance::Answer ConvexDistance::Ask(const PosedModel& posed, int pair, do
     }
     const Corner nearest = simplex_.Nearest();
     const double between = nearest.x.norm();
-    if (between < kTouching) {
+    if (between < kTouching * tables_.size) {
       RememberSimplex(pose, pair);
       return Answer::kUnknown;
     }
     simplex_.Add(Farthest(kept, pose, -nearest.x));
     const double at_least = simplex_.Last().dot(nearest.x) / between;
     const bool beyond = at_least - radii >= cutoff;
-    const bool meet = between - at_least <= kMeet + kMeetShare * std::abs(between - radii);
+    const bool meet =
+        between - at_least <= kMeet * tables_.size + kMeetShare * std::abs(between - radii);
     if (!beyond && !meet) continue;
     simplex_.DropLast();
     RememberSimplex(pose, pair);

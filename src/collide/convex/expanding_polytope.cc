@@ -8,8 +8,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kBeside = 1e-11;  // a point so near to a face's plane is not beyond it [m]
-constexpr double kFlat = 1e-9;     // sine of a triangle's angle: none
+// A point so near to a face's plane is not beyond it [farthest of the first corners].
+constexpr double kBeside = 1e-10;
+constexpr double kFlat = 1e-9;  // sine of a triangle's angle: none
 
 }  // namespace
 
@@ -22,7 +23,12 @@ void ExpandingPolytope::Reserve(int corners) {
 bool ExpandingPolytope::Start(const Simplex& simplex) {
   corners_.clear();
   faces_.clear();
-  for (int k = 0; k < 4; ++k) corners_.push_back(simplex[k]);
+  double farthest = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    corners_.push_back(simplex[k]);
+    farthest = std::max(farthest, simplex[k].x.norm());
+  }
+  beside_ = kBeside * farthest;
   const Vector3d &a = corners_[0].x, &b = corners_[1].x, &c = corners_[2].x, &d = corners_[3].x;
   if ((b - a).cross(c - a).dot(d - a) > 0.0) std::swap(corners_[0], corners_[1]);
   return AddFace(0, 1, 2) && AddFace(0, 3, 1) && AddFace(1, 3, 2) && AddFace(2, 3, 0);
@@ -35,7 +41,7 @@ bool ExpandingPolytope::AddFace(int a, int b, int c) {
   if (!(squared > kFlat * kFlat * ab.squaredNorm() * ac.squaredNorm())) return false;
   const Vector3d n = normal / std::sqrt(squared);
   faces_.push_back({{a, b, c}, n, n.dot(corners_[a].x)});
-  return faces_.back().distance > -kBeside;  // the origin is inside
+  return faces_.back().distance > -beside_;  // the origin is inside
 }
 
 // Puts the edges in their order.
@@ -53,7 +59,7 @@ bool ExpandingPolytope::Add(const Corner& corner) {
   horizon_.clear();
   for (std::size_t k = 0; k < faces_.size();) {
     const Face face = faces_[k];
-    if (face.n.dot(corner.x) - face.distance <= kBeside) {
+    if (face.n.dot(corner.x) - face.distance <= beside_) {
       ++k;
       continue;
     }

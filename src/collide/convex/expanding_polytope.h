@@ -46,6 +46,7 @@ class ExpandingPolytope {
   bool AddFace(int a, int b, int c);
   bool HorizonIsOneLoop();
 
+  double beside_ = 0.0;          // rounding of distances from a face [m]
   std::vector<Corner> corners_;  // some may be inside by now
   std::vector<Face> faces_;
   std::vector<Edge> horizon_;  // scratch: of the faces that a new corner sees
