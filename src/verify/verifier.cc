@@ -216,11 +216,11 @@ Proof Verifier::Judge(int index) const {
   return AskExact(index, cutoff, depths).distance >= needed ? Proof::kPlane : Proof::kPoints;
 }
 
-// The same, with what is cheap asked first: spheres, and the last plane.
+// The same, with what is cheap asked first: spheres, boxes, and the last plane.
 bool Verifier::KeepsApart(int index) {
   const PosedPair posed = Posed(index);
   const double needed = required_[index] - tolerance_;
-  if (posed.SphereBound() >= needed) return true;
+  if (posed.SphereBound() >= needed || posed.BoxBound() >= needed) return true;
   if (posed.pair.exact || posed.HasPlane()) return Judge(index) == Proof::kPlane;
   const ConvexPair placed = posed.Shapes();
   const double clearly = needed + kClear * placed.size() + placed.radii();

@@ -79,6 +79,9 @@ ConvexShape ShapeOf(const mjModel& m, int geom) {
 mjModel Unblinded(const mjModel& m, const std::vector<CheckedPair>& pairs) {
   mjModel copy = m;
   copy.opt.disableflags &= ~(mjDSBL_CONTACT | mjDSBL_CONSTRAINT | mjDSBL_NATIVECCD);
+  // One contact tells of an overlap. With several, MuJoCo 4.0.1 ends the process for some poses:
+  // "collision function returned 4 contacts, expected at most 2".
+  copy.opt.disableflags |= mjDSBL_MULTICCD;
   copy.opt.enableflags &= ~(mjENBL_OVERRIDE | mjENBL_SLEEP | mjENBL_SPECULATIVE | mjENBL_IPC);
   // MuJoCo's defaults at least; a model may ask for fewer iterations or a coarser result.
   copy.opt.ccd_iterations = std::max(copy.opt.ccd_iterations, 50);

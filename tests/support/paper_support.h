@@ -11,7 +11,6 @@
 
 #include "problem/workspace.h"
 #include "tests/support/test_support.h"
-#include "tests/support/verify_scenes.h"
 #include "verify/verifier.h"
 
 namespace mjcf_pdg::test {
@@ -22,7 +21,7 @@ struct PosedProblem {
       : scene(Scene::FromString(xml)),
         options(user_options),
         work(scene.tables(), options),
-        verifier(scene.verifier_model(), Measuring(options)) {
+        verifier(scene.verifier_model(), options) {
     SetInput(ToEigen(scene.DefaultQpos()));
   }
   PosedProblem(const PosedProblem&) = delete;

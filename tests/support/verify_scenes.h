@@ -6,15 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "mjcf_pdg/types.h"
-
 namespace mjcf_pdg::test {
-
-// Distances of what is apart are measured, too, up to 1 m beyond the clearance.
-inline Options Measuring(Options options = {}) {
-  options.report_distances_to = 1.0;
-  return options;
-}
 
 // The configuration of a scene whose only joint is free.
 inline std::vector<double> FreePose(const Eigen::Vector3d& p, const Eigen::Quaterniond& r) {

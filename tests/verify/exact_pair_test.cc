@@ -43,7 +43,7 @@ TEST_F(ExactPairTest, AgreesWithTheSolversQueriesAgainstEveryType) {
     for (const char* geom : kGeoms) {
       const Scene scene = MeshScene(mesh, geom, test::Torus(0.08, 0.02, 20, 8));
       ContactFinder finder(scene.tables());
-      Verifier verifier(scene.verifier_model(), test::Measuring());
+      Verifier verifier(scene.verifier_model(), {});
       int free = 0, overlapping = 0;
       for (int i = 0; i < 60; ++i) {
         const std::vector<double> q = FreePose(rng.InBox(0.2), rng.UnitQuat());
@@ -95,7 +95,7 @@ TEST_F(ExactPairTest, TrianglesSmallerThanTheToleranceHideNoOverlap) {
 TEST_F(ExactPairTest, AnOverlapWithinTheToleranceIsFree) {
   const MeshShape ring = test::Torus(0.08, 0.02, 40, 16);
   const Scene scene = MeshScene(ring, "type='mesh' mesh='moving'", ring);
-  Verifier verifier(scene.verifier_model(), test::Measuring());
+  Verifier verifier(scene.verifier_model(), {});
   for (const auto& [depth, free] : {std::pair(0.5e-6, true), {0.9e-6, true}, {1.1e-6, false}}) {
     EXPECT_EQ(verifier.Check(FreePose({0, 0, 0.04 - depth}, {1, 0, 0, 0})).free, free) << depth;
   }
@@ -114,7 +114,7 @@ TEST_F(ExactPairTest, DistancesAreThoseOfEveryPairOfTriangles) {
   for (const MeshShape& mesh : fixed) {
     for (const auto& [geom, shape] : moving) {
       const Scene scene = MeshScene(mesh, geom, torus);
-      Verifier verifier(scene.verifier_model(), test::Measuring());
+      Verifier verifier(scene.verifier_model(), {});
       int free = 0, crossing = 0;
       for (int i = 0; i < 60; ++i) {
         const Vector3d p = rng.InBox(0.2);
@@ -148,7 +148,7 @@ TEST_F(ExactPairTest, SkippedDepthsLeaveTheVerdictAsItIs) {
     Options clear;
     clear.clearance = 0.01;
     for (const Options& options : {Options(), clear}) {
-      Verifier verifier(scene.verifier_model(), test::Measuring(options));
+      Verifier verifier(scene.verifier_model(), options);
       int free = 0;
       for (int i = 0; i < 40; ++i) {
         const std::vector<double> q = FreePose(rng.InBox(0.2), rng.UnitQuat());
@@ -270,7 +270,7 @@ TEST_F(ExactPairTest, LinkedRingsAreFree) {
   const MeshShape ring = test::Torus(0.1, 0.02, 48, 16);
   const Scene scene = MeshScene(ring, "type='mesh' mesh='moving'", ring);
   const Eigen::Quaterniond upright(Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitX()));
-  const Verdict linked = Verify(scene, FreePose({0.1, 0, 0}, upright), test::Measuring());
+  const Verdict linked = Verify(scene, FreePose({0.1, 0, 0}, upright));
   EXPECT_TRUE(linked.free);
   EXPECT_NEAR(linked.min_distance, 0.06, 1e-3);
   const Verdict crossed = Verify(scene, FreePose({0.17, 0, 0}, upright));

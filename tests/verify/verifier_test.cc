@@ -28,7 +28,7 @@ class VerifierTest : public MujocoTest {};
 
 TEST_F(VerifierTest, TwoBoxesOverlapByTheDepthOfTheirSlide) {
   const Scene scene = Scene::FromString(TwoBoxes());
-  const Verdict apart = Verify(scene, {0.25}, Measuring());
+  const Verdict apart = Verify(scene, {0.25});
   EXPECT_TRUE(apart.free);
   EXPECT_TRUE(apart.certified);
   EXPECT_NEAR(apart.min_distance, 0.05, 1e-9);
@@ -63,11 +63,17 @@ TEST_F(VerifierTest, ANegativeMarginAndGapIsAnOverlapTheModelAllows) {
   EXPECT_EQ(verdict.reason, "geom 'wall' and geom 'block' overlap by 6.1 mm (6 mm allowed)");
 }
 
-TEST_F(VerifierTest, DistancesAreCutOffWhereTheirRangeEnds) {
+TEST_F(VerifierTest, DistancesAreCutOffWhereTheRangeEnds) {
   const Scene scene = Scene::FromString(TwoBoxes());
-  EXPECT_EQ(Verify(scene, {9.0}, Measuring()).min_distance, 1.0);
-  EXPECT_EQ(Verifier(scene.verifier_model(), {}, 0.0).Check(std::vector{9.0}).min_distance, 0.0);
-  EXPECT_EQ(Verifier(scene.verifier_model(), {}, 0.0).Check(std::vector{0.21}).min_distance, 0.0);
+  EXPECT_EQ(Verify(scene, {9.0}).min_distance, 1.0);
+  Options options;
+  options.clearance = 0.002;
+  for (const double range : {0.0, 0.05}) {
+    Verifier verifier(scene.verifier_model(), options, range);
+    EXPECT_EQ(verifier.Check(std::vector<double>{9.0}).min_distance, 0.002 + range);
+    EXPECT_EQ(verifier.Check(std::vector<double>{0.3}).min_distance, 0.002 + range);
+    EXPECT_NEAR(verifier.Check(std::vector<double>{0.201}).min_distance, 0.001, 1e-12);
+  }
 }
 
 TEST_F(VerifierTest, SignedDistancesAreThoseOfTheSlowOracle) {
@@ -86,7 +92,7 @@ TEST_F(VerifierTest, SignedDistancesAreThoseOfTheSlowOracle) {
       mju_copy(d->qpos, q.data(), 7);
       mj_kinematics(scene.model(), d.get());
       const double brute = BruteDistance(scene.model(), d.get(), 0, 1).distance;
-      const Verdict verdict = Verify(scene, q, Measuring());
+      const Verdict verdict = Verify(scene, q);
       EXPECT_NEAR(verdict.min_distance, brute, 2e-6) << TwoGeomXml(geoms) << Join(ToEigen(q));
       EXPECT_EQ(verdict.free, brute > -1e-6) << TwoGeomXml(geoms) << Join(ToEigen(q));
       overlaps += brute < 0.0;
@@ -296,13 +302,13 @@ TEST_F(VerifierTest, NeitherTheUsersModelNorTheOrderOfChecksMatters) {
   const Scene scene = Scene::FromString(ArmXml());
   const std::vector<char> before = ModelBytes(scene.model());
   Random rng(5);
-  Verifier verifier(scene.verifier_model(), Measuring());
+  Verifier verifier(scene.verifier_model(), {});
   std::vector<std::vector<double>> configurations;
   std::vector<double> distances;
   int free = 0;
   for (int i = 0; i < 100; ++i) {
     configurations.push_back(ToVector(RandomConfiguration(scene, rng)));
-    const Verdict once = Verify(scene, configurations.back(), Measuring());
+    const Verdict once = Verify(scene, configurations.back());
     distances.push_back(once.min_distance);
     free += once.free;
   }
@@ -334,7 +340,7 @@ TEST_F(VerifierTest, WarmChecksOfFreeConfigurationsAllocateNothing) {
   if (!AllocationCounter::Works()) GTEST_SKIP() << "no allocation is seen here";
   Random rng(7);
   const Scene scene = Scene::FromString(RandomRobotXml(rng));
-  Verifier verifier(scene.verifier_model(), Measuring());
+  Verifier verifier(scene.verifier_model(), {});
   std::vector<std::vector<double>> free, colliding;
   while (free.size() < 20 || colliding.size() < 20) {
     const std::vector<double> q = ToVector(RandomConfiguration(scene, rng));
