@@ -33,6 +33,7 @@ Workspace::Workspace(const SceneTables& tables, const Options& options)
                .tolerances = Tolerances(options.tolerance, tables.size),
                .without = ComponentsNamed(options.without, options.method)} {
   problem_.required.setZero(static_cast<Eigen::Index>(tables.pairs.size()));
+  overlaps_.reserve(tables.pairs.size());
 }
 
 void Workspace::Begin(const VectorXd& q_in, const MocapPoses& mocap, const VectorXd* rest) {
