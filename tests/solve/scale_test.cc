@@ -1,6 +1,6 @@
 // A scene a thousand times smaller or larger, solved with a tolerance to match, behaves the same:
 // lengths in the solver, the verifier and CCDg follow from the tolerance and the size of the scene.
-// What still differs are answers that MuJoCo's contacts dispute, whose own lengths are absolute.
+// MuJoCo's own, which its contacts and some distances rest on, do not: not every problem agrees.
 #include <gmock/gmock.h>
 
 #include <cmath>
