@@ -36,12 +36,13 @@ Workspace::Workspace(const SceneTables& tables, const Options& options)
   overlaps_.reserve(tables.pairs.size());
 }
 
-void Workspace::Begin(const VectorXd& q_in, const MocapPoses& mocap, const VectorXd* rest) {
+void Workspace::Begin(const Eigen::Ref<const VectorXd>& q_in, const MocapPoses& mocap,
+                      const VectorXd* rest) {
   finder.Forget();
   finder.SetMocap(mocap);
   problem_.mocap = mocap;
   problem_.q_in = q_in;
-  SetMovable(problem_.tables, q_in, problem_.q_in);
+  SetMovable(problem_.tables, problem_.q_in, problem_.q_in);  // normalizes quaternions
   norm.SetReference(problem_.q_in, mocap);
   SetRequired();
   if (rest) problem_.required = problem_.required.cwiseMin(*rest);

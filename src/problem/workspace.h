@@ -23,7 +23,8 @@ class Workspace {
   // A new problem: q_in (nq) among obstacles at `mocap`. Everything that refers to q_in is set
   // here: the reference of the norm, the required distances. `rest`: per kept pair the distance
   // to which it may rest, negative, infinite of pairs that may not [m]; null: none may.
-  void Begin(const VectorXd& q_in, const MocapPoses& mocap = {}, const VectorXd* rest = nullptr);
+  void Begin(const Eigen::Ref<const VectorXd>& q_in, const MocapPoses& mocap = {},
+             const VectorXd* rest = nullptr);
   // The same problem for other tables of the same model: as `other` poses it, with its budget.
   void Begin(const Workspace& other);
 

@@ -53,7 +53,7 @@ bool Acceptance::IsFree(const VectorXd& q, Component start) {
   q_.assign(trial_.data(), trial_.data() + trial_.size());
   start_ = start;
   work_.budget.Charge(1);
-  return verifier_.Check(q_, *q_in_, verify::Depths::kSkipped).free;
+  return verifier_.Check(q_, *q_in_, verify::Depths::kSkipped, verify::Words::kSkipped).free;
 }
 
 }  // namespace mjcf_pdg

@@ -41,7 +41,7 @@ bool Reporter::Input(const std::vector<double>& q_in, Result& result) {
     return true;
   }
   const verify::Depths depths = Reports() ? verify::Depths::kMeasured : verify::Depths::kSkipped;
-  const Verdict& verdict = verifier_.Check(q_in, q_in, depths);
+  const Verdict& verdict = verifier_.Check(q_in, q_in, depths, verify::Words::kSkipped);
   result.depth_in = verdict.min_distance;
   result.limit_excess_in = verdict.limit_excess;
   if (problem_.options.report_contacts) result.contacts_in = verdict.contacts;
@@ -57,9 +57,14 @@ void Reporter::Solved(const std::vector<double>& q_in, const std::vector<double>
                       Component start, Result& result) {
   result.status = Status::kSolved;
   result.q = q;
-  result.sigma = work_.norm.Sigma(ToEigen(q));
+  result.sigma = Sigma(q);
   result.start = NameOf(start);
   Answer(Reports() ? verifier_.Check(q, q_in) : verifier_.verdict(), result);
+}
+
+double Reporter::Sigma(const std::vector<double>& q) {
+  q_ = Eigen::Map<const VectorXd>(q.data(), static_cast<Eigen::Index>(q.size()));
+  return work_.norm.Sigma(q_);
 }
 
 void Reporter::Answer(const Verdict& verdict, Result& result) const {

@@ -35,12 +35,14 @@ class Reporter {
   bool Reports() const {
     return problem_.options.report_contacts || problem_.options.report_distances_to > 0.0;
   }
+  double Sigma(const std::vector<double>& q);
   void Answer(const Verdict& verdict, Result& result) const;
   void SayWhy(const Outcome* outcome, bool frozen, const Verdict& verdict, Result& result);
 
   const Problem& problem_;
   Workspace& work_;
   Verifier& verifier_;
+  VectorXd q_;  // scratch
 };
 
 }  // namespace mjcf_pdg

@@ -36,8 +36,8 @@ std::unique_ptr<Strategy> MakeStrategy(Workspace& work) {
 // Puts the hint of SetHint back, however a solve with one of its own ends.
 struct RestoreHint {
   ~RestoreHint() { hint.swap(kept); }
-  std::vector<double>& hint;
-  std::vector<double>& kept;
+  VectorXd& hint;
+  VectorXd& kept;
 };
 
 }  // namespace
@@ -65,7 +65,7 @@ struct Solver::Impl {
   Reporter reporter;
   Budget budget;
   MocapPoses mocap;
-  std::vector<double> hint;  // nq; empty: none
+  VectorXd hint;  // nq; empty: none
 
   // The present solve.
   std::vector<double> q_in;    // as the user gave it
@@ -129,8 +129,9 @@ bool Solver::Impl::Search(Result& result) {
   input.distances_at_input = static_cast<int>(work.finder.distances() - distances_before);
   input.sigma_lower_bound = bound.Sigma(work, input.overlaps, PlanFor(options.effort).bound_cells);
   result.sigma_lower_bound = input.sigma_lower_bound;
-  if (!hint.empty() && work.problem().Uses(Component::kUserPose)) {
-    q_hint = WithMovable(scene.tables(), work.problem().q_in, AsEigen(hint));
+  if (hint.size() > 0 && work.problem().Uses(Component::kUserPose)) {
+    q_hint = work.problem().q_in;
+    SetMovable(scene.tables(), hint, q_hint);
     input.hint = &q_hint;
   }
   const auto moves = [this](const NearPair& near) { return scene.tables().pairs[near.pair].moves; };
@@ -191,10 +192,10 @@ Result Solver::Solve(std::span<const double> q_in) {
 Result Solver::Solve(const std::vector<double>& q_in,
                      const std::optional<std::vector<double>>& free_hint) {
   if (!free_hint) return Solve(std::span<const double>(q_in));
-  std::vector<double> own = *free_hint;
-  impl_->scene.CheckConfiguration(own);
-  std::swap(impl_->hint, own);
-  const RestoreHint restore{impl_->hint, own};
+  impl_->scene.CheckConfiguration(*free_hint);
+  VectorXd kept = AsEigen(*free_hint);
+  kept.swap(impl_->hint);
+  const RestoreHint restore{impl_->hint, kept};
   return Solve(std::span<const double>(q_in));
 }
 
@@ -220,7 +221,7 @@ bool Solver::IsFree(std::span<const double> q) {
 
 void Solver::SetHint(std::span<const double> q_free) {
   if (!q_free.empty()) impl_->scene.CheckConfiguration(q_free);
-  impl_->hint.assign(q_free.begin(), q_free.end());
+  impl_->hint = AsEigen(q_free);
 }
 
 void Solver::SetBudget(const Budget& budget) {

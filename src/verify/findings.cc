@@ -71,7 +71,7 @@ void SetFromContact(const mjContact& source, Contact& contact) {
   contact.distance = source.dist;
 }
 
-void WriteVerdict(const mjModel& m, Findings& findings, Verdict& verdict) {
+void WriteVerdict(const mjModel& m, Words words, Findings& findings, Verdict& verdict) {
   std::vector<Finding>& pairs = findings.pairs;
   verdict.contacts.clear();
   verdict.reason.clear();
@@ -81,7 +81,8 @@ void WriteVerdict(const mjModel& m, Findings& findings, Verdict& verdict) {
   for (const Finding& finding : pairs) verdict.contacts.push_back(finding.contact);
   std::size_t count = 0;
   const auto add = [&](auto&& describe) {
-    if (count++ < kNamed) verdict.reason += (verdict.reason.empty() ? "" : "; ") + describe();
+    if (count++ >= kNamed || words == Words::kSkipped) return;
+    verdict.reason += (verdict.reason.empty() ? "" : "; ") + describe();
   };
   if (findings.arena_full) {
     add([] { return std::string("MuJoCo's memory for contacts is full: not verified"); });
@@ -92,7 +93,9 @@ void WriteVerdict(const mjModel& m, Findings& findings, Verdict& verdict) {
     }
   }
   for (const LimitExcess& limit : findings.limits) add([&] { return Describe(m, limit); });
-  if (count > kNamed) verdict.reason += "; and " + std::to_string(count - kNamed) + " more";
+  if (count > kNamed && words == Words::kWritten) {
+    verdict.reason += "; and " + std::to_string(count - kNamed) + " more";
+  }
   verdict.free = count == 0;
 }
 

@@ -40,8 +40,11 @@ void SetPlace(const Eigen::Vector3d& n_W, const Eigen::Vector3d& p1_W, const Eig
 // From MuJoCo's contact of the geoms in `contact`, in either order; distance included.
 void SetFromContact(const mjContact& source, Contact& contact);
 
+// Is the reason wanted, too? Words take from the heap.
+enum class Words { kWritten, kSkipped };
+
 // Refills the verdict's contacts, reason and `free`. Sorts the findings.
-void WriteVerdict(const mjModel& m, Findings& findings, Verdict& verdict);
+void WriteVerdict(const mjModel& m, Words words, Findings& findings, Verdict& verdict);
 
 }  // namespace mjcf_pdg::verify
 

@@ -252,7 +252,7 @@ bool Verifier::IsFree(std::span<const double> q, std::span<const double> q_in) {
 }
 
 const Verdict& Verifier::Check(std::span<const double> q, std::span<const double> q_in,
-                               Depths depths) {
+                               Depths depths, verify::Words words) {
   verdict_.free = false;
   verdict_.contacts.clear();
   violations_ = {};
@@ -270,7 +270,7 @@ const Verdict& Verifier::Check(std::span<const double> q, std::span<const double
   CheckLimits(q);
   FillViolations();
   FindDisputes();
-  verify::WriteVerdict(model_, findings_, verdict_);
+  verify::WriteVerdict(model_, words, findings_, verdict_);
   return verdict_;
 }
 

@@ -50,7 +50,8 @@ class Verifier {
   // whether they overlap, no more. Allocates nothing for a q that is free and touches no more than
   // it did before.
   const Verdict& Check(std::span<const double> q, std::span<const double> q_in = {},
-                       verify::Depths depths = verify::Depths::kMeasured);
+                       verify::Depths depths = verify::Depths::kMeasured,
+                       verify::Words words = verify::Words::kWritten);
 
   // Why the last Check's q is not free, for code.
   struct Violations {
