@@ -1,4 +1,5 @@
 // What the bisection itself promises: proofs carried down, splits, sizes that do not matter.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -90,8 +91,11 @@ TEST_F(CcdgBisectionTest, HalvingFindsTheSameContacts) {
       free += split.outcome == CcdOutcome::kFree;
       more += halved.poses > split.poses;
       if (split.outcome != CcdOutcome::kContact) continue;
-      EXPECT_NEAR(split.t, halved.t,
-                  1e-3);  // within the band, which a flat approach crosses slowly
+      for (const CcdResult* result : {&split, &halved}) {
+        EXPECT_LE(Nearest(scene, *result), 1.01 * CcdOptions().Gap()) << Join(q0) << Join(dq);
+      }
+      // The band is crossed slowly where the approach is flat.
+      EXPECT_NEAR(split.t, halved.t, 1e-3);
     }
   }
   EXPECT_GT(contacts, 50);
