@@ -122,4 +122,23 @@ if(MJCF_PDG_BUILD_BENCH AND bench_programs)
     set_target_properties(${program} PROPERTIES CXX_EXTENSIONS OFF
                           RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin$<0:>")
   endforeach()
+
+  # Libraries beside our own code, in a folder that bench/library/fetch.sh made; those that are not there are left out.
+  # By hand: their packages would bring other versions of Boost and assimp into this build.
+  set(MJCF_PDG_BENCH_LIBRARIES "" CACHE PATH "Folder of bench/library/fetch.sh, for library_bench")
+  set(coal "${MJCF_PDG_BENCH_LIBRARIES}/cmeel.prefix")
+  set(daqp "${MJCF_PDG_BENCH_LIBRARIES}/daqp")
+  target_sources(library_bench PRIVATE bench/library/fcl_library.cc bench/library/coal_library.cc
+                 bench/library/quadratic_program.cc)
+  target_link_libraries(library_bench PRIVATE fcl)
+  if(EXISTS "${coal}/lib/libcoal.so")
+    target_compile_definitions(library_bench PRIVATE MJCF_PDG_HAVE_COAL)
+    set_source_files_properties(bench/library/coal_library.cc PROPERTIES COMPILE_OPTIONS "-isystem;${coal}/include")
+    target_link_libraries(library_bench PRIVATE "${coal}/lib/libcoal.so")
+  endif()
+  if(EXISTS "${daqp}/lib/libdaqp.a")
+    target_compile_definitions(library_bench PRIVATE MJCF_PDG_HAVE_DAQP)
+    target_include_directories(library_bench SYSTEM PRIVATE "${daqp}/include")
+    target_link_libraries(library_bench PRIVATE "${daqp}/lib/libdaqp.a")
+  endif()
 endif()
