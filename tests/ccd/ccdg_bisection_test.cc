@@ -17,6 +17,18 @@ CcdResult Move(const Scene& scene, const VectorXd& q0, const VectorXd& dq,
   return Ccdg(scene.tables(), finder).Move({q0, dq}, options);
 }
 
+// Of the nearest of the pairs that a motion names, where it ends.
+double Nearest(const Scene& scene, const CcdResult& result) {
+  ContactFinder finder(scene.tables());
+  finder.Pose(result.q);
+  double nearest = 1.0;
+  for (const int pair : result.pairs) {
+    NearPair near;
+    if (finder.Distance(pair, 1.0, near)) nearest = std::min(nearest, near.distance);
+  }
+  return nearest;
+}
+
 CcdResult MoveFromDefault(const std::string& xml, const VectorXd& dq, const CcdOptions& options) {
   const Scene scene = Scene::FromString(xml);
   return Move(scene, ToEigen(scene.DefaultQpos()), dq, options);
