@@ -119,7 +119,8 @@ struct Result {
   double sigma_lower_bound = 0.0;  // proven: no free configuration has a smaller σ [m²]
   // Smallest signed distances of kept pairs at q_in and at q, negative where they overlap, cut off
   // at the clearance and Options::report_distances_to [m]. Height fields and SDFs, which have no
-  // distances, count where they touch.
+  // distances, count where they touch. Where neither contacts nor distances are to be reported,
+  // depth_in is the search's own measure, and what is free is not measured: the required distance.
   double depth_in = 0.0;
   double min_distance = 0.0;
   double limit_excess_in = 0.0;  // largest violation of a joint limit by q_in [rad or m]

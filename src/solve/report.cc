@@ -31,26 +31,32 @@ void Reporter::Clear(Result& result) {
 }
 
 bool Reporter::Input(const std::vector<double>& q_in, Result& result) {
-  if (!Reports() && verifier_.IsFree(q_in, q_in)) {
-    result.status = Status::kAlreadyFree;
-    result.q = q_in;
-    result.start = NameOf(Component::kNone);
+  if (Reports()) {
+    const Verdict& verdict =
+        verifier_.Check(q_in, q_in, verify::Depths::kMeasured, verify::Words::kSkipped);
+    result.depth_in = verdict.min_distance;
+    result.limit_excess_in = verdict.limit_excess;
+    if (problem_.options.report_contacts) result.contacts_in = verdict.contacts;
+    if (!verdict.free) return false;
+    Answer(verdict, result);
+  } else {
+    if (!verifier_.IsFree(q_in, q_in)) return false;
     result.certified = verifier_.certified();
-    result.depth_in = result.min_distance =
-        problem_.options.clearance - problem_.options.tolerance;  // not measured: at least that
-    return true;
+    // Not measured, but at least so much.
+    result.min_distance = problem_.options.clearance - problem_.options.tolerance;
+    result.depth_in = result.min_distance;
   }
-  const verify::Depths depths = Reports() ? verify::Depths::kMeasured : verify::Depths::kSkipped;
-  const Verdict& verdict = verifier_.Check(q_in, q_in, depths, verify::Words::kSkipped);
-  result.depth_in = verdict.min_distance;
-  result.limit_excess_in = verdict.limit_excess;
-  if (problem_.options.report_contacts) result.contacts_in = verdict.contacts;
-  if (!verdict.free) return false;
   result.status = Status::kAlreadyFree;
   result.q = q_in;
   result.start = NameOf(Component::kNone);
-  Answer(verdict, result);
   return true;
+}
+
+void Reporter::Overlaps(const std::vector<NearPair>& overlaps, Result& result) const {
+  if (Reports()) return;
+  result.limit_excess_in = LimitExcess(problem_.tables, problem_.q_in);
+  result.depth_in = problem_.options.clearance - problem_.options.tolerance;
+  for (const NearPair& near : overlaps) result.depth_in = std::min(result.depth_in, near.distance);
 }
 
 void Reporter::Solved(const std::vector<double>& q_in, const std::vector<double>& q,

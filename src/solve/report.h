@@ -22,6 +22,9 @@ class Reporter {
 
   // The verifier's word on q_in: true if it is free, and the result says so.
   bool Input(const std::vector<double>& q_in, Result& result);
+  // Without contacts and distances to report, depths at q_in are the search's own: the verifier
+  // takes longer to measure deep overlaps than to tell that there are some.
+  void Overlaps(const std::vector<NearPair>& overlaps, Result& result) const;
   // `q` is free by the verifier's last word.
   void Solved(const std::vector<double>& q_in, const std::vector<double>& q, Component start,
               Result& result);

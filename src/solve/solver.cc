@@ -126,6 +126,7 @@ bool Solver::Impl::Search(Result& result) {
   outcome = nullptr;
   const std::int64_t distances_before = work.finder.distances();
   StrategyInput input{.overlaps = work.OverlapsAtInput()};
+  reporter.Overlaps(input.overlaps, result);
   input.distances_at_input = static_cast<int>(work.finder.distances() - distances_before);
   input.sigma_lower_bound = bound.Sigma(work, input.overlaps, PlanFor(options.effort).bound_cells);
   result.sigma_lower_bound = input.sigma_lower_bound;
