@@ -26,8 +26,7 @@ double BallReach(const JointEntry& joint, const double* quat, const Vector3d& dq
   const double sign = q[0] < 0.0 ? -1.0 : 1.0;
   const double w = sign * q[0], along = sign * q.tail<3>().dot(dq) / phi;
   const double R = std::hypot(w, along), psi = std::atan2(along, w), least = std::cos(hi / 2);
-  const bool outside = w < least;
-  if (R < least || (outside && psi >= 0.0)) return 0.0;
+  if (R < least) return 0.0;
   return std::clamp(2.0 * (std::acos(std::min(1.0, least / R)) - psi) / phi, 0.0, 1.0);
 }
 

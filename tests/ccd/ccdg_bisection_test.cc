@@ -115,6 +115,19 @@ TEST_F(CcdgBisectionTest, HalvingFindsTheSameContacts) {
   EXPECT_GT(more, contacts / 2);
 }
 
+// At t = 1/2, which halving asks second, one ball is within the band of another: that is no contact
+// before the other ball has passed its post at t = 1/4, a millimetre away.
+TEST_F(CcdgBisectionTest, AContactAheadStopsNothingBeforeTheWayThereIsProven) {
+  const CcdResult result = MoveFromDefault(
+      World("<geom size='.1' pos='.1200018 .1600024 0'/><geom size='.5' pos='-1 51.001 0'/>"
+            "<body pos='-2 0 0'><joint type='slide' axis='1 0 0'/><geom size='.1'/>"
+            "<geom size='.5' pos='0 50 0'/></body>"),
+      VectorXd::Constant(1, 4.0), Halving(true));
+  EXPECT_EQ(result.outcome, CcdOutcome::kContact);
+  EXPECT_NEAR(result.t, 0.5, 1e-6);
+  EXPECT_EQ(result.pairs.size(), 1u);
+}
+
 // ---- Degenerate motions ----
 
 TEST_F(CcdgBisectionTest, AMotionMayBeNothingOrNextToNothing) {

@@ -300,6 +300,21 @@ TEST_F(CcdgTest, AHeightFieldStopsAMotionButCertifiesNothing) {
   EXPECT_EQ(mover.Move(q0, q1).outcome, CcdOutcome::kFree);
 }
 
+TEST_F(CcdgTest, SamplesOfAHeightFieldDoNotMissABriefOverlap) {
+  // The ball's lowest point passes 0.1 mm below the peak: 9 mm of a metre's way overlap.
+  Mover mover(World(R"(<geom type="hfield" hfield="hills"/>
+      <body pos="0 0 1"><freejoint/><geom size=".1"/></body>)",
+                    R"(<asset><hfield name="hills" nrow="3" ncol="3" size="1 1 .2 .1"
+      elevation="0 0 0 0 1 0 0 0 0"/></asset>)"));
+  VectorXd q0 = ToEigen(mover.scene.DefaultQpos()), q1;
+  q0.head<3>() << -0.55, 0.0, 0.3 - 1e-4;
+  q1 = q0;
+  q1[0] = 0.5;
+  const CcdResult& result = mover.Move(q0, q1);
+  EXPECT_EQ(result.outcome, CcdOutcome::kContact);
+  EXPECT_NEAR(result.q[0], -std::sqrt(2 * 0.1 * 1e-4), 1e-3);
+}
+
 TEST_F(CcdgTest, AResultDoesNotDependOnWhatWasAskedBefore) {
   Random rng(7);
   Mover used(ArmXml());
