@@ -20,7 +20,6 @@ struct Tolerances {
   // Exact meshes are kept apart by this: normals are those of the nearest points as long as
   // triangles are apart, and guesses when they overlap [m].
   double mesh_gap;
-  double touching;  // pairs nearer than this to their required distance are reported [m]
 };
 
 struct Problem {

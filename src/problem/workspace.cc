@@ -11,8 +11,7 @@ namespace {
 constexpr double kDistanceJitter = 6e-6;
 // What the aim keeps away from the tolerance where jitter is small beside it [tolerances].
 constexpr double kAimInside = 0.2;
-constexpr double kMeshGap = 2e-6;   // Tolerances::mesh_gap [size]; of 1e-6 … 1e-5 the quickest
-constexpr double kTouching = 10.0;  // Tolerances::touching [tolerances]
+constexpr double kMeshGap = 2e-6;  // Tolerances::mesh_gap [size]; of 1e-6 … 1e-5 the quickest
 
 }  // namespace
 
@@ -21,8 +20,7 @@ Tolerances::Tolerances(double tolerance, double scene_size)
       aim(std::max(0.0,
                    tolerance - std::max(kAimInside * tolerance, kDistanceJitter * scene_size))),
       accept(0.5 * (user + aim)),
-      mesh_gap(kMeshGap * scene_size),
-      touching(kTouching * tolerance) {}
+      mesh_gap(kMeshGap * scene_size) {}
 
 Workspace::Workspace(const SceneTables& tables, const Options& options)
     : norm(tables, options.metric),
