@@ -340,7 +340,8 @@ void AskLcp(const Scene& scene, const VectorXd& q, Table& table, int& infeasible
     ContactRow(tables, work.finder.posed(), near.pair, near.p1_W, near.p2_W, near.n_W,
                rows.C.row(row));
   }
-  AppendLimitRows(tables, q, kLimitReach, kLimitReach, rows);
+  const double size = work.problem().size;
+  AppendLimitRows(tables, q, {kLimitReach, kLimitReach * size, size}, rows);
   const int n = tables.n, m = rows.m;
   if (m == 0) return;
   VectorXd r;

@@ -11,11 +11,7 @@ namespace mjcf_pdg {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Below this, witness points are too close to give a normal, and we look from a little further.
-// [scene's size]
-constexpr double kTouching = 1e-7;
-constexpr double kNudge = 1e-5, kDeep = 2e-5;
-constexpr double kCoincident = 1e-11;  // points nearer than this give no direction
+constexpr double kCoincident = 1e-11;  // points nearer than this give no direction [scene's size]
 
 SignedGap CapsuleBoxInWorld(const PosedModel& posed, int capsule, int box) {
   const mjModel& m = *posed.model();
@@ -168,30 +164,12 @@ bool ContactFinder::GeomGap(int pair, double cutoff, SignedGap& gap) {
   if (gap.distance >= cutoff) return false;
   gap.p1 = AsVector(fromto);
   gap.p2 = AsVector(fromto + 3);
-  const Vector3d between = gap.p2 - gap.p1;
-  const double touching = kTouching * tables_.size;
-  if (std::abs(gap.distance) > touching && between.norm() > 0.5 * touching) {
-    gap.n = between.normalized() * (gap.distance > 0.0 ? 1.0 : -1.0);
-    return true;
+  Vector3d n = (gap.p2 - gap.p1) * (gap.distance > 0.0 ? 1.0 : -1.0);
+  if (n.norm() < kCoincident * tables_.size) {
+    n = AsVector(posed_.data()->geom_xpos + 3 * geom2) -
+        AsVector(posed_.data()->geom_xpos + 3 * geom1);
   }
-  // Touching: move geom 2 a little away from geom 1 and take the normal from there.
-  double* center2 = posed_.data()->geom_xpos + 3 * geom2;
-  Vector3d away = AsVector(center2) - AsVector(posed_.data()->geom_xpos + 3 * geom1);
-  if (type1 == mjGEOM_PLANE) away = AsMatrix(posed_.data()->geom_xmat + 9 * geom1).col(2);
-  if (away.norm() < kCoincident * tables_.size) away = Vector3d::UnitZ();
-  const Vector3d kept_center = AsVector(center2);
-  Eigen::Map<Vector3d>(center2, 3) += kNudge * tables_.size * away.normalized();
-  const double nudged = mj_geomDistance(&model_, posed_.data(), geom1, geom2, tables_.size, fromto);
-  Eigen::Map<Vector3d>(center2, 3) = kept_center;
-  const Vector3d direction = AsVector(fromto + 3) - AsVector(fromto);
-  gap.n = direction.norm() > kCoincident * tables_.size
-              ? direction.normalized() * (nudged > 0.0 ? 1.0 : -1.0)
-              : away.normalized();
-  if (nudged > -kDeep * tables_.size) return true;
-  // MuJoCo calls it zero, too, where the middles of two solids coincide.
-  gap.distance = nudged;
-  gap.p1 = AsVector(fromto);
-  gap.p2 = AsVector(fromto + 3);
+  gap.n = n.norm() > 0.0 ? Vector3d(n.normalized()) : Vector3d::UnitZ();
   return true;
 }
 

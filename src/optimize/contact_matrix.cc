@@ -71,25 +71,26 @@ void ContactRow(const SceneTables& tables, const PosedModel& posed, int pair, co
   }
 }
 
-void AppendLimitRows(const SceneTables& tables, const VectorXd& q, double reach, double slide_reach,
+void AppendLimitRows(const SceneTables& tables, const VectorXd& q, const LimitReach& reach,
                      ContactRows& rows) {
   for (const JointEntry& joint : tables.joints) {
     if (!joint.limited) continue;
     if (joint.type != mjJNT_BALL) {
       const double below = q[joint.qadr] - joint.lo, above = joint.hi - q[joint.qadr];
-      const double near = joint.type == mjJNT_SLIDE ? slide_reach : reach;
-      if (below < near) rows.C(rows.Append(below), joint.col) = 1.0;
-      if (above < near) rows.C(rows.Append(above), joint.col) = -1.0;
+      const bool slides = joint.type == mjJNT_SLIDE;
+      const double near = slides ? reach.slide : reach.turn, arm = slides ? 1.0 : reach.radius;
+      if (below < near) rows.C(rows.Append(arm * below), joint.col) = arm;
+      if (above < near) rows.C(rows.Append(arm * above), joint.col) = -arm;
       continue;
     }
     const double* quat = q.data() + joint.qadr;
     const double angle = BallAngle(quat);
-    if (joint.hi - angle >= reach) continue;
+    if (joint.hi - angle >= reach.turn) continue;
     // The angle grows by axis · w, w the body-frame rotation.
     Vector3d axis = Vector3d(quat[1], quat[2], quat[3]) * (quat[0] < 0.0 ? -1.0 : 1.0);
     if (axis.norm() < 1e-9) continue;
-    const int row = rows.Append(joint.hi - angle);
-    rows.C.row(row).segment<3>(joint.col) = -axis.normalized().transpose();
+    const int row = rows.Append(reach.radius * (joint.hi - angle));
+    rows.C.row(row).segment<3>(joint.col) = -reach.radius * axis.normalized().transpose();
   }
 }
 

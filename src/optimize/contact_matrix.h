@@ -14,7 +14,7 @@ namespace mjcf_pdg {
 // m rows over n movable degrees of freedom. Grows only.
 struct ContactRows {
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> C;  // capacity × n
-  VectorXd gap;  // capacity; signed slack of each row [m or rad]
+  VectorXd gap;  // capacity; signed slack of each row [m]
   int m = 0;
 
   void Clear(int n);
@@ -29,8 +29,13 @@ struct ContactRows {
 void ContactRow(const SceneTables& tables, const PosedModel& posed, int pair, const Vector3d& p1_W,
                 const Vector3d& p2_W, const Vector3d& n_W, Eigen::Ref<Eigen::RowVectorXd> out);
 
-// Rows for joint limits closer than `reach` [rad] at q, of slides than `slide_reach` [m].
-void AppendLimitRows(const SceneTables& tables, const VectorXd& q, double reach, double slide_reach,
+// Which joint limits get a row.
+struct LimitReach {
+  double turn;    // those of hinges and balls that are nearer than this [rad]
+  double slide;   // those of slides [m]
+  double radius;  // a turn counts as the arc it makes at this distance, so that all rows are in m
+};
+void AppendLimitRows(const SceneTables& tables, const VectorXd& q, const LimitReach& reach,
                      ContactRows& rows);
 
 }  // namespace mjcf_pdg

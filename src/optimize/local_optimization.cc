@@ -164,7 +164,7 @@ void LocalOptimization::Linearize(const Iterate& at, double margin) {
     memory_.Add(tables, posed, *near, merge);
   }
   contact_rows_ = rows_.m;
-  AppendLimitRows(tables, at.q, kLimitReach, kSlideReach * problem_.size, rows_);
+  AppendLimitRows(tables, at.q, {kLimitReach, kSlideReach * problem_.size, problem_.size}, rows_);
   work_.norm.Linearize(at.q, r_, J_);
 }
 

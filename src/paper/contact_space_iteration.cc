@@ -26,7 +26,7 @@ VectorXd ContactSpaceIteration::Optimize(const VectorXd& q_c, const IterationOpt
   dq_.setZero(tables.n);
   AppendContactRows(q_c);
   constexpr double kAll = std::numeric_limits<double>::infinity();
-  AppendLimitRows(tables, q_c, kAll, kAll, rows_);
+  AppendLimitRows(tables, q_c, {kAll, kAll, problem_.size}, rows_);
   work_.norm.Linearize(q_c, r_, J_);
   work_.norm.InnerProduct(J_, H_);
   whitening_.Factor(H_, work_.norm.blocks());

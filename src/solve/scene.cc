@@ -129,7 +129,6 @@ mjModel UnblindedCopy(const SceneTables& tables) {
   copy.opt.disableflags &= ~(mjDSBL_CONTACT | mjDSBL_CONSTRAINT | mjDSBL_NATIVECCD);
   copy.opt.enableflags &= ~(mjENBL_OVERRIDE | mjENBL_SLEEP | mjENBL_SPECULATIVE | mjENBL_IPC);
   copy.opt.ccd_iterations = std::max(copy.opt.ccd_iterations, 50);
-  copy.opt.ccd_tolerance = std::min(copy.opt.ccd_tolerance, 1e-6);
   std::size_t contacts = 0;
   for (const KeptPair& pair : tables.pairs) {
     contacts += mj_maxContact(tables.model, pair.geom1, pair.geom2, 1);

@@ -19,23 +19,24 @@ struct Sphere {
   double radius = 0.0;
 };
 
-// A geom's bounding sphere. A plane's is centred 1 m below `from_W` along the normal; its radius is
-// how deep from_W is below the plane.
-Sphere Bound(const PosedModel& posed, int geom, const Vector3d& from_W) {
+// A geom's bounding sphere. A plane's is centred below `from_W`, along the normal, by the size of
+// the scene; its radius is how deep from_W is below the plane.
+Sphere Bound(const PosedModel& posed, int geom, const Vector3d& from_W, double size) {
   const mjModel& m = *posed.model();
   const mjData& d = *posed.data();
   const Vector3d center_W = AsVector(d.geom_xpos + 3 * geom);
   if (m.geom_type[geom] != mjGEOM_PLANE) return {center_W, m.geom_rbound[geom]};
   const Vector3d normal_W = AsMatrix(d.geom_xmat + 9 * geom).col(2);
-  return {from_W - normal_W, std::max(0.0, normal_W.dot(center_W - from_W))};
+  return {from_W - size * normal_W, std::max(0.0, normal_W.dot(center_W - from_W))};
 }
 
 // About the mean of the geoms' centres.
-Sphere Enclose(const PosedModel& posed, const std::vector<int>& geoms, const Vector3d& from_W) {
+Sphere Enclose(const PosedModel& posed, const std::vector<int>& geoms, const Vector3d& from_W,
+               double size) {
   Sphere sphere;
-  for (int g : geoms) sphere.center_W += Bound(posed, g, from_W).center_W / geoms.size();
+  for (int g : geoms) sphere.center_W += Bound(posed, g, from_W, size).center_W / geoms.size();
   for (int g : geoms) {
-    const Sphere part = Bound(posed, g, from_W);
+    const Sphere part = Bound(posed, g, from_W, size);
     const double reach = (part.center_W - sphere.center_W).norm() + part.radius;
     sphere.radius = std::max(sphere.radius, reach);
   }
@@ -92,8 +93,13 @@ Item& Next(std::vector<Item>& items, int& used) {
 StartSelection::StartSelection(Workspace& work) : problem_(work.problem()), work_(work) {
   const SceneTables& tables = problem_.tables;
   int slides = 0;
+  arms_.setConstant(tables.n, problem_.size);
   for (const JointEntry& joint : tables.joints) {
-    for (int k = 0; k < joint.ndof; ++k) slides += joint.Slides(k);
+    for (int k = 0; k < joint.ndof; ++k) {
+      if (!joint.Slides(k)) continue;
+      arms_[joint.col + k] = 1.0;
+      ++slides;
+    }
   }
   const VectorXd q(tables.model->nq);
   translations_.assign(1 + 2 * slides, q);
@@ -113,8 +119,10 @@ StartSelection::StartSelection(Workspace& work) : problem_(work.problem()), work
 // norm hardly sees are held back.
 void StartSelection::FindDofSteps(const VectorXd& at, double length) {
   work_.norm.Linearize(at, r_, J_);
-  const double floor = 1e-3 * J_.norm() / std::sqrt(J_.cols());
-  steps_ = length * J_.colwise().norm().cwiseMax(floor).cwiseInverse().transpose();
+  constexpr double kLeastGain = 1e-3;  // share of the root mean square of all
+  steps_ = J_.colwise().norm().transpose().cwiseQuotient(arms_);  // gains, turns as arcs
+  const double least = kLeastGain * steps_.norm() / std::sqrt(steps_.size());
+  steps_ = length * steps_.cwiseMax(least).cwiseProduct(arms_).cwiseInverse();
 }
 
 // between_: the dofs between the two bodies of a touching pair picked at random; all of them where
@@ -319,8 +327,8 @@ std::span<const VectorXd> StartSelection::ConstrainedTranslation(
   FindBaseDirections(tree);
   SplitGeoms(tree, overlaps);
   if (own_.empty() || others_.empty()) return {};
-  const Sphere A = Enclose(posed, own_, Vector3d::Zero());
-  const Sphere B = Enclose(posed, others_, A.center_W);
+  const Sphere A = Enclose(posed, own_, Vector3d::Zero(), problem_.size);
+  const Sphere B = Enclose(posed, others_, A.center_W, problem_.size);
   const double distance = A.radius + B.radius + problem_.options.clearance;
   const Vector3d d = (A.center_W - B.center_W).normalized();
   Vector3d projected = Vector3d::Zero();

@@ -87,6 +87,7 @@ class StartSelection {
   VectorXd dq_, hopped_, scaled_, trial_, r_;
   MatrixXd J_;
   VectorXd steps_;             // how far each dof moves for some length
+  VectorXd arms_;              // per dof: a turn counts as its arc at this distance [m]; slides 1
   std::vector<char> between_;  // n: the dofs between two bodies
   std::vector<int> touching_;  // pairs
   std::vector<FreeDirection> free_;

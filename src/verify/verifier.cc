@@ -27,6 +27,15 @@ constexpr double kRestRounding = 1e-6, kSizeRounding = 1e-12;
 // same way, so that no verdict depends on what was asked before.
 constexpr double kClear = 1e-9;
 
+// No finer result is asked of MuJoCo's contacts than this share of the model's size: below it they
+// would be rounding.
+constexpr double kFinestContacts = 1e-9;
+
+// The largest bounding radius of the geoms [m].
+double SizeOf(const mjModel& m) {
+  return m.ngeom > 0 ? *std::max_element(m.geom_rbound, m.geom_rbound + m.ngeom) : 0.0;
+}
+
 bool ContactOnly(int type) { return type == mjGEOM_SDF || type == mjGEOM_HFIELD; }
 
 bool AllFinite(std::span<const double> q) {
@@ -48,6 +57,8 @@ Verifier::Verifier(std::shared_ptr<const VerifierModel> model, const Options& op
       exact_(*shared_, rest_ * (1.0 + kRestRounding)) {
   if (!data_) throw Error("MuJoCo could not allocate its data for this model");
   NeutraliseMargins();
+  // As fine as the answer shall be; MuJoCo's default is that for our default.
+  model_.opt.ccd_tolerance = std::max(tolerance_, kFinestContacts * SizeOf(model_));
   const std::size_t pairs = shared_->pairs.size();
   required_.resize(pairs);
   plane_.assign(pairs, Vector3d::Zero());
@@ -383,8 +394,7 @@ void Verifier::FillViolations() {
 
 void Verifier::FindDisputes() {
   disputed_ = false;
-  if (tolerance_ < model_.opt.ccd_tolerance)
-    return;  // finer than MuJoCo's contacts are meant to be
+  if (tolerance_ < model_.opt.ccd_tolerance) return;  // their rounding would be disputes
   for (std::size_t k = 0; k < contact_.size(); ++k) {
     const CheckedPair& pair = shared_->pairs[k];
     if (contact_[k] < 0 || pair.exact || pair.contact_only) continue;

@@ -83,9 +83,8 @@ mjModel Unblinded(const mjModel& m, const std::vector<CheckedPair>& pairs) {
   // "collision function returned 4 contacts, expected at most 2".
   copy.opt.disableflags |= mjDSBL_MULTICCD;
   copy.opt.enableflags &= ~(mjENBL_OVERRIDE | mjENBL_SLEEP | mjENBL_SPECULATIVE | mjENBL_IPC);
-  // MuJoCo's defaults at least; a model may ask for fewer iterations or a coarser result.
+  // MuJoCo's default at least; a model may ask for fewer.
   copy.opt.ccd_iterations = std::max(copy.opt.ccd_iterations, 50);
-  copy.opt.ccd_tolerance = std::min(copy.opt.ccd_tolerance, 1e-6);
   std::size_t contacts = 0;
   for (const CheckedPair& pair : pairs) contacts += mj_maxContact(&m, pair.geom1, pair.geom2, 1);
   // All contacts, and what MuJoCo's broad phase puts beside them: lists of body and geom pairs.

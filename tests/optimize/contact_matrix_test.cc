@@ -173,7 +173,7 @@ TEST_F(ContactMatrixTest, FrozenJointsHaveNoColumns) {
 double Slack(const Scene& scene, const VectorXd& q, int row) {
   ContactRows rows;
   rows.Clear(scene.dof());
-  AppendLimitRows(scene.tables(), q, 100.0, 100.0, rows);
+  AppendLimitRows(scene.tables(), q, {100.0, 100.0, 1.0}, rows);
   return rows.gap[row];
 }
 
@@ -186,7 +186,7 @@ TEST_F(ContactMatrixTest, LimitRowsAreTheRateOfTheSlack) {
       if (trial % 3 == 0 && scene.nq() > 4) q.segment<4>(4) *= -1.0;
       ContactRows rows;
       rows.Clear(scene.dof());
-      AppendLimitRows(scene.tables(), q, 100.0, 100.0, rows);
+      AppendLimitRows(scene.tables(), q, {100.0, 100.0, 1.0}, rows);
       ASSERT_EQ(rows.m, scene.nq() > 4 ? 3 : 6);
       EXPECT_NEAR(-rows.gap.head(rows.m).minCoeff() > 0 ? -rows.gap.head(rows.m).minCoeff() : 0.0,
                   LimitExcess(scene.tables(), q), 1e-12);
@@ -209,13 +209,13 @@ TEST_F(ContactMatrixTest, OnlyLimitsWithinReachAppear) {
   VectorXd q = VectorXd::Zero(4);
   ContactRows rows;
   rows.Clear(4);
-  AppendLimitRows(arm.tables(), q, 0.1, 0.1, rows);
+  AppendLimitRows(arm.tables(), q, {0.1, 0.1, 1.0}, rows);
   ASSERT_EQ(rows.m, 1);
   EXPECT_NEAR(rows.gap[0], 0.05, 1e-15);
   EXPECT_EQ(rows.C.row(0), Eigen::RowVector4d(0, 0, 1, 0));
   rows.Clear(4);
   q[2] = 0.19;
-  AppendLimitRows(arm.tables(), q, 0.1, 0.1, rows);
+  AppendLimitRows(arm.tables(), q, {0.1, 0.1, 1.0}, rows);
   ASSERT_EQ(rows.m, 1);
   EXPECT_NEAR(rows.gap[0], 0.01, 1e-15);
   EXPECT_EQ(rows.C.row(0), Eigen::RowVector4d(0, 0, -1, 0));
@@ -225,7 +225,7 @@ TEST_F(ContactMatrixTest, AnUnturnedBallHasNoLimitRow) {
   const Scene chain = Scene::FromString(BallChainXml(true));
   ContactRows rows;
   rows.Clear(chain.dof());
-  AppendLimitRows(chain.tables(), ToEigen(chain.DefaultQpos()), 100.0, 100.0, rows);
+  AppendLimitRows(chain.tables(), ToEigen(chain.DefaultQpos()), {100.0, 100.0, 1.0}, rows);
   EXPECT_EQ(rows.m, 0);
 }
 

@@ -1,15 +1,22 @@
 #include "collide/convex/convex_distance.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace mjcf_pdg {
 namespace {
 
-constexpr int kMaxSteps = 30;
-constexpr int kMaxGrowth = 60;  // of a polytope [corners]
+// Ellipsoids need the most: of 23,000 random pairs with one, one does not end in so many steps.
+constexpr int kMaxSteps = 100;
+constexpr int kMaxGrowth = 250;  // of a polytope [corners]
 // Where the two bounds of a distance or depth meet: [scene's size], and as a share of it.
 constexpr double kMeet = 1e-8, kMeetShare = 1e-6;
 constexpr double kTouching = 1e-6;  // the direction between nearer cores is not certain [size]
+// How far off the pose is that tells the normal of touching cores [size], and how well the distance
+// must be known there: a normal errs by the root of twice that share.
+constexpr double kAside = 1e-4;
+constexpr double kAsideShare = 1e-7, kLastShare = 1e-4;
 
 }  // namespace
 
@@ -70,17 +77,112 @@ void ConvexDistance::RememberSimplex(const RelativePose& pose, int pair) {
   for (int k = 0; k < memory.size; ++k) memory.corners[k] = pose.PointsOf(simplex_[k]);
 }
 
-std::optional<ExpandingPolytope::Face> ConvexDistance::Overlap(const RelativePose& pose,
-                                                               const KeptPair& pair) {
-  bool sound = polytope_.Start(simplex_);
-  for (int step = 0; sound && step < kMaxGrowth; ++step) {
+bool ConvexDistance::Overlap(const RelativePose& pose, const KeptPair& pair, Found& found) {
+  if (!polytope_.Start(simplex_)) return false;
+  double least = std::numeric_limits<double>::infinity();
+  for (int step = 0; step < kMaxGrowth; ++step) {
     const ExpandingPolytope::Face face = polytope_.Nearest();
     const Corner farthest = Farthest(pair, pose, face.n);
-    const double beyond = farthest.x.dot(face.n) - face.distance;
-    if (beyond <= kMeet * tables_.size + kMeetShare * face.distance) return face;
-    sound = polytope_.Add(farthest);
+    const double parts = farthest.x.dot(face.n);
+    if (parts < least) {
+      least = parts;
+      found.nearest = polytope_.Foot(face);
+      found.n = face.n;
+    }
+    found.distance = -face.distance;
+    const double enough = kMeet * tables_.size + kMeetShare * face.distance;
+    if (least - face.distance <= enough || !polytope_.Add(farthest)) break;
   }
-  return std::nullopt;
+  found.nearest.p2 = found.nearest.p1 + found.distance * found.n;
+  return true;
+}
+
+ConvexDistance::Ending ConvexDistance::Search(const RelativePose& pose, const KeptPair& pair,
+                                              double cutoff, const Accuracy& accuracy,
+                                              Found& found) {
+  if (simplex_.size() == 0) simplex_.Add(Farthest(pair, pose, pose.t));
+  for (int step = 0; step < kMaxSteps; ++step) {
+    simplex_.Reduce();
+    if (simplex_.size() == 4) {
+      return Overlap(pose, pair, found) ? Ending::kFound : Ending::kUnknown;
+    }
+    const Corner nearest = simplex_.Nearest();
+    const double between = nearest.x.norm();
+    if (between < kTouching * tables_.size) {
+      return Enclose(pose, pair) && Overlap(pose, pair, found) ? Ending::kFound : Ending::kTouching;
+    }
+    simplex_.Add(Farthest(pair, pose, -nearest.x));
+    const double at_least = simplex_.Last().dot(nearest.x) / between;
+    const bool last = step + 1 == kMaxSteps;
+    const double wanted = last ? accuracy.last * between
+                               : accuracy.gap + accuracy.share * std::abs(between - accuracy.zero);
+    const bool beyond = at_least >= cutoff;
+    if (!beyond && between - at_least > wanted) continue;
+    simplex_.DropLast();
+    found = {nearest, -nearest.x / between, between};
+    return beyond ? Ending::kBeyond : Ending::kFound;
+  }
+  return Ending::kUnknown;
+}
+
+bool ConvexDistance::Enclose(const RelativePose& pose, const KeptPair& pair) {
+  const auto add_beyond = [&](const Vector3d& n) {
+    const Corner corner = Farthest(pair, pose, n);
+    if (n.dot(corner.x - simplex_[0].x) <= kTouching * tables_.size) return false;
+    simplex_.Add(corner);
+    return true;
+  };
+  const auto add_aside = [&](const Vector3d& n) { return add_beyond(n) || add_beyond(-n); };
+  if (simplex_.size() == 1 && !add_aside(Vector3d::UnitX()) && !add_aside(Vector3d::UnitY()) &&
+      !add_aside(Vector3d::UnitZ())) {
+    return false;
+  }
+  if (simplex_.size() == 2) {
+    const Vector3d along = (simplex_[1].x - simplex_[0].x).stableNormalized();
+    const Vector3d across = along.unitOrthogonal();
+    if (!add_aside(across) && !add_aside(along.cross(across))) return false;
+  }
+  const Vector3d n =
+      (simplex_[1].x - simplex_[0].x).cross(simplex_[2].x - simplex_[0].x).stableNormalized();
+  return add_aside(n.dot(simplex_[0].x) > 0.0 ? Vector3d(-n) : n);  // the origin's side first
+}
+
+// A direction in which geom 2 leaves geom 1 where the cores touch: across what the simplex knows of
+// the boundary there, on the side of geom 2's centre. What it knows may be of the inside.
+Vector3d ConvexDistance::WayOut(const RelativePose& pose) const {
+  Vector3d out = pose.t;
+  if (simplex_.size() == 3) {
+    out = (simplex_[1].x - simplex_[0].x).cross(simplex_[2].x - simplex_[0].x);
+  } else if (simplex_.size() == 2) {
+    const Vector3d along = (simplex_[1].x - simplex_[0].x).stableNormalized();
+    out -= along.dot(out) * along;
+    if (out.norm() < kTouching * tables_.size) out = along.unitOrthogonal();
+  }
+  return out.norm() > 0.0 ? Vector3d(out.stableNormalized()) : Vector3d::UnitZ();
+}
+
+ConvexDistance::Ending ConvexDistance::SearchTouching(const RelativePose& pose,
+                                                      const KeptPair& pair, Found& found) {
+  const Accuracy accuracy{.gap = 0.0, .share = kAsideShare, .zero = 0.0, .last = kLastShare};
+  // The others are no edge or face of anything, so that what is deep inside has a depth there.
+  const Vector3d ways[] = {WayOut(pose), {0.48, 0.6, 0.64}, {0.6, 0.64, -0.48}, {0.64, -0.48, 0.6}};
+  for (int k = 0; k < 4; ++k) {
+    const Vector3d& way = ways[k];
+    RelativePose aside = pose;
+    aside.t += (way.dot(pose.t) < 0.0 ? -kAside : kAside) * tables_.size * way;
+    simplex_.Clear();
+    simplex_.Add(Farthest(pair, aside, ways[(k + 1) % 4]));  // out of a plane of symmetry
+    const double anywhere = std::numeric_limits<double>::infinity();
+    if (Search(aside, pair, anywhere, accuracy, found) != Ending::kFound) continue;
+    // Along the normal of the touch; of what is deep, by no more than the depth there and the way.
+    const double here = -Farthest(pair, pose, found.n).x.dot(found.n);
+    const double way_there = kAside * tables_.size;
+    found.distance =
+        std::max(here, found.distance < -way_there ? found.distance + way_there : here);
+    found.nearest.p2 = found.nearest.p1 + found.distance * found.n;
+    return Ending::kFound;
+  }
+  return Ending::kUnknown;
 }
 
 ConvexDistance::Answer ConvexDistance::Ask(const PosedModel& posed, int pair, double cutoff,
@@ -96,40 +198,22 @@ ConvexDistance::Answer ConvexDistance::Ask(const PosedModel& posed, int pair, do
                           R1.transpose() * (AsVector(d.geom_xpos + 3 * kept.geom2) - x1)};
   const double radius1 = CoreRadius(m, kept.geom1), radius2 = CoreRadius(m, kept.geom2);
   const double radii = radius1 + radius2;
-  auto answer = [&](const Corner& nearest, const Vector3d& n, double core_distance) {
-    gap.distance = core_distance - radii;
-    if (gap.distance >= cutoff) return Answer::kBeyond;
-    gap.n = R1 * n;
-    gap.p1 = x1 + R1 * (nearest.p1 + radius1 * n);
-    gap.p2 = x1 + R1 * (nearest.p2 - radius2 * n);
-    return Answer::kNear;
-  };
   RecallSimplex(pose, memories_[pair]);
-  if (simplex_.size() == 0) simplex_.Add(Farthest(kept, pose, pose.t));
-  for (int step = 0; step < kMaxSteps; ++step) {
-    simplex_.Reduce();
-    if (simplex_.size() == 4) {
-      RememberSimplex(pose, pair);
-      const std::optional<ExpandingPolytope::Face> face = Overlap(pose, kept);
-      return face ? answer(polytope_.Foot(*face), face->n, -face->distance) : Answer::kUnknown;
-    }
-    const Corner nearest = simplex_.Nearest();
-    const double between = nearest.x.norm();
-    if (between < kTouching * tables_.size) {
-      RememberSimplex(pose, pair);
-      return Answer::kUnknown;
-    }
-    simplex_.Add(Farthest(kept, pose, -nearest.x));
-    const double at_least = simplex_.Last().dot(nearest.x) / between;
-    const bool beyond = at_least - radii >= cutoff;
-    const bool meet =
-        between - at_least <= kMeet * tables_.size + kMeetShare * std::abs(between - radii);
-    if (!beyond && !meet) continue;
-    simplex_.DropLast();
-    RememberSimplex(pose, pair);
-    return beyond ? Answer::kBeyond : answer(nearest, -nearest.x / between, between);
+  const Accuracy accuracy{
+      .gap = kMeet * tables_.size, .share = kMeetShare, .zero = radii, .last = 0.0};
+  Found found;
+  Ending ending = Search(pose, kept, cutoff + radii, accuracy, found);
+  if (ending != Ending::kUnknown || simplex_.size() == 4) RememberSimplex(pose, pair);
+  if (ending == Ending::kTouching || ending == Ending::kUnknown) {
+    ending = SearchTouching(pose, kept, found);
   }
-  return Answer::kUnknown;
+  if (ending == Ending::kUnknown) return Answer::kUnknown;
+  gap.distance = found.distance - radii;
+  if (ending == Ending::kBeyond || gap.distance >= cutoff) return Answer::kBeyond;
+  gap.n = R1 * found.n;
+  gap.p1 = x1 + R1 * (found.nearest.p1 + radius1 * found.n);
+  gap.p2 = x1 + R1 * (found.nearest.p2 - radius2 * found.n);
+  return Answer::kNear;
 }
 
 }  // namespace mjcf_pdg

@@ -3,14 +3,14 @@
 // From one configuration to the next the nearest features hardly change: a farthest point or two
 // prove that, where mj_geomDistance starts anew (measured in bench/README.md). Apart, the distance
 // of the points found so far is an upper bound and a plane between the geoms gives a lower one;
-// overlapping, see expanding_polytope.h. Where the two bounds do not meet there is no answer.
+// overlapping, see expanding_polytope.h. Cores that all but touch have no nearest points to tell a
+// normal: it is that of a pose a little aside. Where two bounds do not meet there is no answer.
 //
 // Source: Gilbert, Johnson, Keerthi: A fast procedure for computing the distance between complex
 // objects in three-dimensional space, 1988.
 #ifndef MJCF_PDG_SRC_COLLIDE_CONVEX_CONVEX_DISTANCE_H_
 #define MJCF_PDG_SRC_COLLIDE_CONVEX_CONVEX_DISTANCE_H_
 
-#include <optional>
 #include <vector>
 
 #include "base/signed_gap.h"
@@ -54,12 +54,37 @@ class ConvexDistance {
 
   Answer AskPlane(const PosedModel& posed, const KeptPair& pair, double cutoff,
                   SignedGap& gap) const;
+  // What is nearest of two cores, or the foot of their depth, in the frame of geom 1.
+  struct Found {
+    Corner nearest;
+    Vector3d n;       // unit, from geom 1 to geom 2
+    double distance;  // signed [m]
+  };
+  // How near the upper and the lower bound of a distance must come: `gap` and `share` of how far
+  // the distance is from `zero`; in the last step `last` of the distance. Lengths in m.
+  struct Accuracy {
+    double gap, share, zero, last;
+  };
+  enum class Ending { kFound, kBeyond, kTouching, kUnknown };
+
+  // Continues from simplex_. kBeyond: not below `cutoff` [m]; kTouching: the cores are too near for
+  // a direction.
+  Ending Search(const RelativePose& pose, const KeptPair& pair, double cutoff,
+                const Accuracy& accuracy, Found& found);
+  // Where the origin is on the simplex: adds corners until there are four. False where the cores'
+  // difference is flat there.
+  bool Enclose(const RelativePose& pose, const KeptPair& pair);
+  // Of cores whose difference is flat or that are apart by hardly anything.
+  Ending SearchTouching(const RelativePose& pose, const KeptPair& pair, Found& found);
+  Vector3d WayOut(const RelativePose& pose) const;
   // The corner of the geoms' Minkowski difference that is farthest along n.
   Corner Farthest(const KeptPair& pair, const RelativePose& pose, const Vector3d& n) const;
   void RecallSimplex(const RelativePose& pose, const Memory& memory);
   void RememberSimplex(const RelativePose& pose, int pair);
-  // How deep the cores overlap, and where; none if the two bounds do not meet.
-  std::optional<ExpandingPolytope::Face> Overlap(const RelativePose& pose, const KeptPair& pair);
+  // The depth that no move can undercut, along the normal along which the shortest known move parts
+  // the cores. Where the two do not meet, as for deep round bodies, they differ by up to 1e-4 of
+  // it. False where the simplex is too flat to begin.
+  bool Overlap(const RelativePose& pose, const KeptPair& pair, Found& found);
 
   const SceneTables& tables_;
   std::vector<char> knows_;       // per kept pair

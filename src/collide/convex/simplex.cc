@@ -33,7 +33,8 @@ Face NearestOfEdge(int a, int b, const Vector3d x[4]) {
   return EdgeFace(a, b, x[a], x[b], at / length);
 }
 
-// By the Voronoi regions of the triangle's corners, edges and middle.
+// By the Voronoi regions of the triangle's corners, edges and middle. Areas are measured by the
+// normal, since differences of products of lengths lose the digits of thin triangles.
 Face NearestOfTriangle(int a, int b, int c, const Vector3d x[4]) {
   const Vector3d ab = x[b] - x[a], ac = x[c] - x[a];
   const double ab_a = -ab.dot(x[a]), ac_a = -ac.dot(x[a]);
@@ -42,15 +43,17 @@ Face NearestOfTriangle(int a, int b, int c, const Vector3d x[4]) {
   if (ab_b >= 0.0 && ac_b <= ab_b) return VertexFace(b, x[b]);
   const double ab_c = -ab.dot(x[c]), ac_c = -ac.dot(x[c]);
   if (ac_c >= 0.0 && ab_c <= ac_c) return VertexFace(c, x[c]);
-  const double of_c = ab_a * ac_b - ab_b * ac_a;
+  const Vector3d normal = ab.cross(ac);
+  const double of_c = normal.dot(x[a].cross(x[b]));
   if (of_c <= 0.0 && ab_a >= 0.0 && ab_b <= 0.0) {
     return EdgeFace(a, b, x[a], x[b], ab_a / (ab_a - ab_b));
   }
-  const double of_b = ab_c * ac_a - ab_a * ac_c;
+  const double of_b = normal.dot(x[c].cross(x[a]));
   if (of_b <= 0.0 && ac_a >= 0.0 && ac_c <= 0.0) {
     return EdgeFace(a, c, x[a], x[c], ac_a / (ac_a - ac_c));
   }
-  const double of_a = ab_b * ac_c - ab_c * ac_b, from_b = ac_b - ab_b, from_c = ab_c - ac_c;
+  const double of_a = normal.dot(x[b].cross(x[c]));
+  const double from_b = ac_b - ab_b, from_c = ab_c - ac_c;
   if (of_a <= 0.0 && from_b >= 0.0 && from_c >= 0.0) {
     return EdgeFace(b, c, x[b], x[c], from_b / (from_b + from_c));
   }
