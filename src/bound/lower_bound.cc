@@ -142,7 +142,7 @@ void LowerBound::ClaimOverlaps(const LowerBoundInput& in) {
     if (pair.hope <= floor && Share(In(movers), In(overlaps_[order_[0]].movers))) continue;
     double root = pair.plane ? pair.hope : 0.0;
     if (!pair.plane && pair.hope > floor && cells_left > 0) {
-      root = SearchDirections(pair, floor, cells_left, heap_);
+      root = SearchDirections(pair, floor, in.budget, cells_left, heap_);
     }
     const double S = pair.LeverS(root * root);
     floor = std::max(floor, std::sqrt(S));

@@ -27,7 +27,7 @@ class LowerBound {
   double Sigma(const Workspace& work, const std::vector<NearPair>& overlaps, int cells) {
     const Problem& problem = work.problem();
     return Sigma({problem.tables, work.norm, work.finder.posed(), overlaps, problem.required,
-                  problem.options.metric, problem.options.tolerance, cells});
+                  problem.options.metric, problem.options.tolerance, cells, &work.budget});
   }
 
  private:

@@ -7,6 +7,7 @@
 #include "collide/contacts.h"
 #include "model/kinematics.h"
 #include "norm/norm_evaluator.h"
+#include "problem/budget.h"
 
 namespace mjcf_pdg {
 
@@ -20,6 +21,7 @@ struct LowerBoundInput {
   Metric metric = Metric::kSequential;
   double tolerance = 1e-6;  // overlap beyond `required` that still counts as free [m]
   int max_cells = 200;      // effort: pieces of the sphere of directions; 0: levers alone
+  const BudgetMeter* budget = nullptr;  // of time: what is not proven by then is not claimed
 };
 
 }  // namespace mjcf_pdg

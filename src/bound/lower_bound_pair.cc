@@ -8,6 +8,8 @@ namespace mjcf_pdg {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// A bound serves a search, which needs the time more: none of it is used after this share of a budget.
+constexpr double kShareOfBudget = 0.25;
 constexpr double kGoodEnough = 0.97;  // stop when within this factor of what can be proven
 
 // At least the largest eigenvalue of a symmetric 3 × 3 matrix: mean + √2 standard deviation.
@@ -152,8 +154,8 @@ double DirectionCell::Radius(const Vector3d& n) const {
   return std::acos(least) + 1e-12;
 }
 
-double SearchDirections(const PairProblem& pair, double floor, int& cells_left,
-                        std::vector<DirectionCell>& heap) {
+double SearchDirections(const PairProblem& pair, double floor, const BudgetMeter* budget,
+                        int& cells_left, std::vector<DirectionCell>& heap) {
   heap.clear();
   double reachable = pair.hope;  // nothing above this will be proven
   auto push = [&](DirectionCell cell) {
@@ -166,10 +168,12 @@ double SearchDirections(const PairProblem& pair, double floor, int& cells_left,
   };
   for (int face = 0; face < 6; ++face) {
     for (const int u : {-1, 0, 1}) {
+      if (budget && budget->Late(kShareOfBudget)) return 0.0;
       for (const int v : {-1, 0, 1}) push({0.0, face, u * 2.0 / 3.0, v * 2.0 / 3.0, 1.0 / 3.0});
     }
   }
   while (cells_left > 0 && reachable > floor && heap.front().root < kGoodEnough * reachable) {
+    if (budget && budget->Late(kShareOfBudget)) break;
     const DirectionCell cell = heap.front();
     std::pop_heap(heap.begin(), heap.end());
     heap.pop_back();

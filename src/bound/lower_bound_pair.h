@@ -9,6 +9,7 @@
 
 #include "bound/lower_bound_chain.h"
 #include "bound/lower_bound_geom.h"
+#include "problem/budget.h"
 
 namespace mjcf_pdg {
 
@@ -56,9 +57,9 @@ struct DirectionCell {
 inline constexpr int kFirstCells = 6 * 3 * 3;
 
 // √S for all directions, by branch and bound. Gives up once the pair cannot beat `floor` (√S) or no
-// cells are left. `heap` is scratch.
-double SearchDirections(const PairProblem& pair, double floor, int& cells_left,
-                        std::vector<DirectionCell>& heap);
+// cells are left; sooner in a budget of time (null: none). `heap` is scratch.
+double SearchDirections(const PairProblem& pair, double floor, const BudgetMeter* budget,
+                        int& cells_left, std::vector<DirectionCell>& heap);
 
 }  // namespace mjcf_pdg
 

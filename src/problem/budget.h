@@ -2,6 +2,7 @@
 #ifndef MJCF_PDG_SRC_PROBLEM_BUDGET_H_
 #define MJCF_PDG_SRC_PROBLEM_BUDGET_H_
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <limits>
@@ -17,12 +18,12 @@ class BudgetMeter {
   // A solve that began at `begin`; `queries` is the finder's count then.
   void Begin(const Budget& budget, Clock::time_point begin, std::int64_t queries) {
     last_query_ = budget.queries > 0 ? queries + budget.queries : kNoLimit;
-    deadline_ = Clock::time_point::max();
+    begin_ = begin;
+    seconds_ = std::numeric_limits<double>::infinity();
     // Longer ones would overflow the clock, and nobody waits for them.
     constexpr double kForever = 1e9;  // [s]
     if (budget.seconds > 0.0 && budget.seconds < kForever) {
-      const std::chrono::duration<double> limit(budget.seconds);
-      deadline_ = begin + std::chrono::duration_cast<Clock::duration>(limit);
+      seconds_ = std::max(kLeastShare * budget.seconds, budget.seconds - longest_verification_);
     }
   }
   // The same budget for a finder of another solve within this one, whose count is `queries` now and
@@ -36,16 +37,32 @@ class BudgetMeter {
   void Charge(std::int64_t queries) {
     if (last_query_ != kNoLimit) last_query_ -= queries;
   }
-  // `queries`: the finder's count now. Without a bound in seconds the clock is never read.
-  bool Spent(std::int64_t queries) const {
-    return queries >= last_query_ ||
-           (deadline_ != Clock::time_point::max() && Clock::now() > deadline_);
+  // `queries`: the finder's count now.
+  bool Spent(std::int64_t queries) const { return queries >= last_query_ || Late(); }
+  // Of the bound in seconds alone, or a share of it; without one the clock is never read.
+  bool Late(double share = 1.0) const { return HasDeadline() && Elapsed() > share * seconds_; }
+  bool HasDeadline() const { return seconds_ < std::numeric_limits<double>::infinity(); }
+
+  // What is found must be verified within the budget: searches end as much earlier as the longest
+  // verification took of late.
+  void Verified(Clock::duration took) {
+    const std::chrono::duration<double> seconds(took);
+    longest_verification_ = std::max(kForgetting * longest_verification_, seconds.count());
   }
 
  private:
+  double Elapsed() const {
+    return std::chrono::duration<double>(Clock::now() - begin_).count();
+  }
+
   static constexpr std::int64_t kNoLimit = std::numeric_limits<std::int64_t>::max();
   std::int64_t last_query_ = kNoLimit;
-  Clock::time_point deadline_ = Clock::time_point::max();
+  // Searches keep this share of the budget, however long verifications take.
+  static constexpr double kLeastShare = 0.5;
+  static constexpr double kForgetting = 0.95;  // per verification: one that was interrupted passes
+  Clock::time_point begin_;
+  double seconds_ = std::numeric_limits<double>::infinity();  // from begin_ to the end of searches
+  double longest_verification_ = 0.0;                         // [s]
 };
 
 }  // namespace mjcf_pdg

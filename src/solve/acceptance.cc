@@ -53,7 +53,11 @@ bool Acceptance::IsFree(const VectorXd& q, Component start) {
   q_.assign(trial_.data(), trial_.data() + trial_.size());
   start_ = start;
   work_.budget.Charge(1);
-  return verifier_.Check(q_, *q_in_, verify::Depths::kSkipped, verify::Words::kSkipped).free;
+  if (!work_.budget.HasDeadline()) return verifier_.IsFree(q_, *q_in_);
+  const BudgetMeter::Clock::time_point begin = BudgetMeter::Clock::now();
+  const bool free = verifier_.IsFree(q_, *q_in_);
+  work_.budget.Verified(BudgetMeter::Clock::now() - begin);
+  return free;
 }
 
 }  // namespace mjcf_pdg

@@ -41,9 +41,7 @@ bool Reporter::Input(const std::vector<double>& q_in, Result& result) {
     Answer(verdict, result);
   } else {
     if (!verifier_.IsFree(q_in, q_in)) return false;
-    result.certified = verifier_.certified();
-    // Not measured, but at least so much.
-    result.min_distance = problem_.options.clearance - problem_.options.tolerance;
+    AnswerUnmeasured(result);
     result.depth_in = result.min_distance;
   }
   result.status = Status::kAlreadyFree;
@@ -65,7 +63,11 @@ void Reporter::Solved(const std::vector<double>& q_in, const std::vector<double>
   result.q = q;
   result.sigma = Sigma(q);
   result.start = NameOf(start);
-  Answer(Reports() ? verifier_.Check(q, q_in) : verifier_.verdict(), result);
+  if (Reports()) {
+    Answer(verifier_.Check(q, q_in), result);
+  } else {
+    AnswerUnmeasured(result);
+  }
 }
 
 double Reporter::Sigma(const std::vector<double>& q) {
@@ -77,6 +79,12 @@ void Reporter::Answer(const Verdict& verdict, Result& result) const {
   result.min_distance = verdict.min_distance;
   result.certified = verdict.certified;
   if (problem_.options.report_contacts) result.contacts = verdict.contacts;
+}
+
+// Of what is free: at least so far from everything.
+void Reporter::AnswerUnmeasured(Result& result) const {
+  result.min_distance = problem_.options.clearance - problem_.options.tolerance;
+  result.certified = verifier_.certified();
 }
 
 void Reporter::Unsolved(const std::vector<double>& q_in, const Outcome* outcome, bool frozen,

@@ -40,6 +40,7 @@ class Reporter {
   }
   double Sigma(const std::vector<double>& q);
   void Answer(const Verdict& verdict, Result& result) const;
+  void AnswerUnmeasured(Result& result) const;
   void SayWhy(const Outcome* outcome, bool frozen, const Verdict& verdict, Result& result);
 
   const Problem& problem_;

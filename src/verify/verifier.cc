@@ -257,6 +257,7 @@ bool Verifier::IsFree(std::span<const double> q, std::span<const double> q_in) {
   }
   AskCollision();
   CheckContacts();
+  FindDisputes();
   return !findings_.arena_full &&
          std::none_of(findings_.pairs.begin(), findings_.pairs.end(),
                       [](const Finding& finding) { return finding.violates; });

@@ -64,7 +64,8 @@ class Verifier {
   };
   const Violations& violations() const { return violations_; }
   const Verdict& verdict() const { return verdict_; }  // of the last Check
-  // MuJoCo's contacts make more of a pair's overlap than the plane that decided the last Check.
+  // MuJoCo's contacts make more of a pair's overlap than the plane that decided the last Check, or
+  // IsFree where that was true.
   bool disputed() const { return disputed_; }
   bool certified() const {
     return verdict_.certified;
