@@ -7,8 +7,6 @@
 #include <stdexcept>
 #include <vector>
 
-namespace {
-
 // A ball on a slide that is told to sink into the floor, a little deeper each tick.
 struct Arm {
   bool NextCommand(mjData* data) {
@@ -21,8 +19,6 @@ struct Arm {
 };
 
 #include "document.inc"
-
-}  // namespace
 
 bool FollowsCommandsWithoutTouching(const mjModel* model) {
   mjData* data = mj_makeData(model);
