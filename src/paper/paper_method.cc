@@ -49,13 +49,6 @@ Outcome& PaperMethod::Run(const StrategyInput& input) {
   return outcome_;
 }
 
-bool PaperMethod::Retreat(const Candidate& candidate, VectorXd& q) {
-  const LocalResult& retreated = local_.Run(candidate.q, LocalOptions::Retreating());
-  outcome_.iterations += retreated.iterations;
-  q = retreated.q;
-  return retreated.free;
-}
-
 void PaperMethod::Remember(const VectorXd& q, bool free) {
   if (free) {
     coherence_.AddFree(q);
