@@ -115,6 +115,21 @@ TEST(LayersTest, LibrariesAreCalledFromTheirOwnFolders) {
   }
 }
 
+// Which pairs collide as triangles is known where collisions are, and to nobody else.
+TEST(LayersTest, OnlyCollisionKnowsWhichPairsAreTriangles) {
+  const std::regex knows("[.>]exact\\b");
+  int known = 0;
+  for (const SourceFile& source : Sources()) {
+    const bool may = source.folder.starts_with("collide") || source.folder == "model" ||
+                     source.folder == "verify";
+    const std::string text = Contents(source.path);
+    const bool does = std::regex_search(text, knows);
+    EXPECT_TRUE(may || !does) << source.path;
+    known += does;
+  }
+  EXPECT_GE(known, 4);
+}
+
 TEST(LayersTest, NoFolderIsAFlatList) {
   std::map<std::string, std::set<std::string>> units;
   for (const SourceFile& source : Sources()) units[source.folder].insert(source.path.stem());

@@ -25,7 +25,7 @@ double ProvenBy(const Vector3d& n_W, const SceneTables& tables, const PosedModel
     const Vector3d n = side == 0 ? n_W : Vector3d(-n_W);
     const Matrix3d R = AsMatrix(posed.data()->geom_xmat + 9 * geom);
     const Vector3d farthest = AsVector(posed.data()->geom_xpos + 3 * geom) +
-                              R * tables.support->Farthest(geom, R.transpose() * n);
+                              R * tables.support->Support(geom, R.transpose() * n);
     gap -= n.dot(farthest) + CoreRadius(*posed.model(), geom);
   }
   return gap;

@@ -10,7 +10,7 @@
 namespace mjcf_pdg::bench {
 
 void AskLcp(const Scene& scene, const VectorXd& q, Table& table, int& infeasible) {
-  constexpr double kMargin = 0.12, kLimitReach = 0.5, kTolerance = 1e-8, kPrice = 1e6,
+  constexpr double kMargin = 0.12, kLimitReach = 0.5, kTolerance = 1e-8, kPenalty = 1e6,
                    kImmovable = 1e-12;
   const SceneTables& tables = scene.tables();
   const Options options;
@@ -46,7 +46,7 @@ void AskLcp(const Scene& scene, const VectorXd& q, Table& table, int& infeasible
     return;
   }
   const VectorXd gap = rows.gap.head(m), b = G.transpose() * y - gap;
-  const VectorXd mu = VectorXd::Constant(m, kPrice);
+  const VectorXd mu = VectorXd::Constant(m, kPenalty);
   VectorXd lambda(m);
   LcpOptions how;
   how.max_steps = 10 * (n + m);

@@ -7,10 +7,10 @@
 // r = x - anchor_j at q_in, w = 2Q (for a hinge X times its axis), |q0| <= 1, and mover j's term is
 //   S_j = slideᵀ T⁻¹ slide + wᵀ C⁻¹ w    (T = aaᵀ/m or 1/m; C = ωωᵀ/h or I⁻¹).
 //
-// Levers. |s_j(x)| <= √S_j ρ_j(x), ρ_j² = λmax(T) + λmax([r] C [r]ᵀ), because |q0 w×r + ½w×(w×r)|
-// is exactly |w×r| (a chord). ρ_j is a norm of an affine function of x, so Σρ_j² is convex and
-// largest at extreme points of the geom; g_A² is that maximum. Signed distance of convex sets
-// changes by no more than their points move: with d the distance at q_in and ρ = required -
+// MomentArms. |s_j(x)| <= √S_j ρ_j(x), ρ_j² = λmax(T) + λmax([r] C [r]ᵀ), because |q0 w×r +
+// ½w×(w×r)| is exactly |w×r| (a chord). ρ_j is a norm of an affine function of x, so Σρ_j² is
+// convex and largest at extreme points of the geom; g_A² is that maximum. Signed distance of convex
+// sets changes by no more than their points move: with d the distance at q_in and ρ = required -
 // tolerance at q,
 //   ρ - d <= √S_A g_A + √S_B g_B  =>  S >= (ρ - d)² / (g_A² + g_B²).
 //
@@ -92,7 +92,7 @@ LowerBound::LowerBound() {
 // Nothing if the pair proves nothing.
 void LowerBound::AddOverlap(const LowerBoundInput& in, const NearPair& near) {
   const KeptPair& kept = in.tables.pairs[near.pair];
-  if (!kept.has_distance || !kept.moves || kept.exact) return;  // convex geoms only
+  if (!kept.has_distance || !kept.moves || near.local) return;  // convex geoms only
   Overlap& added = overlaps_.emplace_back();
   PairProblem& pair = added.problem;
   pair.required = in.required[near.pair] - in.tolerance * (1.0 + kRounding);
@@ -144,7 +144,7 @@ void LowerBound::ClaimOverlaps(const LowerBoundInput& in) {
     if (!pair.plane && pair.hope > floor && cells_left > 0) {
       root = SearchDirections(pair, floor, in.budget, cells_left, heap_);
     }
-    const double S = pair.LeverS(root * root);
+    const double S = pair.MomentArmS(root * root);
     floor = std::max(floor, std::sqrt(S));
     claims_.push_back({S, movers});
   }

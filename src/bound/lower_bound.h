@@ -1,7 +1,7 @@
 // The proven side of the bracket: no free configuration has a smaller σ.
 //
-// Source: the levers-at-q_in bound (an overlap of depth δ cannot be undone unless points move by
-// δ), made directional. The derivation is at the head of lower_bound.cc.
+// Source: the bound from moment arms at q_in (an overlap of depth δ cannot be undone unless points
+// move by δ), made directional. The derivation is at the head of lower_bound.cc.
 #ifndef MJCF_PDG_SRC_BOUND_LOWER_BOUND_H_
 #define MJCF_PDG_SRC_BOUND_LOWER_BOUND_H_
 

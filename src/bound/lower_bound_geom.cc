@@ -7,7 +7,7 @@
 namespace mjcf_pdg {
 
 Vector3d ConvexGeom::Support(const Vector3d& n) const {
-  const Vector3d p = center + R * support->Farthest(geom, R.transpose() * n);
+  const Vector3d p = center + R * support->Support(geom, R.transpose() * n);
   return core_radius > 0.0 ? p + core_radius * n.normalized() : p;
 }
 

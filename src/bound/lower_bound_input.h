@@ -20,7 +20,7 @@ struct LowerBoundInput {
   const VectorXd& required;  // per kept pair: smallest distance that counts as free [m]
   Metric metric = Metric::kSequential;
   double tolerance = 1e-6;  // overlap beyond `required` that still counts as free [m]
-  int max_cells = 200;      // effort: pieces of the sphere of directions; 0: levers alone
+  int max_cells = 200;      // effort: pieces of the sphere of directions; 0: moment arms alone
   const BudgetMeter* budget = nullptr;  // of time: what is not proven by then is not claimed
 };
 

@@ -8,7 +8,8 @@ namespace mjcf_pdg {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// A bound serves a search, which needs the time more: none of it is used after this share of a budget.
+// A bound serves a search, which needs the time more: none of it is used after this share of a
+// budget.
 constexpr double kShareOfBudget = 0.25;
 constexpr double kGoodEnough = 0.97;  // stop when within this factor of what can be proven
 
@@ -19,7 +20,7 @@ double LambdaMax(const Matrix3d& A) {
 }
 
 // g²: the maximum over the geom of Σ_j ρ_j², or some value beyond `enough`.
-double LeverSquared(Chain chain, const ConvexGeom& geom, double enough) {
+double MomentArmSquared(Chain chain, const ConvexGeom& geom, double enough) {
   double most = 0.0;
   if (chain.empty()) return most;
   for (int k = 0; k < geom.num_points(); ++k) {
@@ -71,11 +72,11 @@ double Kappa(Chain chain, const Vector3d& x, const Vector3d& n, double eps) {
 
 }  // namespace
 
-double PairProblem::LeverS(double floor) const {
+double PairProblem::MomentArmS(double floor) const {
   if (!(needed > 0.0)) return floor;
   const double enough = floor > 0.0 ? needed * needed / floor : kInfinity;
-  double g = LeverSquared(ChainOf(0), geom[0], enough);
-  g += LeverSquared(ChainOf(1), geom[1], enough - g);
+  double g = MomentArmSquared(ChainOf(0), geom[0], enough);
+  g += MomentArmSquared(ChainOf(1), geom[1], enough - g);
   return g > 0.0 ? std::max(floor, needed * needed / g) : floor;
 }
 

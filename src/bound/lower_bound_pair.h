@@ -1,4 +1,4 @@
-// What parting one overlapping pair costs at least: by levers, and over all directions.
+// What parting one overlapping pair costs at least: by moment arms, and over all directions.
 //
 // Part of lower_bound.h; symbols are those of the derivation at the head of lower_bound.cc.
 #ifndef MJCF_PDG_SRC_BOUND_LOWER_BOUND_PAIR_H_
@@ -22,12 +22,12 @@ struct PairProblem {
   double required = 0.0;  // ρ [m]
   double needed = 0.0;    // ρ - d [m]
   bool plane = false;     // geom 1 is a plane that does not move relative to geom 2's base
-  double hope = 0.0;      // √S along one direction: more will not be proven, levers aside
+  double hope = 0.0;      // √S along one direction: more will not be proven, moment arms aside
 
   Chain ChainOf(int i) const { return std::span(*pool).subspan(first[i], first[i + 1] - first[i]); }
 
-  // By levers, S; `floor` if that is more.
-  double LeverS(double floor) const;
+  // By moment arms, S; `floor` if that is more.
+  double MomentArmS(double floor) const;
   // √S for all unit vectors within eps of n: the best of the points tried, or `floor` if that is
   // more.
   double RootFor(const Vector3d& n, double eps, double floor = 0.0) const;

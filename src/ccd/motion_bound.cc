@@ -55,7 +55,7 @@ MotionBound::MotionBound(const SceneTables& tables) : tables_(tables) {
     longest = std::max(longest, static_cast<std::size_t>(range.end - range.begin));
   }
   active_chains_.reserve(chains_.size());
-  for (auto* scratch : {&levers1_, &levers2_, &travels1_, &travels2_}) scratch->resize(longest);
+  for (auto* scratch : {&arms1_, &arms2_, &travels1_, &travels2_}) scratch->resize(longest);
 }
 
 void MotionBound::AppendMotions(int body, double sign, bool upwards) {
@@ -148,31 +148,31 @@ MotionBound::Extent MotionBound::GeomExtent(const PosedModel& posed, int geom) {
   return extent;
 }
 
-void MotionBound::FillLevers(Range range, bool from_first, const Extent& extent, double horizon,
-                             std::vector<double>& levers, std::vector<double>& travels) const {
+void MotionBound::FillMomentArms(Range range, bool from_first, const Extent& extent, double horizon,
+                                 std::vector<double>& arms, std::vector<double>& travels) const {
   const int count = range.end - range.begin;
   double travel = 0.0;   // of the shape by the motions already walked past
   double stretch = 0.0;  // of the chain since the last anchor, by slides
   const Motion* previous = nullptr;
-  double previous_lever = 0.0;
+  double previous_arm = 0.0;
   for (int step = 0; step < count; ++step) {
     const int k = from_first ? step : count - 1 - step;
     const Motion& motion = motions_[active_chains_[range.begin + k].motion];
     if (!motion.rotates) {
-      levers[k] = 1.0;
+      arms[k] = 1.0;
       travels[k] = motion.speed;
       stretch += motion.speed * horizon;
     } else {
-      levers[k] = extent.FarFrom(motion.anchor_W) + horizon * travel;
+      arms[k] = extent.FarFrom(motion.anchor_W) + horizon * travel;
       if (previous) {
         const double chain = (motion.anchor_W - previous->anchor_W).norm() + stretch;
-        levers[k] = std::min(levers[k], chain + previous_lever);
+        arms[k] = std::min(arms[k], chain + previous_arm);
       }
       const double across =
           extent.FarFromAxis(motion.anchor_W, motion.rate_W / motion.speed) + horizon * travel;
-      travels[k] = motion.speed * std::min(levers[k], across);
+      travels[k] = motion.speed * std::min(arms[k], across);
       previous = &motion;
-      previous_lever = levers[k];
+      previous_arm = arms[k];
       stretch = 0.0;
     }
     travel += travels[k];
@@ -189,7 +189,7 @@ double MotionBound::Closing(Range range) const {
 
 // With Ω the turning rate of the frame that carries motion k, as seen from the resting shape:
 // x'' = Σ_k (Ω×ω_k)×(x - o_k) + ω_k×(Ω×(x - o_k)) + (Ω + ω_k)×(what k and later motions add to x').
-double MotionBound::Acceleration(Range range, bool of_first, const std::vector<double>& levers,
+double MotionBound::Acceleration(Range range, bool of_first, const std::vector<double>& arms,
                                  const std::vector<double>& travels) const {
   const int count = range.end - range.begin;
   double turning = 0.0, acceleration = 0.0;
@@ -198,7 +198,7 @@ double MotionBound::Acceleration(Range range, bool of_first, const std::vector<d
     const Motion& motion = motions_[active_chains_[range.begin + k].motion];
     if (std::isinf(travels[k])) return kInfinity;
     if (motion.rotates) {
-      acceleration += 2.0 * turning * motion.speed * levers[k];
+      acceleration += 2.0 * turning * motion.speed * arms[k];
       turning += motion.speed;
       acceleration += turning * travels[k];
     } else {
@@ -215,8 +215,8 @@ double MotionBound::BodiesClosing(const PosedModel& posed, int body_pair, double
   const Extent first = BodyExtent(tables_, posed, bodies.body1);
   const Extent second = BodyExtent(tables_, posed, bodies.body2);
   distance = (first.center_W - second.center_W).norm() - first.radius - second.radius;
-  FillLevers(range, true, first, horizon, levers1_, travels1_);
-  FillLevers(range, false, second, horizon, levers2_, travels2_);
+  FillMomentArms(range, true, first, horizon, arms1_, travels1_);
+  FillMomentArms(range, false, second, horizon, arms2_, travels2_);
   return Closing(range);
 }
 
@@ -227,12 +227,12 @@ RelativeMotion MotionBound::Geoms(const PosedModel& posed, int body_pair, int pa
   const bool swapped = posed.model()->geom_bodyid[geom1] != tables_.body_pairs[body_pair].body1;
   const Extent first = GeomExtent(posed, swapped ? geom2 : geom1);
   const Extent second = GeomExtent(posed, swapped ? geom1 : geom2);
-  FillLevers(range, true, first, horizon, levers1_, travels1_);
-  FillLevers(range, false, second, horizon, levers2_, travels2_);
+  FillMomentArms(range, true, first, horizon, arms1_, travels1_);
+  FillMomentArms(range, false, second, horizon, arms2_, travels2_);
   RelativeMotion motion;
   motion.closing = Closing(range);
-  motion.acceleration1 = Acceleration(range, true, levers1_, travels1_);
-  motion.acceleration2 = Acceleration(range, false, levers2_, travels2_);
+  motion.acceleration1 = Acceleration(range, true, arms1_, travels1_);
+  motion.acceleration2 = Acceleration(range, false, arms2_, travels2_);
   for (int k = range.begin; k < range.end; ++k) {
     const Motion& m = motions_[active_chains_[k].motion];
     const double sign = active_chains_[k].sign;

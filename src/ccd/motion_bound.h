@@ -3,16 +3,15 @@
 // Hinges and slides change linearly in s, balls and free joints turn at a constant rate about a
 // fixed axis; only the joints between the two geoms count. With a signed distance d(s) and witness
 // points p1, p2 of normal n, d' = Σ_j ± n·(ω_j × (p - o_j)) over those joints. Since p2 - p1 = d n,
-// p may be taken on either geom, joint by joint: each lever is the shorter of the two.
+// p may be taken on either geom, joint by joint: each moment arm is the shorter of the two.
 //
 // Spheres and capsules count as their cores, a point and a segment: the distance of the round
 // shapes is that of the cores less their radii, however they turn.
 //
-// Every lever holds on a whole interval [s, s + horizon] and starts from the pose at s: a point's
-// distance from a joint's axis grows at most by the travel that the joints in between give it, and
-// never beyond the stretched chain of anchors. The same holds on [s - horizon, s]: run backwards,
-// the motion has the same speeds.
-// Units: s has none, lengths in m, angles in rad.
+// Every moment arm holds on a whole interval [s, s + horizon] and starts from the pose at s: a
+// point's distance from a joint's axis grows at most by the travel that the joints in between give
+// it, and never beyond the stretched chain of anchors. The same holds on [s - horizon, s]: run
+// backwards, the motion has the same speeds. Units: s has none, lengths in m, angles in rad.
 #ifndef MJCF_PDG_SRC_CCD_MOTION_BOUND_H_
 #define MJCF_PDG_SRC_CCD_MOTION_BOUND_H_
 
@@ -83,11 +82,11 @@ class MotionBound {
   void AppendMotions(int body, double sign, bool upwards);
   static Extent BodyExtent(const SceneTables& tables, const PosedModel& posed, int body);
   static Extent GeomExtent(const PosedModel& posed, int geom);
-  // levers_ and travels of the links in `range`, walked away from the shape.
-  void FillLevers(Range range, bool from_first, const Extent& extent, double horizon,
-                  std::vector<double>& levers, std::vector<double>& travels) const;
+  // arms_ and travels of the links in `range`, walked away from the shape.
+  void FillMomentArms(Range range, bool from_first, const Extent& extent, double horizon,
+                      std::vector<double>& arms, std::vector<double>& travels) const;
   double Closing(Range range) const;
-  double Acceleration(Range range, bool of_first, const std::vector<double>& levers,
+  double Acceleration(Range range, bool of_first, const std::vector<double>& arms,
                       const std::vector<double>& travels) const;
 
   const SceneTables& tables_;
@@ -96,7 +95,7 @@ class MotionBound {
   std::vector<Range> motions_of_body_;        // nbody
   std::vector<Link> chains_, active_chains_;  // body 1 up to the common ancestor, down to body 2
   std::vector<Range> chain_, active_;         // per body pair, into the two above
-  std::vector<double> levers1_, levers2_;     // farthest point from the anchor [m], by link
+  std::vector<double> arms1_, arms2_;         // farthest point from the anchor [m], by link
   std::vector<double> travels1_, travels2_;   // fastest point by this motion alone [m per unit s]
 };
 

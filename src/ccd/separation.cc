@@ -48,7 +48,7 @@ double Separation::CoreSupport(const PosedModel& posed, int geom,
                                const Vector3d& direction_W) const {
   const double at_center = direction_W.dot(AsVector(posed.data()->geom_xpos + 3 * geom));
   const Vector3d u = AsMatrix(posed.data()->geom_xmat + 9 * geom).transpose() * direction_W;
-  if (support_.Knows(geom)) return at_center + u.dot(support_.Farthest(geom, u));
+  if (support_.Knows(geom)) return at_center + u.dot(support_.Support(geom, u));
   // A plane is a half space, bounded only along its own normal; others are not convex.
   const bool plane = posed.model()->geom_type[geom] == mjGEOM_PLANE;
   const bool bounded = plane && u.z() > 0.0 && u.head<2>().norm() <= 1e-14 * u.z();

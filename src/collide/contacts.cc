@@ -36,8 +36,8 @@ double SphereAbovePlane(const mjModel& m, const mjData& d, int plane, int geom) 
          m.geom_rbound[geom];
 }
 
-NearPair ToNearPair(int pair, const SignedGap& gap) {
-  return {pair, gap.distance, gap.p1, gap.p2, gap.n};
+NearPair ToNearPair(int pair, const SignedGap& gap, bool local) {
+  return {pair, gap.distance, gap.p1, gap.p2, gap.n, local};
 }
 
 }  // namespace
@@ -86,7 +86,7 @@ void ContactFinder::AppendFeatures(int pair, double margin, Depths depths,
     std::erase_if(features_, [](const SignedGap& gap) { return gap.distance < 0.0; });
     features_.insert(features_.begin(), hull);
   }
-  for (const SignedGap& gap : features_) out.push_back(ToNearPair(pair, gap));
+  for (const SignedGap& gap : features_) out.push_back(ToNearPair(pair, gap, true));
 }
 
 bool ContactFinder::BodiesNear(const BodyPair& bodies, double margin) const {
@@ -135,7 +135,7 @@ bool ContactFinder::Distance(int pair, double cutoff, NearPair& near) {
   const bool found =
       kept.exact ? exact_.Distance(posed_, pair, cutoff, gap) : GeomGap(pair, cutoff, gap);
   if (found && kept.exact && HullGap(pair, gap.distance, hull)) gap = hull;
-  if (found) near = ToNearPair(pair, gap);
+  if (found) near = ToNearPair(pair, gap, kept.exact);
   return found;
 }
 

@@ -27,6 +27,9 @@ struct NearPair {
   double distance = 0.0;  // signed [m]; -infinity: an overlap whose depth was not asked
   Vector3d p1_W, p2_W;    // witness points on geom 1 and geom 2
   Vector3d n_W;           // unit, from geom 1 to geom 2; distance = n · (p2 - p1)
+  // A local feature of two geoms that are not both convex: the plane holds nearby, no bound follows
+  // from its distance, and of an overlap the normal is a guess.
+  bool local = false;
 };
 
 // One per thread. Counts its queries.
@@ -52,6 +55,9 @@ class ContactFinder {
 
   // Appends the features of an exact pair within the margin; nothing if there are none.
   void AppendFeatures(int pair, double margin, Depths depths, std::vector<NearPair>& out);
+
+  // Normals of the pair are those of nearest points only while it is apart, so it should stay so.
+  bool NeedsGap(int pair) const { return tables_.pairs[pair].exact; }
 
   // Signed distance of one kept pair at the posed configuration. Exact when below `cutoff` [m];
   // otherwise returns false and leaves `near` alone. Contact-only pairs: false.

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mesh/mesh_components.h"
-#include "mesh/solid.h"
+#include "mesh/triangle_bvh.h"
 
 namespace mjcf_pdg {
 namespace {

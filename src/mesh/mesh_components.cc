@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "mesh/mesh_edges.h"
-#include "mesh/solid.h"
+#include "mesh/triangle_bvh.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -122,7 +122,7 @@ double WindingNumber(const Eigen::Matrix3Xd& vertices, const Matrix3Xi& triangle
   return solid_angle / (4.0 * EIGEN_PI);
 }
 
-Solid SolidOf(const Eigen::Matrix3Xd& vertices, const MeshComponent& component) {
+TriangleBvh SolidOf(const Eigen::Matrix3Xd& vertices, const MeshComponent& component) {
   const Eigen::VectorXi corners = component.triangles.reshaped();
   Matrix3Xi triangles(3, component.triangles.cols());
   std::iota(triangles.reshaped().begin(), triangles.reshaped().end(), 0);
@@ -142,7 +142,7 @@ void FindContainers(const Eigen::Matrix3Xd& vertices, std::vector<MeshComponent>
   }
   for (int outer = 0; outer < static_cast<int>(components->size()); ++outer) {
     if (candidates[outer].empty()) continue;
-    std::optional<Solid> tree;
+    std::optional<TriangleBvh> tree;
     if (candidates[outer].size() > kFew) tree.emplace(SolidOf(vertices, (*components)[outer]));
     const auto contains = [&](const Vector3d& p) {
       return tree ? tree->Contains(kTreeUnits * p)

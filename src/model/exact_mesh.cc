@@ -1,5 +1,6 @@
 #include "model/exact_mesh.h"
 
+#include <algorithm>
 #include <iterator>
 #include <map>
 #include <optional>
@@ -10,7 +11,7 @@
 #include "base/names.h"
 #include "mesh/convex_mesh.h"
 #include "mesh/mesh_hull.h"
-#include "mesh/solid.h"
+#include "mesh/triangle_bvh.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -55,7 +56,7 @@ bool IsConvex(const mjModel& m, int mesh) {
   return hull && IsItsOwnHull({MeshVertices(m, mesh), MeshFaces(m, mesh)}, FacesOf(*hull));
 }
 
-Solid BoxOf(const Vector3d& half) {
+TriangleBvh BoxOf(const Vector3d& half, double tree_units) {
   Matrix3Xd corners(3, 8);
   for (int k = 0; k < 8; ++k) {
     const Vector3d signs(k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0);
@@ -65,7 +66,7 @@ Solid BoxOf(const Vector3d& half) {
   faces << 0, 2, 4, 5, 0, 1, 2, 3, 0, 4, 1, 3,  //
       2, 3, 5, 7, 1, 5, 6, 6, 4, 6, 3, 7,       //
       1, 1, 6, 6, 4, 4, 3, 7, 2, 2, 5, 5;
-  return Solid(corners, faces);
+  return TriangleBvh(corners, faces, tree_units);
 }
 
 void MarkConvex(SceneTables& tables) {
@@ -101,26 +102,29 @@ void MarkExactGeoms(const SceneOptions& options, SceneTables& tables) {
   MarkConvex(tables);
 }
 
-void BuildSolids(SceneTables& tables) {
+void BuildBvhs(SceneTables& tables) {
   const mjModel& m = *tables.model;
   tables.solids.assign(m.ngeom, nullptr);
-  std::map<std::pair<int, bool>, std::shared_ptr<const Solid>> built;  // by asset, exact or hull
+  tables.tree_units = TreeUnits(tables.size);
+  std::map<std::pair<int, bool>, std::shared_ptr<const TriangleBvh>>
+      built;  // by asset, exact or hull
   for (const KeptPair& pair : tables.pairs) {
     if (!pair.exact) continue;
     for (const int g : {pair.geom1, pair.geom2}) {
       if (tables.solids[g]) continue;
       if (m.geom_type[g] == mjGEOM_BOX) {
-        tables.solids[g] =
-            std::make_shared<const Solid>(BoxOf(Eigen::Map<const Vector3d>(m.geom_size + 3 * g)));
+        tables.solids[g] = std::make_shared<const TriangleBvh>(
+            BoxOf(Eigen::Map<const Vector3d>(m.geom_size + 3 * g), tables.tree_units));
       }
       if (m.geom_type[g] != mjGEOM_MESH) continue;
       const int mesh = m.geom_dataid[g];
       const bool exact = tables.exact[g];
-      std::shared_ptr<const Solid>& solid = built[{mesh, exact}];
+      std::shared_ptr<const TriangleBvh>& solid = built[{mesh, exact}];
       try {
         if (!solid) {
-          solid = std::make_shared<const Solid>(MeshVertices(m, mesh),
-                                                exact ? MeshFaces(m, mesh) : HullFaces(m, mesh));
+          solid = std::make_shared<const TriangleBvh>(
+              MeshVertices(m, mesh), exact ? MeshFaces(m, mesh) : HullFaces(m, mesh),
+              tables.tree_units);
         }
       } catch (const Error& e) {
         throw Error("geom " + QuotedNameOrId(m, mjOBJ_GEOM, g) + ": " + e.what());
@@ -132,6 +136,17 @@ void BuildSolids(SceneTables& tables) {
                                 " open edges): a surface without inside");
     }
   }
+}
+
+bool HasExactMeshes(const SceneTables& tables) {
+  return std::any_of(tables.pairs.begin(), tables.pairs.end(), [&](const KeptPair& pair) {
+    return pair.has_distance && (tables.exact[pair.geom1] || tables.exact[pair.geom2]);
+  });
+}
+
+SceneTables WithHulls(SceneTables tables) {
+  for (KeptPair& pair : tables.pairs) pair.exact = false;
+  return tables;
 }
 
 }  // namespace mjcf_pdg

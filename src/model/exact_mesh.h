@@ -17,7 +17,13 @@ void MarkExactGeoms(const SceneOptions& options, SceneTables& tables);
 // Fills tables.solids for the geoms of exact pairs, once the pairs are known: exact meshes, convex
 // hulls of other meshes, boxes. Meshes that are not closed are named in tables.warnings. Throws
 // Error for a mesh without area or hull.
-void BuildSolids(SceneTables& tables);
+void BuildBvhs(SceneTables& tables);
+
+// Some geoms that count collide as their triangles.
+bool HasExactMeshes(const SceneTables& tables);
+
+// The same scene whose meshes collide as their convex hulls.
+SceneTables WithHulls(SceneTables tables);
 
 }  // namespace mjcf_pdg
 

@@ -11,7 +11,7 @@
 
 namespace mjcf_pdg {
 
-class Solid;
+class TriangleBvh;
 class SupportPoints;
 
 // A joint that may move. Angles in rad, slides in m.
@@ -76,9 +76,11 @@ struct SceneTables {
   bool has_contact_only_pairs = false;
   std::shared_ptr<const SupportPoints> support;  // of the kept pairs' convex geoms
 
-  std::vector<char> exact;                           // ngeom: collides as its triangles ...
-  std::vector<char> convex;                          // ... which are those of its convex hull
-  std::vector<std::shared_ptr<const Solid>> solids;  // ngeom; null where no exact pair needs it
+  std::vector<char> exact;   // ngeom: collides as its triangles ...
+  std::vector<char> convex;  // ... which are those of its convex hull
+  std::vector<std::shared_ptr<const TriangleBvh>>
+      solids;               // ngeom; null where no exact pair needs it
+  double tree_units = 1.0;  // of solids, to the metre
   std::vector<std::string> warnings;
 };
 

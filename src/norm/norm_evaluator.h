@@ -37,7 +37,7 @@ class NormEvaluator {
  public:
   NormEvaluator(const SceneTables& tables, Metric metric);
 
-  // Poses q_in and evaluates masses, inertias and levers there.
+  // Poses q_in and evaluates masses, inertias and moment arms there.
   void SetReference(const VectorXd& q_in, const MocapPoses& mocap = {});
 
   double total_mass() const { return total_mass_; }  // M [kg]

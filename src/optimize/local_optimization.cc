@@ -11,12 +11,12 @@ namespace {
 
 constexpr int kMaxContactRows = 48;
 // μ [m], for scenes up to desk size; larger ones scale it. Joint limits give way to nothing.
-constexpr double kFirstPrice = 10.0, kHighestPrice = 1e4, kLimitPrice = 1e6;
-constexpr double kDeskSize = 0.1;        // typical radius there [m]
-constexpr double kSizePerDepth = 0.1;    // deep overlaps make a scene larger
-constexpr double kPriceOverForce = 3.0;  // by which steps are judged, over the largest force
-constexpr double kNearKnown = 0.15;      // √σ to a known optimum, in units of its own √σ
-constexpr double kBeatsKnown = 0.95;     // a prediction below that may lead elsewhere
+constexpr double kFirstPenalty = 10.0, kHighestPenalty = 1e4, kLimitPenalty = 1e6;
+constexpr double kDeskSize = 0.1;          // typical radius there [m]
+constexpr double kSizePerDepth = 0.1;      // deep overlaps make a scene larger
+constexpr double kPenaltyOverForce = 3.0;  // by which steps are judged, over the largest force
+constexpr double kNearKnown = 0.15;        // √σ to a known optimum, in units of its own √σ
+constexpr double kBeatsKnown = 0.95;       // a prediction below that may lead elsewhere
 constexpr int kGiveUpFrom = 4;  // a start that still overlaps after so many steps is judged too
 constexpr int kHopeless = 2, kSettled = 2;               // such steps in a row end it
 constexpr double kSmallStep = 1e-6, kSmallShare = 1e-4;  // a small step: [size] and of √σ
@@ -32,10 +32,11 @@ constexpr double kLargestTurn = 1.0;  // of a joint in a step; no linearization 
 // Margins within which pairs get rows, in units of the scene's size; later 1.5 times the step.
 constexpr double kFirstMargin = 0.12, kLeastMargin = 0.01, kLargestMargin = 0.5;
 constexpr double kUnseenOverlap = 1e-3;  // counted for an overlap of unknown depth [size]
-// Exact meshes keep a stand-off from what bounds a step, for curved surfaces meet earlier than
+// Exact meshes keep a safety margin from what bounds a step, for curved surfaces meet earlier than
 // their planes: twice the overlap that a step ends in, at most a share of its length; kept in part
 // after others.
-constexpr double kStandOffPerOverlap = 2.0, kStandOffPerStep = 0.03, kStandOffKept = 0.25;
+constexpr double kSafetyMarginPerOverlap = 2.0, kSafetyMarginPerStep = 0.03,
+                 kSafetyMarginKept = 0.25;
 // A step that ends in an overlap is made again: by this share of its length the first time, when
 // what it taught may suffice, then by the smaller one.
 constexpr double kFirstRetreat = 0.7, kRetreat = 0.15;
@@ -89,14 +90,14 @@ void LocalOptimization::Evaluate(double margin, Iterate& out) {
   features_.AppendLearnt(problem_.tables, work_.finder.posed(), margin, out.near);
   out.violation = 0.0;
   out.worst = -1.0;
-  double of_pair = 0.0;  // an exact pair has many features: the worst counts
+  double of_pair = 0.0;  // of the features of a pair the worst counts
   for (std::size_t k = 0; k < out.near.size(); ++k) {
     if (std::isinf(out.near[k].distance)) MeasureOverlap(k, margin, out);
     const NearPair& near = out.near[k];
     const double needed = problem_.required[near.pair] - near.distance;
     const double excess = std::max(0.0, needed - aim_);
     const bool same = k > 0 && near.pair == out.near[k - 1].pair;
-    of_pair = same && problem_.tables.pairs[near.pair].exact ? of_pair : 0.0;
+    of_pair = same && near.local ? of_pair : 0.0;
     out.violation += std::max(0.0, excess - of_pair);
     of_pair = std::max(of_pair, excess);
     out.worst = std::max(out.worst, needed - accept_);
@@ -149,11 +150,10 @@ void LocalOptimization::Linearize(const Iterate& at, double margin) {
   rows_.Clear(tables.n);
   for (const NearPair* near : nearest_) {
     double offset = aim_ - problem_.required[near->pair];
-    if (tables.pairs[near->pair].exact) offset -= stand_off_;
+    if (near->local) offset -= safety_margin_;
     const int row = rows_.Append(near->distance + offset);
     ContactRow(tables, posed, near->pair, near->p1_W, near->p2_W, near->n_W, rows_.C.row(row));
-    // The features of an exact pair need no memory: all of them are here.
-    if (!remembers_ || tables.pairs[near->pair].exact) continue;
+    if (!remembers_ || near->local) continue;  // all features of such a pair are here
     auto append_remembered = [&](const Vector3d& p1_W, const Vector3d& p2_W) {
       const double distance = near->n_W.dot(p2_W - p1_W);
       if (distance > margin + problem_.options.clearance) return;
@@ -200,7 +200,7 @@ void LocalOptimization::SolveLcp() {
   b = -rows_.gap.head(m);
   b.noalias() += G.transpose() * y_;
   bounds.setConstant(mu_);
-  bounds.tail(m - contact_rows_).setConstant(kLimitPrice * scale_);
+  bounds.tail(m - contact_rows_).setConstant(kLimitPenalty * scale_);
   LcpOptions options;
   options.max_steps = 10 * (n + m);
   options.tolerance = 0.01 * problem_.tolerances.user;
@@ -260,15 +260,15 @@ void LocalOptimization::Step(Descent& d) {
       std::clamp(1.5 * d.length, kLeastMargin * problem_.size, kLargestMargin * problem_.size);
   Look(next_, reach, d.trial);
   Evaluate(reach, d.trial);
-  if (features_.learning()) AdaptStandOff(d);
+  if (features_.learning()) AdaptSafetyMargin(d);
 }
 
-void LocalOptimization::AdaptStandOff(const Descent& d) {
+void LocalOptimization::AdaptSafetyMargin(const Descent& d) {
   if (Free(d.trial)) {
-    stand_off_ *= kStandOffKept;
+    safety_margin_ *= kSafetyMarginKept;
   } else {
-    const double wanted = kStandOffPerOverlap * std::max(stand_off_, d.trial.violation);
-    stand_off_ = std::min(wanted, kStandOffPerStep * d.length);
+    const double wanted = kSafetyMarginPerOverlap * std::max(safety_margin_, d.trial.violation);
+    safety_margin_ = std::min(wanted, kSafetyMarginPerStep * d.length);
   }
 }
 
@@ -287,12 +287,12 @@ bool LocalOptimization::Retreat(Descent& d) {
   return d.radius >= kLeastRadius * problem_.size;
 }
 
-// Steps are judged by a price a few times the largest force: by μ, which is far above, a micrometre
-// of overlap would outweigh all that σ can gain.
-void LocalOptimization::SetMeritPrice() {
+// Steps are judged by a penalty weight a few times the largest force: by μ, which is far above, a
+// micrometre of overlap would outweigh all that σ can gain.
+void LocalOptimization::SetMeritPenalty() {
   if (contact_rows_ == 0) return;
   const double largest = lambda_.head(contact_rows_).maxCoeff();
-  merit_price_ = std::min(mu_, std::max(merit_price_, kPriceOverForce * largest));
+  merit_penalty_ = std::min(mu_, std::max(merit_penalty_, kPenaltyOverForce * largest));
 }
 
 void LocalOptimization::AdaptDamping(const Iterate& current, const Iterate& trial) {
@@ -331,7 +331,7 @@ bool LocalOptimization::GivesUp(Descent& d) {
 // The trial becomes the current iterate, and the best one if it is better.
 void LocalOptimization::Advance(Descent& d) {
   d.retreats = 0;
-  SetMeritPrice();
+  SetMeritPenalty();
   AdaptDamping(d.current, d.trial);
   if (d.without_progress == 0) d.first_length = d.length;
   ++d.without_progress;
@@ -344,7 +344,8 @@ void LocalOptimization::Advance(Descent& d) {
   d.finder_at_current = true;
 }
 
-// Settled where it is free, or in an overlap whose price can rise no more: contacts conflict there.
+// Settled where it is free, or in an overlap whose penalty weight can rise no more: contacts
+// conflict there.
 bool LocalOptimization::HasConverged(Descent& d) {
   const bool small =
       d.length < kSmallStep * problem_.size + kSmallShare * std::sqrt(d.current.sigma);
@@ -354,7 +355,7 @@ bool LocalOptimization::HasConverged(Descent& d) {
     return small || d.settled >= kSettled;
   }
   if (!small || d.without_progress == 0) return false;
-  if (mu_ >= kHighestPrice * scale_) return true;
+  if (mu_ >= kHighestPenalty * scale_) return true;
   mu_ *= 10.0;
   d.best = d.current;
   d.without_progress = 0;
@@ -382,16 +383,16 @@ void LocalOptimization::Begin(const VectorXd& q, const LocalOptions& options, De
   damps_ = problem_.Uses(Component::kDamping);
   aim_ = options.retreats ? -problem_.tolerances.user : problem_.tolerances.aim;
   accept_ = options.retreats ? 0.0 : problem_.tolerances.accept;
-  merit_price_ = 0.0;
+  merit_penalty_ = 0.0;
   damping_ = kFirstDamping;
-  stand_off_ = 0.0;
+  safety_margin_ = 0.0;
   depths_ = d.options.depths;
   next_ = q;
   ClampToLimits(problem_.tables, next_);
   Look(next_, kFirstMargin * problem_.size, d.current);
   Evaluate(kFirstMargin * problem_.size, d.current);
   scale_ = std::max(problem_.size, kSizePerDepth * d.current.worst) / kDeskSize;
-  mu_ = kFirstPrice * scale_;
+  mu_ = kFirstPenalty * scale_;
   d.radius = d.largest_radius = std::min(d.options.trust_radius * scale_, d.options.largest_step);
   d.best = d.current;
 }

@@ -110,21 +110,23 @@ class LocalOptimization {
   // Poses q and asks what is near; Evaluate judges it, at that pose.
   void Look(const VectorXd& q, double margin, Iterate& out);
   void Evaluate(double margin, Iterate& out);
-  void AdaptStandOff(const Descent& d);
+  void AdaptSafetyMargin(const Descent& d);
   bool Retreat(Descent& d);
   void MeasureOverlap(std::size_t k, double margin, Iterate& out);
   void Linearize(const Iterate& at, double margin);
   bool NearKnown(const VectorXd& q, const LocalOptions& options);
   void AddDamping();
   void AdaptDamping(const Iterate& current, const Iterate& trial);
-  void SetMeritPrice();
+  void SetMeritPenalty();
   double LargestTurn() const;  // of dq_ [rad]
   // Solves for the step at the current linearization; returns its length ‖J dq‖ [m].
   double SolveStep(double trust_radius);
   void SolveLcp();
   void PredictStep();
   void Keep(const Iterate& it, LocalResult& result) const;
-  double Merit(const Cost& cost) const { return 0.5 * cost.sigma + merit_price_ * cost.violation; }
+  double Merit(const Cost& cost) const {
+    return 0.5 * cost.sigma + merit_penalty_ * cost.violation;
+  }
   bool Free(const Iterate& it) const { return it.worst <= 0.0; }
 
   const Problem& problem_;
@@ -137,11 +139,11 @@ class LocalOptimization {
   std::int64_t lcp_steps_ = 0;
   double scale_ = 1.0;  // of lengths in large scenes
   double mu_ = 0.0;
-  double merit_price_ = 0.0;     // [m]
+  double merit_penalty_ = 0.0;   // [m]
   Cost predicted_;               // after the last step, by its linearization
   double promised_sigma_ = 0.0;  // had it not been cut
   double damping_ = 0.0;
-  double stand_off_ = 0.0;           // of exact meshes [m]
+  double safety_margin_ = 0.0;       // of exact meshes [m]
   double aim_ = 0.0, accept_ = 0.0;  // overlaps that are aimed at and accepted [m]
   Depths depths_ = Depths::kMeasured;
   bool remembers_ = true, damps_ = true;  // false: left out (Options::without)

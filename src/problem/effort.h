@@ -20,7 +20,7 @@ struct EffortPlan {
   int blind = 20;               // noisy starts while nothing is free, then as many anywhere
   bool follows = true;          // exact meshes: a frame may trust the last one's answer
   bool polishes_meshes = true;  // a fifth of a fast solve of exact meshes, for 1e-3 of σ
-  int bound_cells = 100;        // pieces of the sphere of directions for the lower bound; 0: levers
+  int bound_cells = 100;  // pieces of the sphere of directions for the lower bound; 0: moment arms
 };
 
 inline EffortPlan PlanFor(Effort effort) {

@@ -62,8 +62,9 @@ void Workspace::SetRequired() {
   for (std::size_t k = 0; k < tables.pairs.size(); ++k) {
     const KeptPair& pair = tables.pairs[k];
     double required = (pair.moves ? problem_.options.clearance : 0.0) - pair.allowed;
-    if (pair.exact && pair.moves)
+    if (pair.moves && finder.NeedsGap(static_cast<int>(k))) {
       required += problem_.tolerances.aim + problem_.tolerances.mesh_gap;
+    }
     problem_.required[static_cast<Eigen::Index>(k)] = required;
   }
 }

@@ -16,7 +16,7 @@ Outcome& AutoMethod::Run(const StrategyInput& given) {
   const bool follows = search_.Begin(input, hint_start);
   if (follows) return search_.trials().outcome();
   const SceneTables& tables = problem_.tables;
-  if (problem_.Uses(Component::kHulls) && SomeExact(tables, input.overlaps) &&
+  if (problem_.Uses(Component::kHulls) && MeshesOverlap(input.overlaps) &&
       !AllRigid(tables, input.overlaps)) {
     if (const VectorXd* q = hulls_.Run(work_)) search_.Try(*q, Component::kHulls);
   }

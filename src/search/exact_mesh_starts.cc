@@ -34,9 +34,9 @@ bool MovedByFreeJointsOnly(const SceneTables& tables, int pair) {
 
 }  // namespace
 
-bool SomeExact(const SceneTables& tables, const std::vector<NearPair>& overlaps) {
+bool MeshesOverlap(const std::vector<NearPair>& overlaps) {
   return std::any_of(overlaps.begin(), overlaps.end(),
-                     [&](const NearPair& near) { return tables.pairs[near.pair].exact; });
+                     [](const NearPair& near) { return near.local; });
 }
 
 bool AllRigid(const SceneTables& tables, const std::vector<NearPair>& overlaps) {

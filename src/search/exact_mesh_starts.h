@@ -22,7 +22,7 @@
 namespace mjcf_pdg {
 
 // Some of these overlaps at q_in are of triangles.
-bool SomeExact(const SceneTables& tables, const std::vector<NearPair>& overlaps);
+bool MeshesOverlap(const std::vector<NearPair>& overlaps);
 // Only free joints move the geoms of these pairs.
 bool AllRigid(const SceneTables& tables, const std::vector<NearPair>& overlaps);
 

@@ -1,24 +1,17 @@
 #include "search/hull_stage.h"
 
-#include <utility>
+#include <cstdint>
+#include <memory>
 
 #include "bound/lower_bound.h"
+#include "model/exact_mesh.h"
 #include "problem/effort.h"
 #include "search/search.h"
 
 namespace mjcf_pdg {
-namespace {
-
-SceneTables WithoutExactPairs(SceneTables tables) {
-  for (KeptPair& pair : tables.pairs) pair.exact = false;
-  return tables;
-}
-
-}  // namespace
-
 struct HullStage::Hulls {
-  explicit Hulls(const Problem& exact)
-      : tables(WithoutExactPairs(exact.tables)), work(tables, exact.options), search(work) {}
+  explicit Hulls(const Problem& problem)
+      : tables(WithHulls(problem.tables)), work(tables, problem.options), search(work) {}
 
   const SceneTables tables;
   Workspace work;

@@ -19,10 +19,10 @@ bool Search::Begin(const StrategyInput& input, Component hint_start) {
   for (const NearPair& near : input.overlaps) {
     depth_ = std::max(depth_, problem_.options.clearance - near.distance);
   }
-  exact_ = SomeExact(problem_.tables, input.overlaps);
-  trials_.Begin(plan_, input, depth_, exact_);
-  varied_.Begin(plan_, center_, exact_);
-  if (exact_) {
+  meshes_overlap_ = MeshesOverlap(input.overlaps);
+  trials_.Begin(plan_, input, depth_, meshes_overlap_);
+  varied_.Begin(plan_, center_, meshes_overlap_);
+  if (meshes_overlap_) {
     if (input.hint) trials_.Try(*input.hint, hint_start, ExactMeshStarts::FromHint());
     meshes_.Begin();
     return meshes_.Follows(plan_);
@@ -33,7 +33,7 @@ bool Search::Begin(const StrategyInput& input, Component hint_start) {
 }
 
 void Search::Finish(const StrategyInput& input) {
-  if (exact_) {
+  if (meshes_overlap_) {
     meshes_.Try(input, center_, depth_, varied_.random());
     trials_.RenewQueries();  // the budget is for what varies from there
   }
@@ -51,7 +51,7 @@ void Search::Finish(const StrategyInput& input) {
 }
 
 bool Search::WorthPolishing() const {
-  const bool in_haste = exact_ && (!plan_.polishes_meshes || meshes_.following());
+  const bool in_haste = meshes_overlap_ && (!plan_.polishes_meshes || meshes_.following());
   return problem_.Uses(Component::kPolish) && !in_haste;
 }
 

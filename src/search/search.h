@@ -42,9 +42,9 @@ class Search {
   VariedStarts varied_;
   ExactMeshStarts meshes_;
   EffortPlan plan_;
-  VectorXd center_;     // q_in inside its limits
-  double depth_ = 0.0;  // that q_in must be parted by [m]
-  bool exact_ = false;  // triangle meshes overlap
+  VectorXd center_;              // q_in inside its limits
+  double depth_ = 0.0;           // that q_in must be parted by [m]
+  bool meshes_overlap_ = false;  // at q_in, as triangles
 };
 
 }  // namespace mjcf_pdg

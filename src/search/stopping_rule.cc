@@ -18,12 +18,12 @@ constexpr double kVeryFar = 10.0;
 }  // namespace
 
 void StoppingRule::Begin(const EffortPlan& plan, const StrategyInput& input, double depth,
-                         bool exact) {
+                         bool meshes_overlap) {
   plan_ = plan;
   sigma_lower_bound_ = input.sigma_lower_bound;
   distances_at_input_ = input.distances_at_input;
   depth_ = depth;
-  exact_ = exact;
+  meshes_overlap_ = meshes_overlap;
   agreeing_ = 0;
   RenewQueries();
   first_box_test_ = work_.finder.box_tests();
@@ -51,7 +51,8 @@ bool StoppingRule::Done(double best_sigma, std::int64_t lcp_steps) const {
   const bool near_proven = best_sigma <= kNearProven * sigma_lower_bound_;
   if (agreeing_ >= (near_proven ? plan_.agree_near_proven : plan_.agree)) return true;
   const std::int64_t queries = work_.finder.queries() - first_query_;
-  if (!exact_) return Evaluations(lcp_steps) >= plan_.evaluations || queries >= plan_.queries;
+  if (!meshes_overlap_)
+    return Evaluations(lcp_steps) >= plan_.evaluations || queries >= plan_.queries;
   // More queries: most of them only ask whether a configuration is free.
   if (Exceeds(kVeryFar, best_sigma)) return queries >= 3 * plan_.queries;
   const auto box_tests = static_cast<double>(work_.finder.box_tests() - first_box_test_);

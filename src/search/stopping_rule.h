@@ -21,8 +21,8 @@ class StoppingRule {
  public:
   explicit StoppingRule(const Workspace& work) : work_(work) {}
 
-  // A search begins. `depth`: how far q_in must be parted [m]; `exact`: triangle meshes overlap.
-  void Begin(const EffortPlan& plan, const StrategyInput& input, double depth, bool exact);
+  // A search begins. `depth`: how far q_in must be parted [m]; `meshes_overlap`: some as triangles.
+  void Begin(const EffortPlan& plan, const StrategyInput& input, double depth, bool meshes_overlap);
   // The bound on queries counts from here again.
   void RenewQueries() { first_query_ = work_.finder.queries(); }
   // The first free configuration was found after so many steps of the LCP.
@@ -47,7 +47,7 @@ class StoppingRule {
   double sigma_lower_bound_ = 0.0;  // [m²]
   int distances_at_input_ = 0;
   double depth_ = 0.0;  // [m]
-  bool exact_ = false;
+  bool meshes_overlap_ = false;
   int agreeing_ =
       0;  // independent starts that converged to the best answer or were stopped near it
   std::int64_t first_query_ = 0, first_box_test_ = 0;  // the finder's counts as the search begins

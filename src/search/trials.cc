@@ -17,9 +17,10 @@ LocalOptions Coarse() {
   return options;
 }
 
-void Trials::Begin(const EffortPlan& plan, const StrategyInput& input, double depth, bool exact) {
+void Trials::Begin(const EffortPlan& plan, const StrategyInput& input, double depth,
+                   bool meshes_overlap) {
   outcome_.Clear();
-  rule_.Begin(plan, input, depth, exact);
+  rule_.Begin(plan, input, depth, meshes_overlap);
 }
 
 bool Trials::Try(const VectorXd& q, Component start, const LocalOptions& options) {

@@ -18,7 +18,7 @@ class Trials {
   explicit Trials(Workspace& work)
       : problem_(work.problem()), work_(work), rule_(work), local_(work) {}
 
-  void Begin(const EffortPlan& plan, const StrategyInput& input, double depth, bool exact);
+  void Begin(const EffortPlan& plan, const StrategyInput& input, double depth, bool meshes_overlap);
 
   // Descends from q. False if that was given up because it led to nothing better.
   bool Try(const VectorXd& q, Component start, const LocalOptions& options);

@@ -14,14 +14,13 @@ namespace {
 constexpr int kTried = 100;        // configurations
 constexpr std::size_t kNamed = 8;  // <exclude> lines
 
-// Pairs that overlap at q, ascending. Exact ones that cross may do no more than touch. One query.
+// Pairs that overlap at q, ascending. Triangles that cross may do no more than touch. One query.
 std::vector<int> OverlappingPairs(Workspace& work, const VectorXd& q) {
   std::vector<int> pairs;
   work.finder.Pose(q);
   for (const NearPair& near :
        work.finder.Find(work.problem().options.clearance, Depths::kSkipped)) {
-    const bool exact = work.problem().tables.pairs[near.pair].exact;
-    if (!exact && work.problem().Overlaps(near, work.problem().tolerances.user))
+    if (!near.local && work.problem().Overlaps(near, work.problem().tolerances.user))
       pairs.push_back(near.pair);
   }
   std::sort(pairs.begin(), pairs.end());

@@ -153,7 +153,7 @@ std::shared_ptr<const SceneTables> MakeTables(std::shared_ptr<const mjModel> own
   MarkExactGeoms(options, *tables);
   FillKeptPairs(*tables);
   RefuseUnseenPairs(*tables);
-  BuildSolids(*tables);
+  BuildBvhs(*tables);
   tables->support = std::make_shared<const SupportPoints>(*model, tables->pairs);
   tables->query_model = UnblindedCopy(*tables);
   tables->query_model.opt.disableflags |= mjDSBL_MULTICCD;
@@ -219,12 +219,7 @@ int Scene::nq() const { return static_cast<int>(tables_->model->nq); }
 int Scene::dof() const { return tables_->n; }
 int Scene::num_kept_pairs() const { return static_cast<int>(tables_->pairs.size()); }
 
-bool Scene::HasExactMeshes() const {
-  auto exact = [this](const KeptPair& pair) {
-    return pair.has_distance && (tables_->exact[pair.geom1] || tables_->exact[pair.geom2]);
-  };
-  return std::any_of(tables_->pairs.begin(), tables_->pairs.end(), exact);
-}
+bool Scene::HasExactMeshes() const { return mjcf_pdg::HasExactMeshes(*tables_); }
 
 std::string Scene::GeomName(int geom) const { return NameOrId(*model(), mjOBJ_GEOM, geom); }
 std::string Scene::JointName(int joint) const { return NameOrId(*model(), mjOBJ_JOINT, joint); }

@@ -13,7 +13,7 @@ Vector3d OnCircle(const Vector3d& n, double r) {
 
 }  // namespace
 
-Vector3d ConvexShape::Farthest(const Vector3d& n) const {
+Vector3d ConvexShape::Support(const Vector3d& n) const {
   switch (type) {
     case mjGEOM_SPHERE:
       return Vector3d::Zero();
@@ -29,7 +29,7 @@ Vector3d ConvexShape::Farthest(const Vector3d& n) const {
       return {std::copysign(size[0], n.x()), std::copysign(size[1], n.y()),
               std::copysign(size[2], n.z())};
     default:
-      return vertices->Farthest(n);
+      return vertices->Support(n);
   }
 }
 

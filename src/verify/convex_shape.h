@@ -29,7 +29,7 @@ struct ConvexShape {
   std::shared_ptr<const VertexTree> vertices = nullptr;  // of a mesh
 
   // A point of the core that is farthest along n (not zero, not necessarily unit).
-  Vector3d Farthest(const Vector3d& n) const;
+  Vector3d Support(const Vector3d& n) const;
 };
 
 // A point p = b - a of the difference of two cores: a of the first, b of the second.
@@ -51,8 +51,8 @@ struct ConvexPair {
   // shape to the second, that is how far a plane with the normal n keeps the cores apart.
   DifferencePoint Support(const Vector3d& n) const {
     DifferencePoint point;
-    point.a = first.Farthest(n);
-    point.b = between + turn * second.Farthest(-(turn.transpose() * n));
+    point.a = first.Support(n);
+    point.b = between + turn * second.Support(-(turn.transpose() * n));
     point.p = point.b - point.a;
     return point;
   }

@@ -120,7 +120,7 @@ double ExactPairs::Distance(const mjData& posed, const CheckedPair& pair, double
   const Asked asked{
       posed,  pair,  model_.solids[pair.geom1].get(), model_.solids[pair.geom2].get(), permitted,
       depths, fromto};
-  return asked.first ? SolidDistance(asked, cutoff) : RoundDistance(asked, cutoff);
+  return asked.first ? BvhDistance(asked, cutoff) : RoundDistance(asked, cutoff);
 }
 
 // The depth, negative [m], of the deepest inside the other body: the probes, and a vertex and the
@@ -236,7 +236,7 @@ bool ExactPairs::PartedByAMove(const Asked& asked, const std::vector<Vector3d>& 
 }
 
 // Triangles intersect: how deep, negative [m].
-double ExactPairs::SolidOverlap(const Asked& asked) const {
+double ExactPairs::BvhOverlap(const Asked& asked) const {
   const Asked::Crossings crossings = asked.FirstCrossings(kMaxTrianglePairs);
   double least = asked.TrianglesOverlap(crossings);
   double witness[6];
@@ -258,12 +258,12 @@ double ExactPairs::SolidOverlap(const Asked& asked) const {
   return least;
 }
 
-double ExactPairs::SolidDistance(const Asked& asked, double cutoff) const {
+double ExactPairs::BvhDistance(const Asked& asked, double cutoff) const {
   const Asked::Crossings crossings = asked.FirstCrossings(kFewPairs);
   if (crossings.isCollision()) {
     const double overlap = asked.TrianglesOverlap(crossings);
     const bool told = asked.depths == Depths::kSkipped && overlap < -asked.permitted - rest_;
-    return told ? overlap : SolidOverlap(asked);
+    return told ? overlap : BvhOverlap(asked);
   }
   const double inside = Deepest(asked, 0);
   if (inside < 0.0) return inside;

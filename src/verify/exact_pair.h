@@ -43,8 +43,8 @@ class ExactPairs {
  private:
   struct Asked;
   struct Side;
-  double SolidDistance(const Asked& asked, double cutoff) const;
-  double SolidOverlap(const Asked& asked) const;
+  double BvhDistance(const Asked& asked, double cutoff) const;
+  double BvhOverlap(const Asked& asked) const;
   bool PartedByAMove(const Asked& asked, const std::vector<Vector3d>& ways_W) const;
   double RoundDistance(const Asked& asked, double cutoff) const;
   double Deepest(const Asked& asked, int triangles) const;

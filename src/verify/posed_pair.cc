@@ -68,7 +68,7 @@ Reading PosedPair::AgainstPlane() const {
   const Vector3d n_W = Rotation(data, pair.geom1).col(2);
   const Matrix3d R = Rotation(data, pair.geom2);
   const Vector3d lowest_W =
-      Origin(data, pair.geom2) + R * shape.Farthest(-(R.transpose() * n_W)) - shape.radius * n_W;
+      Origin(data, pair.geom2) + R * shape.Support(-(R.transpose() * n_W)) - shape.radius * n_W;
   const double distance = n_W.dot(lowest_W - Origin(data, pair.geom1));
   return {distance, n_W, lowest_W - distance * n_W, lowest_W};
 }

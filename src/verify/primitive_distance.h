@@ -1,5 +1,5 @@
 // The independent check's own least signed distance of a primitive over a triangle, by golden
-// sections: slow, and another road than the solver's (convex_field.h).
+// sections: slow, and another road than the solver's (primitive_sdf.h).
 #ifndef MJCF_PDG_SRC_VERIFY_PRIMITIVE_DISTANCE_H_
 #define MJCF_PDG_SRC_VERIFY_PRIMITIVE_DISTANCE_H_
 

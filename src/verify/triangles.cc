@@ -103,7 +103,7 @@ bool IsBoundaryOfHull(const Triangles& triangles, const VertexTree& vertices) {
     Vector3d n = (t[1] - t[0]).cross(t[2] - t[0]);
     if (!(n.norm() > 0.0)) return true;
     n.normalize();
-    return n.dot(vertices.Farthest(n) - t[0]) <= kFloatRounding * largest;
+    return n.dot(vertices.Support(n) - t[0]) <= kFloatRounding * largest;
   };
   return std::all_of(triangles.begin(), triangles.end(), on_hull) &&
          CountOpenEdges(triangles) == 0 && Pieces(triangles).size() == 1;

@@ -40,7 +40,7 @@ void VertexTree::Build(int begin, int end) {
   Build(middle, end);
 }
 
-const Vector3d& VertexTree::Farthest(const Vector3d& n) const {
+const Vector3d& VertexTree::Support(const Vector3d& n) const {
   double most = -std::numeric_limits<double>::infinity();
   int farthest = 0;
   Search(0, n, most, farthest);

@@ -13,7 +13,7 @@ class VertexTree {
   explicit VertexTree(std::vector<Eigen::Vector3d> vertices);  // at least one
 
   // The vertex v with the largest n · v.
-  const Eigen::Vector3d& Farthest(const Eigen::Vector3d& n) const;
+  const Eigen::Vector3d& Support(const Eigen::Vector3d& n) const;
 
   const std::vector<Eigen::Vector3d>& vertices() const { return vertices_; }
 

@@ -150,7 +150,7 @@ TEST_F(LowerBoundTest, ThreeSlidesCountAsOneVector) {
     <joint type="slide" axis="0 0 1"/><geom type="sphere" size=".1"/></body></worldbody></mujoco>)"),
                    Configuration({0.17, 0.17, 0.13}));
   const double depth = 0.3 - std::sqrt(2 * 0.17 * 0.17 + 0.13 * 0.13);
-  EXPECT_NEAR(std::sqrt(at.Bound(0)), depth - kTolerance, 1e-7);  // by levers alone
+  EXPECT_NEAR(std::sqrt(at.Bound(0)), depth - kTolerance, 1e-7);  // by moment arms alone
 }
 
 // The nearest points' direction is one that no joint moves along: the ways round it count.
@@ -159,7 +159,7 @@ TEST_F(LowerBoundTest, ADirectionThatNothingMovesAlongIsNoWayOut) {
       <body><joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>
       <geom size=".1"/></body></worldbody></mujoco>)");
   AtStart at(scene, VectorXd::Zero(2));
-  EXPECT_GT(at.Bound(), 0.05 * 0.05 / 2) << "by levers alone";
+  EXPECT_GT(at.Bound(), 0.05 * 0.05 / 2) << "by moment arms alone";
   EXPECT_LT(at.Bound(), 0.2 * 0.2 - 0.15 * 0.15);
 }
 

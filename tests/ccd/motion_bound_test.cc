@@ -257,7 +257,7 @@ TEST_F(MotionBoundTest, AFreeJointTurnsItsGeomsAboutTheBodyOrigin) {
   EXPECT_NEAR(rates.geoms, 0.5 + 2.0 * 3.0, 1e-12);
 }
 
-TEST_F(MotionBoundTest, ASlideInBetweenLengthensTheLeverByItsTravel) {
+TEST_F(MotionBoundTest, ASlideInBetweenLengthensTheMomentArmByItsTravel) {
   const std::string world = std::string(kPlane) + R"(<body pos="0 0 9"><joint axis="0 1 0"/>
       <body><joint type="slide" axis="1 0 0"/><geom type="sphere" size=".1" pos="1 0 0"/></body>
       </body>)";
@@ -266,7 +266,7 @@ TEST_F(MotionBoundTest, ASlideInBetweenLengthensTheLeverByItsTravel) {
   EXPECT_NEAR(RatesOf(world, dq).geoms, (1.0 + 0.5) * 1.0 + 0.5, 1e-12);
 }
 
-// The far anchor bounds the lever of the near joint: it moves away with the slide in between.
+// The far anchor bounds the moment arm of the near joint: it moves away with the slide in between.
 TEST_F(MotionBoundTest, ASlideBetweenTwoHingesStretchesTheChainOfAnchors) {
   const std::string world = std::string(kPlane) + R"(<body pos="0 0 9"><joint axis="0 1 0"/>
       <body><joint type="slide" axis="1 0 0"/><body pos="1 0 0"><joint axis="0 1 0"/>

@@ -52,7 +52,7 @@ TEST(SimplexTest, FindsTheNearestPointOfAnyHull) {
       simplex.Add({x.back(), x.back() + p2, p2});
       diameter = std::max(diameter, 2.0 * (x.back() - middle).norm());
     }
-    simplex.Reduce();
+    simplex.KeepClosestSubSimplex();
     ++of_size[simplex.size()];
     const double least = LeastNorm(x);
     if (simplex.size() == 4) {
@@ -78,8 +78,8 @@ TEST(SimplexTest, SurvivesCornersWithoutExtent) {
       point.Add({a, a, Vector3d::Zero()});
       line.Add({a + k * along, a + k * along, Vector3d::Zero()});
     }
-    point.Reduce();
-    line.Reduce();
+    point.KeepClosestSubSimplex();
+    line.KeepClosestSubSimplex();
     EXPECT_NEAR((point.Nearest().x - a).norm(), 0.0, 1e-12);
     const double t = std::clamp(-a.dot(along) / along.squaredNorm(), 0.0, corners - 1.0);
     EXPECT_NEAR(line.Nearest().x.norm(), (a + t * along).norm(), 1e-9);

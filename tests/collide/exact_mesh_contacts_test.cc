@@ -39,7 +39,7 @@ SceneTables WithTriangles(const Scene& scene) {
   for (KeptPair& pair : tables.pairs) {
     pair.exact = pair.has_distance && (tables.exact[pair.geom1] || tables.exact[pair.geom2]);
   }
-  BuildSolids(tables);
+  BuildBvhs(tables);
   return tables;
 }
 

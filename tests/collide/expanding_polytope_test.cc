@@ -23,7 +23,7 @@ Simplex TetrahedronOf(const std::vector<Vector3d>& x) {
 
 bool HoldsTheOrigin(const std::vector<Vector3d>& x) {
   Simplex simplex = TetrahedronOf(x);
-  simplex.Reduce();
+  simplex.KeepClosestSubSimplex();
   return simplex.size() == 4;
 }
 

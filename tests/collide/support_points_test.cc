@@ -1,4 +1,4 @@
-// Farthest points of convex geoms, by their definition.
+// Support points of convex geoms, by their definition.
 #include "collide/convex/support_points.h"
 
 #include <algorithm>
@@ -52,7 +52,7 @@ TEST_F(SupportPointsTest, OfAMeshNoVertexIsFarther) {
     const Eigen::Map<const Eigen::Matrix3Xf> vertices(m.mesh_vert, 3, m.nmeshvert);
     const double size = vertices.colwise().norm().maxCoeff();
     for (const Vector3d& u : Directions(2000)) {
-      const Vector3d p = scene.tables().support->Farthest(geom, u);
+      const Vector3d p = scene.tables().support->Support(geom, u);
       const double farthest = (u.transpose() * vertices.cast<double>()).maxCoeff();
       EXPECT_NEAR(u.dot(p), farthest, 1e-6 * size * u.norm()) << u.transpose();
       const double beside = (vertices.cast<double>().colwise() - p).colwise().norm().minCoeff();
@@ -95,7 +95,7 @@ TEST_F(SupportPointsTest, OfOtherGeomsNothingInsideIsFarther) {
     }
     EXPECT_GT(core.size(), type == mjGEOM_SPHERE ? 0u : 50u);
     for (const Vector3d& u : Directions(200)) {
-      const Vector3d p = scene.tables().support->Farthest(geom, u);
+      const Vector3d p = scene.tables().support->Support(geom, u);
       EXPECT_GE(Inside(type, size, p), -1e-12);
       for (const Vector3d& x : core) EXPECT_LE(u.dot(x), u.dot(p) + 1e-12);
     }

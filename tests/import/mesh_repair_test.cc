@@ -178,7 +178,7 @@ TriangleMesh DoubleSided(const TriangleMesh& mesh) {
   return WeldVertices(Together(mesh, InsideOut(mesh)));
 }
 
-void ExpectSolids(const Repaired& result, int count, double volume) {
+void ExpectBvhs(const Repaired& result, int count, double volume) {
   EXPECT_EQ(result.topology.components, count);
   EXPECT_EQ(result.topology.open_edges, 0);
   EXPECT_EQ(result.topology.nested_components, 0);
@@ -199,15 +199,15 @@ TEST(MeshRepairTest, SolidsThatTouchInAFaceStayWhole) {
                {Together(Together(cube, mirrored), CubeMesh({1, 1, 0})), 3}};
   Random random(7);
   for (const auto& [mesh, count] : cases) {
-    ExpectSolids(Repair(mesh), count, count);
+    ExpectBvhs(Repair(mesh), count, count);
     const Repaired inward = Repair(InsideOut(mesh));
-    ExpectSolids(inward, count, count);
+    ExpectBvhs(inward, count, count);
     EXPECT_EQ(inward.repairs.inward_components, count);
     // Off the axes the face between them is flat to within rounding only.
     TriangleMesh tilted = WeldVertices(mesh);
     tilted.vertices = random.UnitQuat().toRotationMatrix() * tilted.vertices;
     tilted.vertices = tilted.vertices.cast<float>().cast<double>().eval();
-    ExpectSolids(Repair(tilted), count, count);
+    ExpectBvhs(Repair(tilted), count, count);
   }
 }
 
@@ -223,7 +223,7 @@ TEST(MeshRepairTest, RandomHeapsOfCubesComeApartIntoCubes) {
       heap = Together(heap, random.Chance(0.5) ? CubeMesh(low) : mirrored);
       ++count;
     }
-    ExpectSolids(Repair(heap), count, count);
+    ExpectBvhs(Repair(heap), count, count);
   }
 }
 
@@ -309,7 +309,7 @@ TEST(MeshRepairTest, AFoldOfASolidIntoItselfGoes) {
   }
   bar = WeldVertices(bar);
   const Repaired without = Repair(bar);
-  ExpectSolids(without, 1, 3.0);
+  ExpectBvhs(without, 1, 3.0);
   const Repaired folded =
       Repair(WeldVertices(Together(bar, DoubleSided(Strip({0, 0, 0}, {0, 0.5, 0.5}, 3)))));
   EXPECT_EQ(folded.repairs.duplicates, 12);

@@ -2,7 +2,7 @@
 #include "model/exact_mesh.h"
 
 #include "bound/lower_bound.h"
-#include "mesh/solid.h"
+#include "mesh/triangle_bvh.h"
 #include "mjcf_pdg/pdg.h"
 #include "tests/support/cli_test.h"
 #include "tests/support/mesh_shapes.h"
@@ -61,7 +61,7 @@ TEST_F(ExactMeshTest, ATextNamesThoseThatAreExactAndTheOthersKeepTheirHulls) {
   const Scene scene = Scene::FromString(RingXml(text), Exact());
   EXPECT_TRUE(scene.tables().exact[Geom(scene, "ring1")]);
   EXPECT_FALSE(scene.tables().exact[Geom(scene, "ring3")]);
-  const Solid& hull = *scene.tables().solids[Geom(scene, "ring3")];
+  const TriangleBvh& hull = *scene.tables().solids[Geom(scene, "ring3")];
   EXPECT_TRUE(hull.closed());
   EXPECT_LT(hull.num_triangles(), 2 * 24 * 12);
   for (int t = 0; t < hull.num_triangles(); ++t) {

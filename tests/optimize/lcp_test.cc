@@ -314,7 +314,8 @@ TEST(LcpTest, ALargerProblemBeforeLeavesNoTrace) {
 }
 
 TEST(LcpTest, TheActiveSetMethodEndsWithinTheStepsOfALocalOptimization) {
-  // As in use: up to 100 rows, most of them duplicates and opposed pairs, prices from 10 to 10⁶.
+  // As in use: up to 100 rows, most of them duplicates and opposed pairs, penalty weights from 10
+  // to 10⁶.
   Random rng(13);
   int at_bound = 0;
   for (int k = 0; k < 60; ++k) {

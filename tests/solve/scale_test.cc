@@ -53,7 +53,8 @@ TEST_F(ScaleTest, AThousandTimesSmallerOrLargerIsTheSame) {
       for (int k = 0; k < 15; ++k) rows.push_back(ToVector(RandomConfiguration(scene, rng, 0.3)));
       Compare(scene, rows, scale, agreement);
     }
-    for (const char* path : {"/puma/puma_car.xml", "/hand/hand_bottle.xml"}) {
+    for (const char* path : {"/puma/puma_car.xml", "/hand/hand_bottle.xml", "/rigid/spoon_cup.xml",
+                             "/rigid/l_shape_torus_knot.xml", "/rigid/nut_on_bolt.xml"}) {
       const Scene scene = Scene::FromFile(std::string(MJCF_PDG_MODEL_DIR) + path);
       std::vector<std::vector<double>> rows;
       for (std::size_t k = 0; k < scene.KeyNames().size(); ++k) {

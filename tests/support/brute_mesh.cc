@@ -87,10 +87,12 @@ MeshShape Moved(const MeshShape& shape, const Eigen::Matrix3d& R, const Vector3d
   return copy.Move(R, t);
 }
 
-Solid MakeSolid(const MeshShape& shape) { return Solid(shape.Vertices(), shape.Faces()); }
+TriangleBvh MakeSolid(const MeshShape& shape) {
+  return TriangleBvh(shape.Vertices(), shape.Faces());
+}
 
-bool Intersects(const SolidPair& pair) {
-  return pair.RoughlyNearest(SolidPair::kTouching, nullptr).a >= 0;
+bool Intersects(const BvhPair& pair) {
+  return pair.RoughlyNearest(BvhPair::kTouching, nullptr).a >= 0;
 }
 
 const std::vector<MeshShape>& SmallShapes() {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/signed_gap.h"
-#include "collide/exact/solid_pair.h"
+#include "collide/exact/bvh_pair.h"
 #include "tests/support/mesh_shapes.h"
 
 namespace mjcf_pdg::test {
@@ -19,10 +19,10 @@ double BruteDistance(const MeshShape& a, const MeshShape& b);
 // The shape at a pose of a free body.
 MeshShape Moved(const MeshShape& shape, const Eigen::Matrix3d& R, const Eigen::Vector3d& t);
 
-Solid MakeSolid(const MeshShape& shape);
+TriangleBvh MakeSolid(const MeshShape& shape);
 
 // Some triangles do.
-bool Intersects(const SolidPair& pair);
+bool Intersects(const BvhPair& pair);
 
 // Small meshes of several kinds: a knot, a cup, a bumpy globe.
 const std::vector<MeshShape>& SmallShapes();

@@ -50,7 +50,7 @@ ConvexDistance::Answer ConvexDistance::AskPlane(const PosedModel& posed, const K
   const mjData& d = *posed.data();
   gap.n = AsMatrix(d.geom_xmat + 9 * pair.geom1).col(2);
   const Matrix3d R2 = AsMatrix(d.geom_xmat + 9 * pair.geom2);
-  const Vector3d lowest = tables_.support->Farthest(pair.geom2, -(R2.transpose() * gap.n));
+  const Vector3d lowest = tables_.support->Support(pair.geom2, -(R2.transpose() * gap.n));
   gap.p2 = AsVector(d.geom_xpos + 3 * pair.geom2) + R2 * lowest -
            CoreRadius(*posed.model(), pair.geom2) * gap.n;
   gap.distance = gap.n.dot(gap.p2 - AsVector(d.geom_xpos + 3 * pair.geom1));
@@ -58,11 +58,11 @@ ConvexDistance::Answer ConvexDistance::AskPlane(const PosedModel& posed, const K
   return gap.distance < cutoff ? Answer::kNear : Answer::kBeyond;
 }
 
-ConvexDistance::Corner ConvexDistance::Farthest(const KeptPair& pair, const RelativePose& pose,
-                                                const Vector3d& n) const {
+ConvexDistance::Corner ConvexDistance::Support(const KeptPair& pair, const RelativePose& pose,
+                                               const Vector3d& n) const {
   const SupportPoints& support = *tables_.support;
   return pose.CornerOf(
-      {support.Farthest(pair.geom1, n), support.Farthest(pair.geom2, -(pose.R.transpose() * n))});
+      {support.Support(pair.geom1, n), support.Support(pair.geom2, -(pose.R.transpose() * n))});
 }
 
 void ConvexDistance::RecallSimplex(const RelativePose& pose, const Memory& memory) {
@@ -82,7 +82,7 @@ bool ConvexDistance::Overlap(const RelativePose& pose, const KeptPair& pair, Fou
   double least = std::numeric_limits<double>::infinity();
   for (int step = 0; step < kMaxGrowth; ++step) {
     const ExpandingPolytope::Face face = polytope_.Nearest();
-    const Corner farthest = Farthest(pair, pose, face.n);
+    const Corner farthest = Support(pair, pose, face.n);
     const double parts = farthest.x.dot(face.n);
     if (parts < least) {
       least = parts;
@@ -100,9 +100,9 @@ bool ConvexDistance::Overlap(const RelativePose& pose, const KeptPair& pair, Fou
 ConvexDistance::Ending ConvexDistance::Search(const RelativePose& pose, const KeptPair& pair,
                                               double cutoff, const Accuracy& accuracy,
                                               Found& found) {
-  if (simplex_.size() == 0) simplex_.Add(Farthest(pair, pose, pose.t));
+  if (simplex_.size() == 0) simplex_.Add(Support(pair, pose, pose.t));
   for (int step = 0; step < kMaxSteps; ++step) {
-    simplex_.Reduce();
+    simplex_.KeepClosestSubSimplex();
     if (simplex_.size() == 4) {
       return Overlap(pose, pair, found) ? Ending::kFound : Ending::kUnknown;
     }
@@ -111,7 +111,7 @@ ConvexDistance::Ending ConvexDistance::Search(const RelativePose& pose, const Ke
     if (between < kTouching * tables_.size) {
       return Enclose(pose, pair) && Overlap(pose, pair, found) ? Ending::kFound : Ending::kTouching;
     }
-    simplex_.Add(Farthest(pair, pose, -nearest.x));
+    simplex_.Add(Support(pair, pose, -nearest.x));
     const double at_least = simplex_.Last().dot(nearest.x) / between;
     const bool last = step + 1 == kMaxSteps;
     const double wanted = last ? accuracy.last * between
@@ -127,7 +127,7 @@ ConvexDistance::Ending ConvexDistance::Search(const RelativePose& pose, const Ke
 
 bool ConvexDistance::Enclose(const RelativePose& pose, const KeptPair& pair) {
   const auto add_beyond = [&](const Vector3d& n) {
-    const Corner corner = Farthest(pair, pose, n);
+    const Corner corner = Support(pair, pose, n);
     if (n.dot(corner.x - simplex_[0].x) <= kTouching * tables_.size) return false;
     simplex_.Add(corner);
     return true;
@@ -171,11 +171,11 @@ ConvexDistance::Ending ConvexDistance::SearchTouching(const RelativePose& pose,
     RelativePose aside = pose;
     aside.t += (way.dot(pose.t) < 0.0 ? -kAside : kAside) * tables_.size * way;
     simplex_.Clear();
-    simplex_.Add(Farthest(pair, aside, ways[(k + 1) % 4]));  // out of a plane of symmetry
+    simplex_.Add(Support(pair, aside, ways[(k + 1) % 4]));  // out of a plane of symmetry
     const double anywhere = std::numeric_limits<double>::infinity();
     if (Search(aside, pair, anywhere, accuracy, found) != Ending::kFound) continue;
     // Along the normal of the touch; of what is deep, by no more than the depth there and the way.
-    const double here = -Farthest(pair, pose, found.n).x.dot(found.n);
+    const double here = -Support(pair, pose, found.n).x.dot(found.n);
     const double way_there = kAside * tables_.size;
     found.distance =
         std::max(here, found.distance < -way_there ? found.distance + way_there : here);

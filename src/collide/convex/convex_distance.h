@@ -78,7 +78,7 @@ class ConvexDistance {
   Ending SearchTouching(const RelativePose& pose, const KeptPair& pair, Found& found);
   Vector3d WayOut(const RelativePose& pose) const;
   // The corner of the geoms' Minkowski difference that is farthest along n.
-  Corner Farthest(const KeptPair& pair, const RelativePose& pose, const Vector3d& n) const;
+  Corner Support(const KeptPair& pair, const RelativePose& pose, const Vector3d& n) const;
   void RecallSimplex(const RelativePose& pose, const Memory& memory);
   void RememberSimplex(const RelativePose& pose, int pair);
   // The depth that no move can undercut, along the normal along which the shortest known move parts

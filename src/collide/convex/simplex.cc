@@ -94,7 +94,7 @@ Simplex::Corner Simplex::Nearest() const {
   return mean;
 }
 
-void Simplex::Reduce() {
+void Simplex::KeepClosestSubSimplex() {
   Vector3d x[4];
   for (int k = 0; k < size_; ++k) x[k] = corners_[k].x;
   Face face;

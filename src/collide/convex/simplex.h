@@ -24,7 +24,7 @@ class Simplex {
 
   // Weighs the corners so that their mean is nearest to the origin and drops those without weight;
   // four are left only if the origin is inside.
-  void Reduce();
+  void KeepClosestSubSimplex();
 
   // The weighted mean of the corners: the nearest point, and where it is on either body.
   Corner Nearest() const;

@@ -139,7 +139,7 @@ std::span<const Eigen::Vector3f> SupportPoints::HullPoints(int geom) const {
   return {vertices_.begin() + hull.begin, vertices_.begin() + hull.end};
 }
 
-Vector3d SupportPoints::Farthest(int geom, const Vector3d& direction_G) const {
+Vector3d SupportPoints::Support(int geom, const Vector3d& direction_G) const {
   const double* size = model_.geom_size + 3 * geom;
   auto signed_by = [](double length, double direction) {
     return direction < 0.0 ? -length : length;

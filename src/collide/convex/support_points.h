@@ -1,4 +1,5 @@
-// Farthest points of convex geoms: all that distances, depths and separating planes ask of them.
+// Support points of convex geoms, farthest along a direction: all that distances, depths and
+// separating planes ask of them.
 #ifndef MJCF_PDG_SRC_COLLIDE_CONVEX_SUPPORT_POINTS_H_
 #define MJCF_PDG_SRC_COLLIDE_CONVEX_SUPPORT_POINTS_H_
 
@@ -27,7 +28,7 @@ class SupportPoints {
   bool Knows(int geom) const;
   // A point of the core that is farthest along `direction_G`, both in the frame of the geom, which
   // is one that Knows knows and in one of the pairs [m].
-  Eigen::Vector3d Farthest(int geom, const Eigen::Vector3d& direction_G) const;
+  Eigen::Vector3d Support(int geom, const Eigen::Vector3d& direction_G) const;
   // Of a mesh geom of the pairs: points whose hull it is, in its frame [m].
   std::span<const Eigen::Vector3f> HullPoints(int geom) const;
 

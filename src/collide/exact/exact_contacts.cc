@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "collide/exact/field_mesh.h"
-#include "collide/exact/solid_overlap.h"
+#include "collide/exact/bvh_overlap.h"
+#include "collide/exact/sdf_mesh.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -17,14 +17,14 @@ SignedGap Unmeasured(SignedGap gap) {
 }
 
 // Appends the overlaps and what is wanted of the features that are apart; warm is renewed.
-void AskSolids(const SolidPair& pair, double margin, ExactQuery query, bool rough,
-               NearestTriangles& warm, std::vector<SignedGap>& out) {
+void AskBvhs(const BvhPair& pair, double margin, ExactQuery query, bool rough,
+             NearestTriangles& warm, std::vector<SignedGap>& out) {
   const bool nearest_alone = query == ExactQuery::kNearest;
-  const double cutoff = std::max(margin, SolidPair::kTouching);
+  const double cutoff = std::max(margin, BvhPair::kTouching);
   const NearestTriangles near =
       rough && !nearest_alone ? pair.RoughlyNearest(cutoff, &warm) : pair.Nearest(cutoff, &warm);
   if (near.a >= 0) warm = near;
-  const bool crossing = near.a >= 0 && near.distance < SolidPair::kTouching;
+  const bool crossing = near.a >= 0 && near.distance < BvhPair::kTouching;
   const std::optional<SignedGap> graze = crossing ? Graze(pair, near) : std::nullopt;
   if (graze) {
     out.push_back(*graze);
@@ -43,10 +43,10 @@ void AskSolids(const SolidPair& pair, double margin, ExactQuery query, bool roug
   pair.Features(margin, near, out);
 }
 
-void AskField(const FieldMesh& pair, double margin, ExactQuery query, int& warm,
+void AskField(const SdfMesh& pair, double margin, ExactQuery query, int& warm,
               std::vector<SignedGap>& out) {
   const bool nearest_alone = query == ExactQuery::kNearest;
-  const FieldNearest near = pair.Nearest(std::max(margin, 0.0), warm);
+  const SdfNearest near = pair.Nearest(std::max(margin, 0.0), warm);
   if (near.triangle >= 0) warm = near.triangle;
   const bool crossing = near.triangle >= 0 && near.f < 0.0;
   if (crossing || pair.Contained()) {
@@ -71,24 +71,24 @@ void ExactContacts::Ask(const PosedModel& posed, int pair, double margin, ExactQ
   const Matrix3d R1 = AsMatrix(d.geom_xmat + 9 * g1), R2 = AsMatrix(d.geom_xmat + 9 * g2);
   const Vector3d p1 = AsVector(d.geom_xpos + 3 * g1), p2 = AsVector(d.geom_xpos + 3 * g2);
   const RelativePose second_in_first{R1.transpose() * R2,
-                                     kTreeUnits * (R1.transpose() * (p2 - p1))};
-  const double reach = kTreeUnits * margin;
+                                     tables_.tree_units * (R1.transpose() * (p2 - p1))};
+  const double reach = tables_.tree_units * margin;
   const std::size_t begin = out.size();
   const bool both_solid = tables_.solids[g1] != nullptr;
   if (both_solid) {
-    const SolidPair solids(*tables_.solids[g1], *tables_.solids[g2], second_in_first);
-    AskSolids(solids, reach, query, rough_, warm_[pair], out);
+    const BvhPair solids(*tables_.solids[g1], *tables_.solids[g2], second_in_first);
+    AskBvhs(solids, reach, query, rough_, warm_[pair], out);
     box_tests_ += solids.box_tests();
   } else {  // MuJoCo's order: the mesh comes last
-    const ConvexField field{m.geom_type[g1], kTreeUnits * AsVector(m.geom_size + 3 * g1)};
+    const PrimitiveSdf field{m.geom_type[g1], tables_.tree_units * AsVector(m.geom_size + 3 * g1)};
     AskField({field, *tables_.solids[g2], second_in_first}, reach, query, warm_[pair].b, out);
   }
   const Matrix3d& R = both_solid ? R1 : R2;
   const Vector3d& origin = both_solid ? p1 : p2;
   for (std::size_t k = begin; k < out.size(); ++k) {
-    out[k].distance /= kTreeUnits;
-    out[k].p1 = origin + R * out[k].p1 / kTreeUnits;
-    out[k].p2 = origin + R * out[k].p2 / kTreeUnits;
+    out[k].distance /= tables_.tree_units;
+    out[k].p1 = origin + R * out[k].p1 / tables_.tree_units;
+    out[k].p2 = origin + R * out[k].p2 / tables_.tree_units;
     out[k].n = R * out[k].n;
   }
 }

@@ -1,8 +1,8 @@
 // Signed distances and contact features of the pairs in which a mesh collides as its triangles.
 //
-// Meshes, boxes and convex hulls are triangles against triangles (solid_pair.h, solid_overlap.h);
+// Meshes, boxes and convex hulls are triangles against triangles (bvh_pair.h, bvh_overlap.h);
 // planes, spheres, capsules, ellipsoids and cylinders are signed distance functions on triangles
-// (field_mesh.h). What the depth of an overlap is, those headers say.
+// (sdf_mesh.h). What the depth of an overlap is, those headers say.
 #ifndef MJCF_PDG_SRC_COLLIDE_EXACT_EXACT_CONTACTS_H_
 #define MJCF_PDG_SRC_COLLIDE_EXACT_EXACT_CONTACTS_H_
 
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/signed_gap.h"
-#include "collide/exact/solid_pair.h"
+#include "collide/exact/bvh_pair.h"
 #include "model/kinematics.h"
 
 namespace mjcf_pdg {
@@ -41,7 +41,7 @@ class ExactContacts {
   bool Distance(const PosedModel& posed, int pair, double cutoff, SignedGap& gap);
 
   // The features below `margin`, the nearest or deepest first; empty when there is none. Those of
-  // two triangle meshes that are much farther than the nearest are left out (solid_pair.h). An
+  // two triangle meshes that are much farther than the nearest are left out (bvh_pair.h). An
   // overlap comes as its deepest places, followed by the features that are apart; with skipped
   // depths, as one entry of distance -infinity with points and normal of some crossing triangles;
   // both points the same where none cross, one being inside the other. One by hardly more than
@@ -49,7 +49,7 @@ class ExactContacts {
   void Features(const PosedModel& posed, int pair, double margin, Depths depths,
                 std::vector<SignedGap>& out);
 
-  // Of pairs of triangle meshes, so far (solid_pair.h).
+  // Of pairs of triangle meshes, so far (bvh_pair.h).
   std::int64_t box_tests() const { return box_tests_; }
 
  private:

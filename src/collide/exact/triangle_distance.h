@@ -7,7 +7,7 @@
 namespace mjcf_pdg {
 
 // 0 where they intersect, and on_a, on_b are then any points; else the nearest points. Tree units
-// (solid.h); `b` may be a segment, with two equal corners.
+// (triangle_bvh.h); `b` may be a segment, with two equal corners.
 double TriangleDistance(const Eigen::Vector3d a[3], const Eigen::Vector3d b[3],
                         Eigen::Vector3d& on_a, Eigen::Vector3d& on_b);
 

@@ -2,10 +2,10 @@
 // and whether it encloses a volume.
 //
 // FCL's triangle distance has an absolute threshold (areas below 2e-8 count as none), so everything
-// of this header and of those that build on it is in *tree units*: kTreeUnits to the metre, a power
-// of two, so that scaling rounds nothing.
-#ifndef MJCF_PDG_SRC_MESH_SOLID_H_
-#define MJCF_PDG_SRC_MESH_SOLID_H_
+// of this header and of those that build on it is in *tree units*, of which a scene's size is some
+// 400: a power of two to the metre, so that scaling rounds nothing.
+#ifndef MJCF_PDG_SRC_MESH_TRIANGLE_BVH_H_
+#define MJCF_PDG_SRC_MESH_TRIANGLE_BVH_H_
 
 #include <Eigen/Dense>
 #include <limits>
@@ -16,7 +16,8 @@
 
 namespace mjcf_pdg {
 
-inline constexpr double kTreeUnits = 4096.0;  // per metre
+inline constexpr double kTreeUnits = 4096.0;  // per metre, for sizes of 0.1 m
+double TreeUnits(double size);                // per metre, for a scene of that size [m]
 
 // The surface point nearest to a point, in tree units.
 struct SurfacePoint {
@@ -26,11 +27,11 @@ struct SurfacePoint {
 };
 
 // Immutable, shared between solvers. Indices of triangles count those of non-zero area.
-class Solid {
+class TriangleBvh {
  public:
   // vertices (3 × nv) [m], triangles (3 × nt) of vertex indices. Vertices at the same place count
-  // as one. Throws Error if no triangle has an area.
-  Solid(const Matrix3Xd& vertices, const Matrix3Xi& triangles);
+  // as one. `units`: tree units to the metre. Throws Error if no triangle has an area.
+  TriangleBvh(const Matrix3Xd& vertices, const Matrix3Xi& triangles, double units = kTreeUnits);
 
   // Every edge is shared by as many triangles one way as the other: there is an inside. If not,
   // the mesh is a surface.
@@ -92,4 +93,4 @@ Vector3d NearestOnTriangle(const Vector3d& x, const Vector3d& a, const Vector3d&
 
 }  // namespace mjcf_pdg
 
-#endif  // MJCF_PDG_SRC_MESH_SOLID_H_
+#endif  // MJCF_PDG_SRC_MESH_TRIANGLE_BVH_H_

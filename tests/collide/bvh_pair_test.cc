@@ -1,5 +1,5 @@
 // Two meshes against all pairs of their triangles.
-#include "collide/exact/solid_pair.h"
+#include "collide/exact/bvh_pair.h"
 
 #include <algorithm>
 #include <cmath>
@@ -32,20 +32,20 @@ void ForRandomPoses(std::uint64_t seed, int count, double spread, const Ask& ask
   Random rng(seed);
   const std::vector<MeshShape>& shapes = SmallShapes();
   for (const MeshShape& a : shapes) {
-    const Solid solid_a = MakeSolid(a);
+    const TriangleBvh solid_a = MakeSolid(a);
     for (const MeshShape& b : shapes) {
-      const Solid solid_b = MakeSolid(b);
+      const TriangleBvh solid_b = MakeSolid(b);
       for (int i = 0; i < count; ++i) {
         const Posed posed{a, b, rng.UnitQuat().matrix(), rng.InBox(spread)};
-        ask(SolidPair(solid_a, solid_b, posed.TreePose()), posed, posed.Brute());
+        ask(BvhPair(solid_a, solid_b, posed.TreePose()), posed, posed.Brute());
       }
     }
   }
 }
 
-TEST(SolidPairTest, NearestTrianglesAreThoseOfAllPairs) {
+TEST(BvhPairTest, NearestTrianglesAreThoseOfAllPairs) {
   int apart = 0, crossing = 0;
-  ForRandomPoses(61, 12, 0.3, [&](const SolidPair& pair, const Posed& posed, double expected) {
+  ForRandomPoses(61, 12, 0.3, [&](const BvhPair& pair, const Posed& posed, double expected) {
     const NearestTriangles near = pair.Nearest(kFar);
     ASSERT_GE(near.a, 0);
     ASSERT_LT(near.a, pair.a().num_triangles());
@@ -66,10 +66,10 @@ TEST(SolidPairTest, NearestTrianglesAreThoseOfAllPairs) {
   EXPECT_GT(crossing, 20);
 }
 
-TEST(SolidPairTest, ACutoffOrAWarmStartChangesNothingElse) {
+TEST(BvhPairTest, ACutoffOrAWarmStartChangesNothingElse) {
   Random rng(62);
   int asked = 0;
-  ForRandomPoses(63, 6, 0.3, [&](const SolidPair& pair, const Posed&, double expected) {
+  ForRandomPoses(63, 6, 0.3, [&](const BvhPair& pair, const Posed&, double expected) {
     if (expected < 1e-4) return;
     ++asked;
     const double distance = kTreeUnits * expected;
@@ -87,9 +87,9 @@ TEST(SolidPairTest, ACutoffOrAWarmStartChangesNothingElse) {
   EXPECT_GT(asked, 25);
 }
 
-TEST(SolidPairTest, RoughlyNearestIsNearestWithinAFifthAndSeesWhatIntersects) {
+TEST(BvhPairTest, RoughlyNearestIsNearestWithinAFifthAndSeesWhatIntersects) {
   int apart = 0, crossing = 0;
-  ForRandomPoses(66, 12, 0.3, [&](const SolidPair& pair, const Posed&, double expected) {
+  ForRandomPoses(66, 12, 0.3, [&](const BvhPair& pair, const Posed&, double expected) {
     const double distance = kTreeUnits * expected;
     const NearestTriangles rough = pair.RoughlyNearest(kFar, nullptr);
     EXPECT_EQ(rough.distance == 0.0, expected == 0.0);
@@ -112,11 +112,11 @@ MeshShape OneTriangle(const Vector3d& p, const Vector3d& q, const Vector3d& r) {
 }
 
 double TriangleDistance(const MeshShape& a, const MeshShape& b) {
-  const Solid first = MakeSolid(a), second = MakeSolid(b);
-  return SolidPair(first, second, {}).Nearest(kFar).distance / kTreeUnits;
+  const TriangleBvh first = MakeSolid(a), second = MakeSolid(b);
+  return BvhPair(first, second, {}).Nearest(kFar).distance / kTreeUnits;
 }
 
-TEST(SolidPairTest, SingleTrianglesInEveryPosition) {
+TEST(BvhPairTest, SingleTrianglesInEveryPosition) {
   const MeshShape flat = OneTriangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   auto at = [&](const Vector3d& t) { return Moved(flat, Matrix3d::Identity(), t); };
   EXPECT_NEAR(TriangleDistance(flat, at({0.1, 0.1, 0.25})), 0.25, 1e-12) << "parallel";
@@ -130,7 +130,7 @@ TEST(SolidPairTest, SingleTrianglesInEveryPosition) {
       << "a corner over a face";
 }
 
-TEST(SolidPairTest, SliversAndMeshesOfVeryDifferentSize) {
+TEST(BvhPairTest, SliversAndMeshesOfVeryDifferentSize) {
   Random rng(64);
   int asked = 0;
   for (int i = 0; i < 300; ++i) {
@@ -146,12 +146,12 @@ TEST(SolidPairTest, SliversAndMeshesOfVeryDifferentSize) {
   EXPECT_GT(asked, 150);
 }
 
-TEST(SolidPairTest, FacesThatTouchAreAtDistanceZero) {
+TEST(BvhPairTest, FacesThatTouchAreAtDistanceZero) {
   const MeshShape box = BoxMesh({0.125, 0.125, 0.125});
-  const Solid solid = MakeSolid(box);
+  const TriangleBvh solid = MakeSolid(box);
   for (const Vector3d& t : {Vector3d(0.25, 0, 0), Vector3d(0.1, 0.05, 0.25),
                             Vector3d(0.25, 0.25, 0.1), Vector3d(0.25, 0.25, 0.25)}) {
-    const SolidPair pair(solid, solid, {Matrix3d::Identity(), kTreeUnits * t});
+    const BvhPair pair(solid, solid, {Matrix3d::Identity(), kTreeUnits * t});
     EXPECT_NEAR(pair.Nearest(kFar).distance, 0.0, 1e-9) << t.transpose();
     const Vector3d n = pair.Normal(pair.Nearest(kFar));
     EXPECT_NEAR(n.norm(), 1.0, 1e-12);
@@ -163,10 +163,10 @@ TEST(SolidPairTest, FacesThatTouchAreAtDistanceZero) {
 
 // ---- Features ----
 
-TEST(SolidPairTest, FeaturesAreRealPairsOfPointsNearestFirst) {
+TEST(BvhPairTest, FeaturesAreRealPairsOfPointsNearestFirst) {
   const double margin = 0.05;
   int poses = 0, rows = 0, several = 0;
-  ForRandomPoses(65, 12, 0.25, [&](const SolidPair& pair, const Posed& posed, double nearest) {
+  ForRandomPoses(65, 12, 0.25, [&](const BvhPair& pair, const Posed& posed, double nearest) {
     const NearestTriangles first = pair.Nearest(kTreeUnits * margin);
     EXPECT_EQ(first.a >= 0, nearest < margin);
     if (first.a < 0) return;
@@ -175,7 +175,7 @@ TEST(SolidPairTest, FeaturesAreRealPairsOfPointsNearestFirst) {
     ++poses;
     rows += static_cast<int>(features.size());
     several += features.size() > 1;
-    EXPECT_LE(features.size(), static_cast<std::size_t>(SolidPair::kMaxFeatures));
+    EXPECT_LE(features.size(), static_cast<std::size_t>(BvhPair::kMaxFeatures));
     EXPECT_FALSE(features.empty() && nearest > 0.0);
     double before = 0.0;
     for (const SignedGap& gap : features) {
@@ -200,9 +200,9 @@ TEST(SolidPairTest, FeaturesAreRealPairsOfPointsNearestFirst) {
 }
 
 // What is already in the list is left alone.
-TEST(SolidPairTest, FeaturesAreAppended) {
-  const Solid box = MakeSolid(BoxMesh({0.1, 0.1, 0.1}));
-  const SolidPair pair(box, box, {Matrix3d::Identity(), kTreeUnits * Vector3d(0, 0, 0.201)});
+TEST(BvhPairTest, FeaturesAreAppended) {
+  const TriangleBvh box = MakeSolid(BoxMesh({0.1, 0.1, 0.1}));
+  const BvhPair pair(box, box, {Matrix3d::Identity(), kTreeUnits * Vector3d(0, 0, 0.201)});
   std::vector<SignedGap> features(2);
   features[0].distance = features[1].distance = -7.0;
   pair.Features(0.01 * kTreeUnits, pair.Nearest(0.01 * kTreeUnits), features);

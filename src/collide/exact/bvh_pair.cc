@@ -1,4 +1,4 @@
-#include "collide/exact/solid_pair.h"
+#include "collide/exact/bvh_pair.h"
 
 #include <algorithm>
 #include <queue>
@@ -46,7 +46,7 @@ double GapAlong(const Vector3d& n, const Vector3d a[3], const Vector3d b[3]) {
 
 }  // namespace
 
-SolidPair::SolidPair(const Solid& a, const Solid& b, const RelativePose& b_in_a)
+BvhPair::BvhPair(const TriangleBvh& a, const TriangleBvh& b, const RelativePose& b_in_a)
     : a_(a),
       b_(b),
       pose_(b_in_a),
@@ -55,7 +55,7 @@ SolidPair::SolidPair(const Solid& a, const Solid& b, const RelativePose& b_in_a)
       rounding_(BoxTree::Rounding(a.tree().scale() + b.tree().scale() +
                                   static_cast<float>(b_in_a.t.lpNorm<1>()))) {}
 
-BoundedBoxes SolidPair::ChildrenNear(Boxes boxes, bool of_a, double cutoff) const {
+BoundedBoxes BvhPair::ChildrenNear(Boxes boxes, bool of_a, double cutoff) const {
   ++box_tests_;
   const float below = static_cast<float>(cutoff);
   if (of_a) {
@@ -68,7 +68,7 @@ BoundedBoxes SolidPair::ChildrenNear(Boxes boxes, bool of_a, double cutoff) cons
   return b_.tree().ChildrenNear(boxes.b, other, below, rounding_);
 }
 
-SolidPair::Corners SolidPair::CornersOf(int a, int b) const {
+BvhPair::Corners BvhPair::CornersOf(int a, int b) const {
   Corners at;
   for (int k = 0; k < 3; ++k) {
     at.a[k] = a_.Corner(a, k);
@@ -77,11 +77,11 @@ SolidPair::Corners SolidPair::CornersOf(int a, int b) const {
   return at;
 }
 
-NearestTriangles SolidPair::OfTriangles(int a, int b) const {
+NearestTriangles BvhPair::OfTriangles(int a, int b) const {
   return OfTriangles(a, b, CornersOf(a, b));
 }
 
-NearestTriangles SolidPair::OfTriangles(int a, int b, const Corners& at) {
+NearestTriangles BvhPair::OfTriangles(int a, int b, const Corners& at) {
   NearestTriangles near;
   near.a = a;
   near.b = b;
@@ -90,15 +90,15 @@ NearestTriangles SolidPair::OfTriangles(int a, int b, const Corners& at) {
 }
 
 // By the directions of the two planes and of the nearest points so far.
-bool SolidPair::Apart(int a, int b, const Corners& at, double cutoff,
-                      const NearestTriangles& best) const {
+bool BvhPair::Apart(int a, int b, const Corners& at, double cutoff,
+                    const NearestTriangles& best) const {
   if (GapAlong(a_.Normal(a), at.a, at.b) >= cutoff) return true;
   if (GapAlong(pose_.R * b_.Normal(b), at.a, at.b) >= cutoff) return true;
   return best.a >= 0 && GapAlong(best.pb - best.pa, at.a, at.b) >= cutoff * best.distance;
 }
 
-NearestTriangles SolidPair::Nearest(Boxes boxes, double cutoff, const NearestTriangles* warm,
-                                    double share) const {
+NearestTriangles BvhPair::Nearest(Boxes boxes, double cutoff, const NearestTriangles* warm,
+                                  double share) const {
   NearestTriangles best;
   if (warm && warm->a >= 0) best = OfTriangles(warm->a, warm->b);
   if (!(best.distance < cutoff)) {
@@ -110,7 +110,7 @@ NearestTriangles SolidPair::Nearest(Boxes boxes, double cutoff, const NearestTri
 }
 
 // From the middle of b to the surfaces, to and fro: often the nearest, and a bound in any case.
-NearestTriangles SolidPair::Guess() const {
+NearestTriangles BvhPair::Guess() const {
   const RelativePose a_in_b = pose_.Inverse();
   SurfacePoint on_a, on_b;
   Vector3d x = pose_ * b_.center();
@@ -122,7 +122,7 @@ NearestTriangles SolidPair::Guess() const {
   return OfTriangles(on_a.triangle, on_b.triangle);
 }
 
-void SolidPair::Descend(Boxes boxes, double share, NearestTriangles& best) const {
+void BvhPair::Descend(Boxes boxes, double share, NearestTriangles& best) const {
   const bool leaf_a = a_.tree().IsLeaf(boxes.a), leaf_b = b_.tree().IsLeaf(boxes.b);
   if (leaf_a && leaf_b) {
     const int a = a_.tree().TriangleOf(boxes.a), b = b_.tree().TriangleOf(boxes.b);
@@ -141,7 +141,7 @@ void SolidPair::Descend(Boxes boxes, double share, NearestTriangles& best) const
   }
 }
 
-Vector3d SolidPair::Normal(const NearestTriangles& near) const {
+Vector3d BvhPair::Normal(const NearestTriangles& near) const {
   const Vector3d between = near.pb - near.pa;
   if (between.norm() > kTouching) return between.normalized();
   if (a_.closed()) return a_.Normal(near.a);
@@ -150,7 +150,7 @@ Vector3d SolidPair::Normal(const NearestTriangles& near) const {
 
 // Best first: the parts with the smallest bound are split until both are patches; those are asked
 // for their nearest triangles.
-void SolidPair::Patches(double margin, double patch, std::vector<NearestTriangles>& out) const {
+void BvhPair::Patches(double margin, double patch, std::vector<NearestTriangles>& out) const {
   std::priority_queue<Part, std::vector<Part>, NearestFirst> parts;
   parts.push({});
   auto is_patch = [patch](const BoxTree& tree, int box) {
@@ -186,7 +186,7 @@ void SolidPair::Patches(double margin, double patch, std::vector<NearestTriangle
 
 // The other side of a patch's border is no obstacle: a direction that is neither a face's nor that
 // of mutually nearest points says nothing about where the meshes would meet.
-bool SolidPair::BoundsMotion(const NearestTriangles& near) const {
+bool BvhPair::BoundsMotion(const NearestTriangles& near) const {
   const Vector3d n = (near.pb - near.pa) / near.distance;
   if (std::abs(n.dot(a_.Normal(near.a))) > kFaceLike) return true;
   if (std::abs(n.dot(pose_.R * b_.Normal(near.b))) > kFaceLike) return true;
@@ -196,8 +196,8 @@ bool SolidPair::BoundsMotion(const NearestTriangles& near) const {
          b_.Nearest(a_in_b * near.pa, nearly).triangle < 0;
 }
 
-void SolidPair::Features(double margin, const NearestTriangles& first,
-                         std::vector<SignedGap>& out) const {
+void BvhPair::Features(double margin, const NearestTriangles& first,
+                       std::vector<SignedGap>& out) const {
   const double size = std::min(a_.radius(), b_.radius());
   margin = std::min(margin, std::max(2.0 * first.distance, kLargestMargin * size));
   const double patch = std::max(kPatchPerMargin * margin, kPatchPerRadius * size);

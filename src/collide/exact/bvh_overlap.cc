@@ -1,4 +1,4 @@
-#include "collide/exact/solid_overlap.h"
+#include "collide/exact/bvh_overlap.h"
 
 #include <algorithm>
 #include <queue>
@@ -13,13 +13,13 @@ constexpr double kDeepEnough = 1.1;  // stop when nothing is deeper than this fa
 constexpr double kWorthARow = 0.3;   // of the deepest found so far
 constexpr double kShallow = 1e-3;    // of the smaller mesh's radius
 constexpr int kMaxWays = 8;          // rows of one overlap
-constexpr double kGrazing = 8e-8 * kTreeUnits;
+constexpr double kGrazing = 3.3e-4;  // 8e-8 m in scenes of 0.1 m
 constexpr double kSameDirection = 0.9;
 
 // Points of each mesh inside the other, by branch and bound on their depth.
 class DepthSearch {
  public:
-  DepthSearch(const SolidPair& pair, int most_parts, std::vector<WayOut>& ways)
+  DepthSearch(const BvhPair& pair, int most_parts, std::vector<WayOut>& ways)
       : pair_(pair),
         sides_{{pair.a(), pair.b(), pair.pose().Inverse()}, {pair.b(), pair.a(), pair.pose()}},
         most_parts_(most_parts),
@@ -49,8 +49,8 @@ class DepthSearch {
  private:
   // Points of one mesh in the other one's frame.
   struct Side {
-    const Solid& from;
-    const Solid& in;
+    const TriangleBvh& from;
+    const TriangleBvh& in;
     const RelativePose pose;  // from -> in
 
     // How far the box reaches from x.
@@ -102,7 +102,7 @@ class DepthSearch {
   // Of a point near the part's own; the same, if no surface is between the two. On a surface it is
   // neither inside nor outside.
   int WindingBeside(const Part& part, const Vector3d& x) const {
-    const Solid& in = sides_[part.side].in;
+    const TriangleBvh& in = sides_[part.side].in;
     if ((x - part.x).norm() < part.nearest.distance) return part.winding;
     const bool on_surface = part.nearest.distance <= kNoDepth;
     return on_surface ? in.Winding(x) : in.WindingFrom(part.x, part.winding, x);
@@ -111,8 +111,8 @@ class DepthSearch {
   // Those that may have points inside the other mesh: its root's box holds all of it.
   void PushChildren(const Part& parent) {
     const bool of_a = parent.side == 0;
-    const SolidPair::Boxes boxes =
-        of_a ? SolidPair::Boxes{.a = parent.box} : SolidPair::Boxes{.b = parent.box};
+    const BvhPair::Boxes boxes =
+        of_a ? BvhPair::Boxes{.a = parent.box} : BvhPair::Boxes{.b = parent.box};
     for (const BoundedBox& near : pair_.ChildrenNear(boxes, of_a, 0.0)) {
       Part child = parent;
       child.box = near.box;
@@ -172,7 +172,7 @@ class DepthSearch {
     ways_.push_back(way);
   }
 
-  const SolidPair& pair_;
+  const BvhPair& pair_;
   const Side sides_[2];   // a in b, b in a
   const int most_parts_;  // asked for the depth of some vertex
   std::priority_queue<Part> parts_;
@@ -183,7 +183,7 @@ class DepthSearch {
 
 // Where the surfaces coincide, or nearly, their points say little: a point below one's surface may
 // be deep inside both.
-void AppendCommonPoint(const SolidPair& pair, std::vector<WayOut>& ways) {
+void AppendCommonPoint(const BvhPair& pair, std::vector<WayOut>& ways) {
   if (!pair.a().closed() || !pair.b().closed()) return;
   const NearestTriangles near = pair.Nearest(std::numeric_limits<double>::infinity());
   const Vector3d middle =
@@ -203,8 +203,8 @@ void AppendCommonPoint(const SolidPair& pair, std::vector<WayOut>& ways) {
 
 }  // namespace
 
-bool Contained(const SolidPair& pair) {
-  auto some = [](const Solid& from, const Solid& in, const RelativePose& pose) {
+bool Contained(const BvhPair& pair) {
+  auto some = [](const TriangleBvh& from, const TriangleBvh& in, const RelativePose& pose) {
     if (!in.closed()) return false;
     return std::any_of(from.pieces().begin(), from.pieces().end(),
                        [&](const Vector3d& x) { return in.Contains(pose * x); });
@@ -229,35 +229,35 @@ void AppendDeepest(std::vector<WayOut>& ways, double patch, std::vector<SignedGa
   }
 }
 
-void AppendOverlaps(const SolidPair& pair, int most_parts, std::vector<SignedGap>& out) {
+void AppendOverlaps(const BvhPair& pair, int most_parts, std::vector<SignedGap>& out) {
   std::vector<WayOut> ways;
   DepthSearch(pair, most_parts, ways).Run();
   const double size = std::min(pair.a().radius(), pair.b().radius());
   auto deep = [size](const WayOut& way) { return -way.gap.distance > kShallow * size; };
   if (std::none_of(ways.begin(), ways.end(), deep)) AppendCommonPoint(pair, ways);
   if (ways.empty()) {
-    const NearestTriangles crossing = pair.RoughlyNearest(SolidPair::kTouching, nullptr);
+    const NearestTriangles crossing = pair.RoughlyNearest(BvhPair::kTouching, nullptr);
     out.push_back(crossing.a < 0 ? SignedGap() : TriangleGap(pair, crossing));
     return;
   }
   AppendDeepest(ways, 0.25 * size, out);
 }
 
-std::optional<SignedGap> Graze(const SolidPair& pair, const NearestTriangles& crossing) {
+std::optional<SignedGap> Graze(const BvhPair& pair, const NearestTriangles& crossing) {
   const SignedGap of_triangles = TriangleGap(pair, crossing);
   if (-of_triangles.distance > kGrazing) return std::nullopt;
   const Vector3d ways[] = {of_triangles.n, pair.a().Normal(crossing.a),
                            -(pair.pose().R * pair.b().Normal(crossing.b))};
   for (const Vector3d& n : ways) {
     const Vector3d move = kGrazing * n;
-    const SolidPair moved(pair.a(), pair.b(), {pair.pose().R, pair.pose().t + move});
-    if (moved.Nearest(SolidPair::kTouching, &crossing).a >= 0 || Contained(moved)) continue;
+    const BvhPair moved(pair.a(), pair.b(), {pair.pose().R, pair.pose().t + move});
+    if (moved.Nearest(BvhPair::kTouching, &crossing).a >= 0 || Contained(moved)) continue;
     return SignedGap{-kGrazing, of_triangles.p1, of_triangles.p1 - move, n};
   }
   return std::nullopt;
 }
 
-SignedGap TriangleGap(const SolidPair& pair, const NearestTriangles& crossing) {
+SignedGap TriangleGap(const BvhPair& pair, const NearestTriangles& crossing) {
   Vector3d first[3], second[3];
   for (int k = 0; k < 3; ++k) {
     first[k] = pair.a().Corner(crossing.a, k);

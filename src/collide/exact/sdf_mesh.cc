@@ -1,4 +1,4 @@
-#include "collide/exact/field_mesh.h"
+#include "collide/exact/sdf_mesh.h"
 
 #include <mujoco/mujoco.h>
 
@@ -19,7 +19,7 @@ constexpr int kAscents = 3;
 constexpr double kBeyond = 1e-3;  // a surface this near counts as met (2e-7 m)
 
 struct Patch {
-  FieldNearest nearest;
+  SdfNearest nearest;
   int box = BoxTree::kRoot;
 };
 
@@ -31,14 +31,14 @@ struct NearestFirst {
 
 }  // namespace
 
-double FieldMesh::LowerBound(int box) const {
+double SdfMesh::LowerBound(int box) const {
   const OrientedBox& shape = mesh_.tree().BoxOf(box);
-  const FieldValue center = field_.At(pose_ * shape.Center().cast<double>());
+  const SdfValue center = field_.At(pose_ * shape.Center().cast<double>());
   const Vector3d gradient = shape.Along(pose_.R.transpose() * center.gradient);
   return center.f - gradient.cwiseAbs().dot(shape.half.cast<double>()) - kAccuracy;
 }
 
-BoundedBoxes FieldMesh::ChildrenBelow(int box, double cutoff) const {
+BoundedBoxes SdfMesh::ChildrenBelow(int box, double cutoff) const {
   BoundedBoxes out;
   const int first = mesh_.tree().FirstChild(box);
   for (int child = first; child < first + mesh_.tree().NumChildren(box); ++child) {
@@ -48,10 +48,10 @@ BoundedBoxes FieldMesh::ChildrenBelow(int box, double cutoff) const {
   return out;
 }
 
-void FieldMesh::AskTriangle(int triangle, FieldNearest& best) const {
+void SdfMesh::AskTriangle(int triangle, SdfNearest& best) const {
   Vector3d corners[3];
   for (int k = 0; k < 3; ++k) corners[k] = pose_ * mesh_.Corner(triangle, k);
-  FieldMinimum least;
+  SdfMinimum least;
   if (field_.type == mjGEOM_SPHERE) {
     least.x = NearestOnTriangle(Vector3d::Zero(), corners[0], corners[1], corners[2]);
     least.f = field_.At(least.x).f;
@@ -72,28 +72,28 @@ void FieldMesh::AskTriangle(int triangle, FieldNearest& best) const {
   if (least.f < best.f) best = {least.f, pose_.Inverse() * least.x, triangle};
 }
 
-FieldNearest FieldMesh::Nearest(double cutoff, int warm) const {
+SdfNearest SdfMesh::Nearest(double cutoff, int warm) const {
   return Below(BoxTree::kRoot, cutoff, warm);
 }
 
-FieldNearest FieldMesh::Below(int box, double cutoff, int warm) const {
-  FieldNearest best;
+SdfNearest SdfMesh::Below(int box, double cutoff, int warm) const {
+  SdfNearest best;
   best.f = cutoff;
   if (warm >= 0) AskTriangle(warm, best);
   if (LowerBound(box) < best.f) Descend(box, best);
   return best;
 }
 
-void FieldMesh::Descend(int box, FieldNearest& best) const {
+void SdfMesh::Descend(int box, SdfNearest& best) const {
   if (mesh_.tree().IsLeaf(box)) return AskTriangle(mesh_.tree().TriangleOf(box), best);
   for (const BoundedBox& child : ChildrenBelow(box, best.f)) {
     if (child.bound < best.f) Descend(child.box, best);
   }
 }
 
-SignedGap FieldMesh::Gap(const FieldNearest& nearest) const {
+SignedGap SdfMesh::Gap(const SdfNearest& nearest) const {
   SignedGap gap;
-  const FieldValue value = field_.At(pose_ * nearest.x);
+  const SdfValue value = field_.At(pose_ * nearest.x);
   gap.distance = nearest.f;
   gap.p2 = nearest.x;
   gap.n = pose_.R.transpose() * value.gradient;
@@ -101,19 +101,19 @@ SignedGap FieldMesh::Gap(const FieldNearest& nearest) const {
   return gap;
 }
 
-bool FieldMesh::Contained() const {
+bool SdfMesh::Contained() const {
   if (!mesh_.closed()) return false;
   if (field_.type == mjGEOM_PLANE) return false;  // infinite
   return mesh_.Contains(pose_.Inverse() * Vector3d::Zero());
 }
 
-double FieldMesh::PatchSize(double margin) const {
+double SdfMesh::PatchSize(double margin) const {
   const double size = std::min(mesh_.radius(), field_.OuterRadius());
   return std::max(kPatchPerMargin * margin, kPatchPerSize * size);
 }
 
-void FieldMesh::Patches(double margin, double patch, const FieldNearest& first,
-                        std::vector<FieldNearest>& out) const {
+void SdfMesh::Patches(double margin, double patch, const SdfNearest& first,
+                      std::vector<SdfNearest>& out) const {
   std::priority_queue<Patch, std::vector<Patch>, NearestFirst> parts;
   parts.push({first, BoxTree::kRoot});
   int queries = 0;
@@ -128,7 +128,7 @@ void FieldMesh::Patches(double margin, double patch, const FieldNearest& first,
     }
     const int first_child = tree.FirstChild(part.box);
     for (int child = first_child; child < first_child + tree.NumChildren(part.box); ++child) {
-      FieldNearest nearest = part.nearest;
+      SdfNearest nearest = part.nearest;
       if (!tree.Holds(child, nearest.triangle)) {
         nearest = Below(child, margin, -1);
         ++queries;
@@ -138,14 +138,13 @@ void FieldMesh::Patches(double margin, double patch, const FieldNearest& first,
   }
 }
 
-void FieldMesh::Features(double margin, const FieldNearest& first,
-                         std::vector<SignedGap>& out) const {
+void SdfMesh::Features(double margin, const SdfNearest& first, std::vector<SignedGap>& out) const {
   const double patch = PatchSize(margin);
-  std::vector<FieldNearest> found;
+  std::vector<SdfNearest> found;
   Patches(margin, patch, first, found);
   const std::size_t begin = out.size();
-  for (const FieldNearest& nearest : found) {  // nearest first
-    if (out.size() - begin >= static_cast<std::size_t>(SolidPair::kMaxFeatures)) break;
+  for (const SdfNearest& nearest : found) {  // nearest first
+    if (out.size() - begin >= static_cast<std::size_t>(BvhPair::kMaxFeatures)) break;
     if (nearest.f <= 0.0 && !out.empty()) continue;  // an overlap, told already
     const SignedGap gap = Gap(nearest);
     auto same = [&](const SignedGap& other) {
@@ -158,8 +157,8 @@ void FieldMesh::Features(double margin, const FieldNearest& first,
 
 // From the primitive's farthest point against an outward normal of the mesh at p: straight out
 // through p's tangent plane, if the way is inside the mesh up to there; then towards deeper points.
-void FieldMesh::AppendWayFromWithin(const Vector3d& p, Vector3d outward,
-                                    std::vector<WayOut>& ways) const {
+void SdfMesh::AppendWayFromWithin(const Vector3d& p, Vector3d outward,
+                                  std::vector<WayOut>& ways) const {
   const Vector3d start = pose_.Inverse() * field_.Support(pose_.R * -outward);
   const double straight = outward.dot(p - start);
   std::vector<double> crossings;
@@ -183,13 +182,13 @@ void FieldMesh::AppendWayFromWithin(const Vector3d& p, Vector3d outward,
   if (best.gap.distance < -kAccuracy) ways.push_back(best);
 }
 
-void FieldMesh::AppendOverlaps(std::vector<SignedGap>& out) const {
+void SdfMesh::AppendOverlaps(std::vector<SignedGap>& out) const {
   const double patch = PatchSize(0.0);
-  std::vector<FieldNearest> found;
-  const FieldNearest first = Nearest(0.0);
+  std::vector<SdfNearest> found;
+  const SdfNearest first = Nearest(0.0);
   if (first.triangle >= 0) Patches(0.0, patch, first, found);
   std::vector<WayOut> ways;
-  for (const FieldNearest& nearest : found) {
+  for (const SdfNearest& nearest : found) {
     WayOut way;
     way.gap = Gap(nearest);
     way.faces_apart = !mesh_.closed() || way.gap.n.dot(mesh_.Normal(nearest.triangle)) < 0.0;

@@ -1,7 +1,8 @@
-#include "mesh/solid.h"
+#include "mesh/triangle_bvh.h"
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "mesh/mesh_edges.h"
@@ -50,8 +51,10 @@ Vector3d NearestOnTriangle(const Vector3d& x, const Vector3d& a, const Vector3d&
   return a + vb / sum * ab + vc / sum * ac;
 }
 
-Solid::Solid(const Matrix3Xd& vertices, const Matrix3Xi& triangles) {
-  const TriangleMesh mesh = WeldVertices({kTreeUnits * vertices, triangles});
+double TreeUnits(double size) { return kTreeUnits * std::exp2(std::round(std::log2(0.1 / size))); }
+
+TriangleBvh::TriangleBvh(const Matrix3Xd& vertices, const Matrix3Xi& triangles, double units) {
+  const TriangleMesh mesh = WeldVertices({units * vertices, triangles});
   vertices_ = mesh.vertices;
   triangles_ = mesh.triangles;
   CountOpenEdges();
@@ -64,7 +67,7 @@ Solid::Solid(const Matrix3Xd& vertices, const Matrix3Xi& triangles) {
   radius_ = (vertices_.colwise() - center_).colwise().norm().maxCoeff();
 }
 
-void Solid::CountOpenEdges() {
+void TriangleBvh::CountOpenEdges() {
   open_edges_ = 0;
   ForEachEdge(SortedEdgeUses(triangles_), [&](const EdgeUse* edge, int count) {
     if (edge->low == edge->high) return;  // two corners at one place
@@ -75,7 +78,7 @@ void Solid::CountOpenEdges() {
 }
 
 // A closed mesh turned inside out is turned back.
-void Solid::Orient() {
+void TriangleBvh::Orient() {
   if (!closed()) return;
   double volume = 0.0;
   for (Eigen::Index t = 0; t < triangles_.cols(); ++t) {
@@ -85,7 +88,7 @@ void Solid::Orient() {
 }
 
 // Of no area: their points are on the edges of their neighbours.
-void Solid::DropFlatTriangles() {
+void TriangleBvh::DropFlatTriangles() {
   normals_.resize(3, triangles_.cols());
   Eigen::Index count = 0;
   for (Eigen::Index t = 0; t < triangles_.cols(); ++t) {
@@ -98,7 +101,7 @@ void Solid::DropFlatTriangles() {
   normals_.conservativeResize(3, count);
 }
 
-void Solid::FindPieces() {
+void TriangleBvh::FindPieces() {
   OrientedSets connected(static_cast<int>(vertices_.cols()));
   for (Eigen::Index t = 0; t < triangles_.cols(); ++t) {
     connected.Join(triangles_(0, t), triangles_(1, t));
@@ -112,21 +115,21 @@ void Solid::FindPieces() {
   }
 }
 
-SurfacePoint Solid::Nearest(const Vector3d& x, double cutoff) const {
+SurfacePoint TriangleBvh::Nearest(const Vector3d& x, double cutoff) const {
   SurfacePoint best;
   best.distance = cutoff;
   NearestBelow(BoxTree::kRoot, x, best);
   return best;
 }
 
-SurfacePoint Solid::NearestFrom(const SurfacePoint& guess, const Vector3d& x) const {
+SurfacePoint TriangleBvh::NearestFrom(const SurfacePoint& guess, const Vector3d& x) const {
   SurfacePoint best = guess;
   if (guess.triangle >= 0) best.distance = (guess.p - x).norm();
   NearestBelow(BoxTree::kRoot, x, best);
   return best;
 }
 
-void Solid::NearestBelow(int box, const Vector3d& x, SurfacePoint& best) const {
+void TriangleBvh::NearestBelow(int box, const Vector3d& x, SurfacePoint& best) const {
   if (tree_.IsLeaf(box)) {
     const int t = tree_.TriangleOf(box);
     const Vector3d p = NearestOnTriangle(x, Corner(t, 0), Corner(t, 1), Corner(t, 2));
@@ -139,14 +142,14 @@ void Solid::NearestBelow(int box, const Vector3d& x, SurfacePoint& best) const {
   }
 }
 
-struct Solid::Ray {
+struct TriangleBvh::Ray {
   Vector3d from, along;  // the segment's end is from + along
   int winding = 0;
   bool doubtful = false;  // passes through an edge, or along a triangle
   std::vector<double>* crossings = nullptr;
 };
 
-void Solid::CastBelow(int box, Ray& ray) const {
+void TriangleBvh::CastBelow(int box, Ray& ray) const {
   if (tree_.IsLeaf(box)) return CastOnTriangle(tree_.TriangleOf(box), ray);
   for (const BoundedBox& child : tree_.ChildrenOn(box, ray.from, ray.along)) {
     CastBelow(child.box, ray);
@@ -154,7 +157,7 @@ void Solid::CastBelow(int box, Ray& ray) const {
 }
 
 // Möller-Trumbore.
-void Solid::CastOnTriangle(int t, Ray& ray) const {
+void TriangleBvh::CastOnTriangle(int t, Ray& ray) const {
   constexpr double kEdge = 1e-9;  // barycentric
   const Vector3d a = Corner(t, 0), ab = Corner(t, 1) - a, ac = Corner(t, 2) - a;
   const Vector3d h = ray.along.cross(ac);
@@ -177,7 +180,7 @@ void Solid::CastOnTriangle(int t, Ray& ray) const {
   if (ray.crossings) ray.crossings->push_back(parameter);
 }
 
-int Solid::Winding(const Vector3d& x) const {
+int TriangleBvh::Winding(const Vector3d& x) const {
   if (!closed() || tree_.RootDistance(x) > 0.0f) return 0;
   Ray ray;
   for (const Vector3d& direction : RayDirections()) {
@@ -190,7 +193,7 @@ int Solid::Winding(const Vector3d& x) const {
   return ray.winding;
 }
 
-int Solid::WindingFrom(const Vector3d& known, int winding, const Vector3d& x) const {
+int TriangleBvh::WindingFrom(const Vector3d& known, int winding, const Vector3d& x) const {
   Ray ray;
   ray.from = x;
   ray.along = known - x;
@@ -198,7 +201,7 @@ int Solid::WindingFrom(const Vector3d& known, int winding, const Vector3d& x) co
   return ray.doubtful ? Winding(x) : winding + ray.winding;
 }
 
-void Solid::Crossings(const Vector3d& p, const Vector3d& q, std::vector<double>& out) const {
+void TriangleBvh::Crossings(const Vector3d& p, const Vector3d& q, std::vector<double>& out) const {
   out.clear();
   Ray ray;
   ray.from = p;

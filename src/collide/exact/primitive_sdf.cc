@@ -1,4 +1,4 @@
-#include "collide/exact/convex_field.h"
+#include "collide/exact/primitive_sdf.h"
 
 #include <mujoco/mujoco.h>
 
@@ -71,12 +71,12 @@ class Remainder {
   int count_ = 3;
 };
 
-FieldValue FromCore(const Vector3d& away, double radius) {
+SdfValue FromCore(const Vector3d& away, double radius) {
   const double length = away.norm();
   return {length - radius, length > 0.0 ? Vector3d(away / length) : Vector3d(Vector3d::UnitX())};
 }
 
-FieldValue CylinderAt(const Vector3d& x, double radius, double half) {
+SdfValue CylinderAt(const Vector3d& x, double radius, double half) {
   const double rho = std::hypot(x.x(), x.y());
   const Vector3d side = rho > 0.0 ? Vector3d(x.x() / rho, x.y() / rho, 0.0) : Vector3d::UnitX();
   const Vector3d cap(0.0, 0.0, x.z() < 0.0 ? -1.0 : 1.0);
@@ -85,7 +85,7 @@ FieldValue CylinderAt(const Vector3d& x, double radius, double half) {
     const double f = std::hypot(a, b);
     return {f, (a * side + b * cap) / f};
   }
-  return a > b ? FieldValue{a, side} : FieldValue{b, cap};
+  return a > b ? SdfValue{a, side} : SdfValue{b, cap};
 }
 
 // In the first octant with descending half sizes e: the nearest surface point.
@@ -119,7 +119,7 @@ Vector3d NearestOnEllipsoid(const Vector3d& e, const Vector3d& y) {
   return NearestOnEllipsoid(e, {y.x(), y.y(), std::numeric_limits<double>::min()});
 }
 
-FieldValue EllipsoidAt(const Vector3d& x, const Vector3d& size) {
+SdfValue EllipsoidAt(const Vector3d& x, const Vector3d& size) {
   std::array<int, 3> order = {0, 1, 2};
   std::stable_sort(order.begin(), order.end(), [&](int i, int j) { return size[i] > size[j]; });
   Vector3d e, y;
@@ -138,7 +138,7 @@ FieldValue EllipsoidAt(const Vector3d& x, const Vector3d& size) {
 
 }  // namespace
 
-FieldValue ConvexField::At(const Vector3d& x) const {
+SdfValue PrimitiveSdf::At(const Vector3d& x) const {
   switch (type) {
     case mjGEOM_PLANE:
       return {x.z(), Vector3d::UnitZ()};
@@ -153,7 +153,7 @@ FieldValue ConvexField::At(const Vector3d& x) const {
   }
 }
 
-Vector3d ConvexField::Support(const Vector3d& n) const {
+Vector3d PrimitiveSdf::Support(const Vector3d& n) const {
   const double up = n.z() < 0.0 ? -1.0 : 1.0;
   switch (type) {
     case mjGEOM_SPHERE:
@@ -172,7 +172,7 @@ Vector3d ConvexField::Support(const Vector3d& n) const {
   }
 }
 
-double ConvexField::OuterRadius() const {
+double PrimitiveSdf::OuterRadius() const {
   switch (type) {
     case mjGEOM_PLANE:
       return kInfinity;
@@ -190,11 +190,11 @@ double ConvexField::OuterRadius() const {
 // Cuts through the centroid: where the gradient at the centroid rises, f is larger than there. Each
 // cut leaves at most 1 - 1/e of the area; the gradient inequality at the centroid bounds what the
 // rest can hold.
-FieldMinimum MinimumOnTriangle(const ConvexField& field, const Vector3d corners[3], double cutoff,
-                               double accuracy) {
-  FieldMinimum best{kInfinity, corners[0]};
+SdfMinimum MinimumOnTriangle(const PrimitiveSdf& field, const Vector3d corners[3], double cutoff,
+                             double accuracy) {
+  SdfMinimum best{kInfinity, corners[0]};
   auto ask = [&](const Vector3d& x) {
-    const FieldValue value = field.At(x);
+    const SdfValue value = field.At(x);
     if (value.f < best.f) best = {value.f, x};
     return value;
   };
@@ -203,7 +203,7 @@ FieldMinimum MinimumOnTriangle(const ConvexField& field, const Vector3d corners[
   double proven = -kInfinity, lowest = kInfinity;  // below `lowest` no part cut off can be
   for (int cut = 0; cut < kMaxCuts && !rest.empty(); ++cut) {
     const Vector3d centroid = rest.Centroid();
-    const FieldValue value = ask(centroid);
+    const SdfValue value = ask(centroid);
     const double least = value.f + rest.Least(value.gradient, centroid);
     proven = std::max(proven, std::min(least, lowest));
     if (proven >= cutoff) return {cutoff, best.x};

@@ -1,5 +1,5 @@
 // Round primitives and planes against meshes, by asking every triangle.
-#include "collide/exact/field_mesh.h"
+#include "collide/exact/sdf_mesh.h"
 
 #include <mujoco/mujoco.h>
 
@@ -23,7 +23,7 @@ struct Posed {
   Matrix3d R;
   Vector3d t;
 
-  ConvexField Field() const { return {type, kTreeUnits * size}; }
+  PrimitiveSdf Field() const { return {type, kTreeUnits * size}; }
   RelativePose TreePose() const { return {R, kTreeUnits * t}; }
   // The least signed distance over the mesh's triangles [m].
   double Brute() const {
@@ -55,28 +55,28 @@ template <typename Ask>
 void ForRandomPoses(int type, std::uint64_t seed, int count, double spread, const Ask& ask) {
   Random rng(seed);
   for (const MeshShape& shape : SmallShapes()) {
-    const Solid solid = MakeSolid(shape);
+    const TriangleBvh solid = MakeSolid(shape);
     for (int i = 0; i < count; ++i) {
       const Vector3d size(rng.Uniform(0.02, 0.06), rng.Uniform(0.02, 0.06),
                           rng.Uniform(0.02, 0.06));
       const Posed posed{type, size, shape, rng.UnitQuat().matrix(), rng.InBox(spread)};
-      ask(FieldMesh(posed.Field(), solid, posed.TreePose()), posed);
+      ask(SdfMesh(posed.Field(), solid, posed.TreePose()), posed);
     }
   }
 }
 
-class FieldMeshTest : public ::testing::TestWithParam<int> {};
+class SdfMeshTest : public ::testing::TestWithParam<int> {};
 
-INSTANTIATE_TEST_SUITE_P(Types, FieldMeshTest, ::testing::ValuesIn(kTypes),
+INSTANTIATE_TEST_SUITE_P(Types, SdfMeshTest, ::testing::ValuesIn(kTypes),
                          [](const auto& test) { return TypeName(test.param); });
 
-TEST_P(FieldMeshTest, TheLeastDistanceIsThatOfAllTriangles) {
+TEST_P(SdfMeshTest, TheLeastDistanceIsThatOfAllTriangles) {
   Random rng(81);
   const int count = GetParam() == mjGEOM_ELLIPSOID ? 8 : 25;  // by every triangle that one is slow
   int apart = 0, overlapping = 0;
-  ForRandomPoses(GetParam(), 82, count, 0.25, [&](const FieldMesh& pair, const Posed& posed) {
+  ForRandomPoses(GetParam(), 82, count, 0.25, [&](const SdfMesh& pair, const Posed& posed) {
     const double expected = posed.Brute();
-    const FieldNearest nearest = pair.Nearest(kFar);
+    const SdfNearest nearest = pair.Nearest(kFar);
     ASSERT_GE(nearest.triangle, 0);
     ++(expected > 0.0 ? apart : overlapping);
     EXPECT_NEAR(nearest.f / kTreeUnits, expected, 1e-7);
@@ -98,33 +98,33 @@ TEST_P(FieldMeshTest, TheLeastDistanceIsThatOfAllTriangles) {
   EXPECT_GE(overlapping, count / 3);
 }
 
-TEST_P(FieldMeshTest, WhatIsInsideTheMeshIsContained) {
+TEST_P(SdfMeshTest, WhatIsInsideTheMeshIsContained) {
   Random rng(83);
   const MeshShape cup = Cup(0.2, 0.3, 0.08, 12);
   MeshShape open = cup;
   open.faces.pop_back();
-  const Solid solid = MakeSolid(cup), leaky = MakeSolid(open);
+  const TriangleBvh solid = MakeSolid(cup), leaky = MakeSolid(open);
   int inside = 0, outside = 0;
   for (int i = 0; i < 300; ++i) {
     const Vector3d center = rng.InBox(0.3);  // in the mesh's frame
     const Matrix3d R = rng.UnitQuat().matrix();
     const Posed posed{GetParam(), {0.01, 0.01, 0.01}, cup, R, R * -center};
-    const FieldMesh pair(posed.Field(), solid, posed.TreePose());
+    const SdfMesh pair(posed.Field(), solid, posed.TreePose());
     if (pair.Nearest(0.0).triangle >= 0) continue;
     const bool expected = GetParam() != mjGEOM_PLANE && InsideBySolidAngle(cup, center);
     EXPECT_EQ(pair.Contained(), expected) << center.transpose();
-    EXPECT_FALSE(FieldMesh(posed.Field(), leaky, posed.TreePose()).Contained());
+    EXPECT_FALSE(SdfMesh(posed.Field(), leaky, posed.TreePose()).Contained());
     ++(expected ? inside : outside);
   }
   EXPECT_GT(outside, 10);
   EXPECT_GE(inside, GetParam() == mjGEOM_PLANE ? 0 : 15);
 }
 
-TEST_P(FieldMeshTest, FeaturesAreRealPairsOfPointsNearestFirst) {
+TEST_P(SdfMeshTest, FeaturesAreRealPairsOfPointsNearestFirst) {
   const double margin = 0.04;
   int poses = 0, several = 0;
-  ForRandomPoses(GetParam(), 84, 25, 0.2, [&](const FieldMesh& pair, const Posed& posed) {
-    const FieldNearest first = pair.Nearest(kTreeUnits * margin);
+  ForRandomPoses(GetParam(), 84, 25, 0.2, [&](const SdfMesh& pair, const Posed& posed) {
+    const SdfNearest first = pair.Nearest(kTreeUnits * margin);
     if (first.triangle < 0 || first.f <= 0.0) return;
     std::vector<SignedGap> features;
     pair.Features(kTreeUnits * margin, first, features);
@@ -148,9 +148,9 @@ TEST_P(FieldMeshTest, FeaturesAreRealPairsOfPointsNearestFirst) {
   EXPECT_GT(several, poses / 4);
 }
 
-TEST_P(FieldMeshTest, OverlapsAreDeepestFirstWithAPointOnASurface) {
+TEST_P(SdfMeshTest, OverlapsAreDeepestFirstWithAPointOnASurface) {
   int overlapping = 0;
-  ForRandomPoses(GetParam(), 85, 20, 0.12, [&](const FieldMesh& pair, const Posed& posed) {
+  ForRandomPoses(GetParam(), 85, 20, 0.12, [&](const SdfMesh& pair, const Posed& posed) {
     if (pair.Nearest(0.0).triangle < 0 && !pair.Contained()) return;
     std::vector<SignedGap> gaps;
     pair.AppendOverlaps(gaps);
@@ -164,20 +164,20 @@ TEST_P(FieldMeshTest, OverlapsAreDeepestFirstWithAPointOnASurface) {
 }
 
 // On a flat face the depth is that of the lowest point, whatever the primitive.
-TEST_P(FieldMeshTest, OnAFlatFaceTheDepthIsExact) {
+TEST_P(SdfMeshTest, OnAFlatFaceTheDepthIsExact) {
   if (GetParam() == mjGEOM_PLANE) GTEST_SKIP() << "a plane is the face itself";
   Random rng(86);
   const MeshShape block = BoxMesh({0.6, 0.6, 0.3});
-  const Solid solid = MakeSolid(block);
+  const TriangleBvh solid = MakeSolid(block);
   for (int i = 0; i < 40; ++i) {
     const Vector3d size(rng.Uniform(0.02, 0.05), rng.Uniform(0.02, 0.05), rng.Uniform(0.02, 0.05));
     const Matrix3d R = rng.UnitQuat().matrix();  // of the primitive in the block's frame
-    const ConvexField field{GetParam(), size};
+    const PrimitiveSdf field{GetParam(), size};
     const double low = (R * field.Support(R.transpose() * -Vector3d::UnitZ())).z();
     const double depth = rng.Chance(0.5) ? rng.Uniform(1e-5, 5e-3) : rng.Uniform(0.05, 0.2);
     const Vector3d center(rng.Uniform(-0.1, 0.1), rng.Uniform(-0.1, 0.1), 0.3 - depth - low);
     const Posed posed{GetParam(), size, block, R.transpose(), -(R.transpose() * center)};
-    const FieldMesh pair(posed.Field(), solid, posed.TreePose());
+    const SdfMesh pair(posed.Field(), solid, posed.TreePose());
     std::vector<SignedGap> gaps;
     pair.AppendOverlaps(gaps);
     ASSERT_FALSE(gaps.empty());
@@ -190,12 +190,12 @@ TEST_P(FieldMeshTest, OnAFlatFaceTheDepthIsExact) {
 
 TEST(FieldMeshDegenerateTest, TheMiddleOfAPrimitiveOnAFaceAnEdgeOrACorner) {
   const MeshShape box = BoxMesh({0.125, 0.125, 0.125});
-  const Solid solid = MakeSolid(box);
+  const TriangleBvh solid = MakeSolid(box);
   for (const int type : kTypes) {
     for (const Vector3d& at : {Vector3d(0.03, 0.02, 0.125), Vector3d(0.125, 0.02, 0.125),
                                Vector3d(0.125, 0.125, 0.125)}) {
       const Posed posed{type, {0.03, 0.03, 0.03}, box, Matrix3d::Identity(), -at};
-      const FieldMesh pair(posed.Field(), solid, posed.TreePose());
+      const SdfMesh pair(posed.Field(), solid, posed.TreePose());
       const double expected = type == mjGEOM_PLANE ? -0.125 - at.z() : -0.03;
       EXPECT_NEAR(pair.Nearest(kFar).f / kTreeUnits, expected, 1e-7) << TypeName(type);
       std::vector<SignedGap> gaps;
@@ -209,11 +209,11 @@ TEST(FieldMeshDegenerateTest, ACapsuleThroughASingleTriangle) {
   MeshShape triangle;
   triangle.vertices = {{-1, -1, 0}, {2, -1, 0}, {-1, 2, 0}};
   triangle.faces = {{0, 1, 2}};
-  const Solid solid = MakeSolid(triangle);
-  const ConvexField capsule{mjGEOM_CAPSULE, kTreeUnits * Vector3d(0.05, 0.2, 0)};
+  const TriangleBvh solid = MakeSolid(triangle);
+  const PrimitiveSdf capsule{mjGEOM_CAPSULE, kTreeUnits * Vector3d(0.05, 0.2, 0)};
   for (const double z : {0.0, 0.1, 0.2}) {
-    const FieldMesh pair(capsule, solid, {Matrix3d::Identity(), kTreeUnits * Vector3d(0, 0, z)});
-    const FieldNearest nearest = pair.Nearest(kFar);
+    const SdfMesh pair(capsule, solid, {Matrix3d::Identity(), kTreeUnits * Vector3d(0, 0, z)});
+    const SdfNearest nearest = pair.Nearest(kFar);
     EXPECT_NEAR(nearest.f / kTreeUnits, -0.05, 1e-9) << z;
     EXPECT_NEAR(nearest.x.z(), 0.0, 1e-6);
     EXPECT_FALSE(pair.Contained());
@@ -222,7 +222,7 @@ TEST(FieldMeshDegenerateTest, ACapsuleThroughASingleTriangle) {
     ASSERT_FALSE(gaps.empty());
     EXPECT_LT(gaps.front().distance, 0.0);
   }
-  const FieldMesh above(capsule, solid, {Matrix3d::Identity(), kTreeUnits * Vector3d(0, 0, -0.3)});
+  const SdfMesh above(capsule, solid, {Matrix3d::Identity(), kTreeUnits * Vector3d(0, 0, -0.3)});
   EXPECT_NEAR(above.Nearest(kFar).f / kTreeUnits, 0.05, 1e-9);
 }
 

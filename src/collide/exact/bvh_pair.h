@@ -1,15 +1,15 @@
 // Two triangle meshes: their nearest triangles, and all features within a margin.
 //
 // Our own traversals, because FCL's have no early out at a cutoff, no warm start and no margin,
-// with FCL's distance of triangles. Tree units (solid.h); everything in the frame of mesh a.
-#ifndef MJCF_PDG_SRC_COLLIDE_EXACT_SOLID_PAIR_H_
-#define MJCF_PDG_SRC_COLLIDE_EXACT_SOLID_PAIR_H_
+// with FCL's distance of triangles. Tree units (triangle_bvh.h); everything in the frame of mesh a.
+#ifndef MJCF_PDG_SRC_COLLIDE_EXACT_BVH_PAIR_H_
+#define MJCF_PDG_SRC_COLLIDE_EXACT_BVH_PAIR_H_
 
 #include <cstdint>
 #include <vector>
 
 #include "base/signed_gap.h"
-#include "mesh/solid.h"
+#include "mesh/triangle_bvh.h"
 
 namespace mjcf_pdg {
 
@@ -29,12 +29,12 @@ struct RelativePose {
   RelativePose Inverse() const { return {R.transpose(), -(R.transpose() * t)}; }
 };
 
-class SolidPair {
+class BvhPair {
  public:
-  SolidPair(const Solid& a, const Solid& b, const RelativePose& b_in_a);
+  BvhPair(const TriangleBvh& a, const TriangleBvh& b, const RelativePose& b_in_a);
 
-  const Solid& a() const { return a_; }
-  const Solid& b() const { return b_; }
+  const TriangleBvh& a() const { return a_; }
+  const TriangleBvh& b() const { return b_; }
   const RelativePose& pose() const { return pose_; }
 
   // Below `cutoff`, or a == b == -1. `warm`: triangles that were nearest before, or null.
@@ -91,8 +91,8 @@ class SolidPair {
   void Patches(double margin, double patch, std::vector<NearestTriangles>& out) const;
   bool BoundsMotion(const NearestTriangles& near) const;
 
-  const Solid& a_;
-  const Solid& b_;
+  const TriangleBvh& a_;
+  const TriangleBvh& b_;
   RelativePose pose_;
   Matrix4f b_in_a_, a_in_b_;  // the same, rounded
   float rounding_;            // of bounds
@@ -101,4 +101,4 @@ class SolidPair {
 
 }  // namespace mjcf_pdg
 
-#endif  // MJCF_PDG_SRC_COLLIDE_EXACT_SOLID_PAIR_H_
+#endif  // MJCF_PDG_SRC_COLLIDE_EXACT_BVH_PAIR_H_

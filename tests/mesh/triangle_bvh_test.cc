@@ -1,5 +1,5 @@
 // Triangle meshes as solids: closedness, orientation, nearest points, inside and outside.
-#include "mesh/solid.h"
+#include "mesh/triangle_bvh.h"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ using test::MakeSolid;
 using test::MeshShape;
 using test::Random;
 
-TEST(SolidTest, ClosedMeshesAreKnownByTheirEdges) {
+TEST(TriangleBvhTest, ClosedMeshesAreKnownByTheirEdges) {
   EXPECT_TRUE(MakeSolid(test::Torus(0.1, 0.03, 12, 8)).closed());
   EXPECT_TRUE(MakeSolid(test::Cup(0.1, 0.2, 0.01, 12)).closed());
   EXPECT_TRUE(MakeSolid(test::Globe(6, 9, [](const auto&) { return 0.1; })).closed());
@@ -29,7 +29,7 @@ TEST(SolidTest, ClosedMeshesAreKnownByTheirEdges) {
   EXPECT_EQ(MakeSolid(flipped).open_edges(), 3) << "a face turned over is no closed surface";
 }
 
-TEST(SolidTest, VerticesAtTheSamePlaceAreOne) {
+TEST(TriangleBvhTest, VerticesAtTheSamePlaceAreOne) {
   const MeshShape torus = test::Torus(0.1, 0.03, 12, 8);
   MeshShape soup;
   for (const auto& f : torus.faces) {
@@ -40,17 +40,17 @@ TEST(SolidTest, VerticesAtTheSamePlaceAreOne) {
   EXPECT_TRUE(MakeSolid(soup).closed());
 }
 
-TEST(SolidTest, AMeshTurnedInsideOutIsTurnedBack) {
+TEST(TriangleBvhTest, AMeshTurnedInsideOutIsTurnedBack) {
   MeshShape box = test::BoxMesh({0.1, 0.1, 0.1});
-  const Solid out = MakeSolid(box), in = MakeSolid(box.TurnInsideOut());
-  for (const Solid* solid : {&out, &in}) {
+  const TriangleBvh out = MakeSolid(box), in = MakeSolid(box.TurnInsideOut());
+  for (const TriangleBvh* solid : {&out, &in}) {
     for (int t = 0; t < solid->num_triangles(); ++t) {
       EXPECT_GT(solid->Normal(t).dot(solid->Corner(t, 0)), 0.0);
     }
   }
 }
 
-TEST(SolidTest, TrianglesWithoutAreaAreLeftOutAndNothingElseIsAnError) {
+TEST(TriangleBvhTest, TrianglesWithoutAreaAreLeftOutAndNothingElseIsAnError) {
   MeshShape box = test::BoxMesh({0.1, 0.1, 0.1});
   box.vertices.push_back(0.5 * (box.vertices[0] + box.vertices[1]));
   box.faces.emplace_back(0, 1, 8);
@@ -62,10 +62,10 @@ TEST(SolidTest, TrianglesWithoutAreaAreLeftOutAndNothingElseIsAnError) {
             std::string::npos);
 }
 
-TEST(SolidTest, NearestPointsAreThoseOfAllTriangles) {
+TEST(TriangleBvhTest, NearestPointsAreThoseOfAllTriangles) {
   Random rng(3);
   const MeshShape shape = test::TorusKnot(0.1, 0.02, 40, 8);
-  const Solid solid = MakeSolid(shape);
+  const TriangleBvh solid = MakeSolid(shape);
   for (int i = 0; i < 300; ++i) {
     const Vector3d x = rng.InBox(0.25);
     const double expected = test::BruteDistance(shape, x);
@@ -74,13 +74,13 @@ TEST(SolidTest, NearestPointsAreThoseOfAllTriangles) {
   }
 }
 
-TEST(SolidTest, InsideIsWhatTheSolidAngleSays) {
+TEST(TriangleBvhTest, InsideIsWhatTheSolidAngleSays) {
   Random rng(4);
   MeshShape two = test::TorusKnot(0.1, 0.03, 40, 8);
   two.Append(test::BoxMesh({0.05, 0.05, 0.05}));  // pieces may overlap
   const MeshShape shapes[] = {two, test::Cup(0.15, 0.2, 0.03, 12)};
   for (const MeshShape& shape : shapes) {
-    const Solid solid = MakeSolid(shape);
+    const TriangleBvh solid = MakeSolid(shape);
     int inside = 0;
     for (int i = 0; i < 1000; ++i) {
       const Vector3d x = rng.InBox(0.2);
@@ -92,11 +92,11 @@ TEST(SolidTest, InsideIsWhatTheSolidAngleSays) {
   }
 }
 
-TEST(SolidTest, WindingIsToldFromAnotherPoints) {
+TEST(TriangleBvhTest, WindingIsToldFromAnotherPoints) {
   Random rng(6);
   MeshShape two = test::TorusKnot(0.1, 0.03, 40, 8);
   two.Append(test::BoxMesh({0.05, 0.05, 0.05}));
-  const Solid solid = MakeSolid(two);
+  const TriangleBvh solid = MakeSolid(two);
   std::array<int, 3> seen = {};
   for (int i = 0; i < 1000; ++i) {
     const Vector3d known = kTreeUnits * rng.InBox(0.15), x = kTreeUnits * rng.InBox(0.15);
@@ -108,8 +108,8 @@ TEST(SolidTest, WindingIsToldFromAnotherPoints) {
 }
 
 // Rays from the middle of symmetric meshes meet edges and vertices in many directions.
-TEST(SolidTest, RaysThroughEdgesAndVerticesDoNotCount) {
-  const Solid box = MakeSolid(test::BoxMesh({0.1, 0.1, 0.1}));
+TEST(TriangleBvhTest, RaysThroughEdgesAndVerticesDoNotCount) {
+  const TriangleBvh box = MakeSolid(test::BoxMesh({0.1, 0.1, 0.1}));
   const Vector3d d = Vector3d(0.3712, 0.8211, 0.4336).normalized();  // the first ray's direction
   for (int t = 0; t < box.num_triangles(); ++t) {
     for (const double share : {0.0, 0.25, 0.5}) {
@@ -123,11 +123,11 @@ TEST(SolidTest, RaysThroughEdgesAndVerticesDoNotCount) {
   }
 }
 
-TEST(SolidTest, AShellIsHollowAndAnOpenMeshHasNoInside) {
+TEST(TriangleBvhTest, AShellIsHollowAndAnOpenMeshHasNoInside) {
   MeshShape shell = test::Globe(12, 16, [](const auto&) { return 0.2; });
   MeshShape inner = test::Globe(12, 16, [](const auto&) { return 0.15; });
   shell.Append(inner.TurnInsideOut());
-  const Solid solid = MakeSolid(shell);
+  const TriangleBvh solid = MakeSolid(shell);
   EXPECT_FALSE(solid.Contains(Vector3d::Zero()));
   EXPECT_TRUE(solid.Contains({kTreeUnits * 0.17, 0.0, 0.0}));
   EXPECT_EQ(solid.pieces().size(), 2u);
@@ -135,8 +135,8 @@ TEST(SolidTest, AShellIsHollowAndAnOpenMeshHasNoInside) {
   EXPECT_FALSE(MakeSolid(shell).Contains({kTreeUnits * 0.17, 0.0, 0.0}));
 }
 
-TEST(SolidTest, CrossingsOfASegmentComeInOrder) {
-  const Solid torus = MakeSolid(test::Torus(0.1, 0.03, 24, 12));
+TEST(TriangleBvhTest, CrossingsOfASegmentComeInOrder) {
+  const TriangleBvh torus = MakeSolid(test::Torus(0.1, 0.03, 24, 12));
   std::vector<double> crossings;
   torus.Crossings({-kTreeUnits * 0.2, 1.0, 2.0}, {kTreeUnits * 0.2, 1.0, 2.0}, crossings);
   ASSERT_EQ(crossings.size(), 4u);

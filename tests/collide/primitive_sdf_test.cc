@@ -1,5 +1,5 @@
 // Signed distances of primitives, their gradients, their minima over triangles.
-#include "collide/exact/convex_field.h"
+#include "collide/exact/primitive_sdf.h"
 
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -16,18 +16,18 @@ using test::Random;
 const int kTypes[] = {mjGEOM_PLANE, mjGEOM_SPHERE, mjGEOM_CAPSULE, mjGEOM_ELLIPSOID,
                       mjGEOM_CYLINDER};
 
-ConvexField RandomField(int type, Random& rng) {
+PrimitiveSdf RandomField(int type, Random& rng) {
   return {type, Vector3d(rng.Uniform(0.2, 1.0), rng.Uniform(0.2, 1.0), rng.Uniform(0.2, 1.0))};
 }
 
-TEST(ConvexFieldTest, SupportPointsBoundTheDistanceFromOutside) {
+TEST(PrimitiveSdfTest, SupportPointsBoundTheDistanceFromOutside) {
   Random rng(1);
   for (const int type : kTypes) {
     if (type == mjGEOM_PLANE) continue;
     for (int i = 0; i < 300; ++i) {
-      const ConvexField field = RandomField(type, rng);
+      const PrimitiveSdf field = RandomField(type, rng);
       const Vector3d x = rng.InBox(1.5);
-      const FieldValue value = field.At(x);
+      const SdfValue value = field.At(x);
       EXPECT_NEAR(value.gradient.norm(), 1.0, 1e-12);
       // Whatever the direction, a supporting plane is no farther; along the gradient it is as far.
       const Vector3d n = rng.UnitVector();
@@ -41,10 +41,10 @@ TEST(ConvexFieldTest, SupportPointsBoundTheDistanceFromOutside) {
   }
 }
 
-TEST(ConvexFieldTest, EllipsoidsAreRightOnTheirPlanesOfSymmetry) {
+TEST(PrimitiveSdfTest, EllipsoidsAreRightOnTheirPlanesOfSymmetry) {
   const Vector3d sizes[] = {{1, 2, 3}, {3, 1, 1}, {1, 1, 3}, {2, 2, 2}, {1, 3, 1}};
   for (const Vector3d& size : sizes) {
-    const ConvexField field{mjGEOM_ELLIPSOID, size};
+    const PrimitiveSdf field{mjGEOM_ELLIPSOID, size};
     EXPECT_NEAR(field.At(Vector3d::Zero()).f, -size.minCoeff(), 1e-12);
     for (int axis = 0; axis < 3; ++axis) {
       for (const double share : {0.01, 0.3, 0.7, 0.99, 1.0, 1.5}) {
@@ -58,31 +58,31 @@ TEST(ConvexFieldTest, EllipsoidsAreRightOnTheirPlanesOfSymmetry) {
   }
 }
 
-TEST(ConvexFieldTest, GradientsBoundTheFunctionFromBelow) {
+TEST(PrimitiveSdfTest, GradientsBoundTheFunctionFromBelow) {
   Random rng(2);
   for (const int type : kTypes) {
     for (int i = 0; i < 500; ++i) {
-      const ConvexField field = RandomField(type, rng);
+      const PrimitiveSdf field = RandomField(type, rng);
       const Vector3d x = rng.InBox(1.5), y = rng.InBox(1.5);
-      const FieldValue at_x = field.At(x);
+      const SdfValue at_x = field.At(x);
       EXPECT_GE(field.At(y).f, at_x.f + at_x.gradient.dot(y - x) - 1e-9) << test::TypeName(type);
     }
   }
 }
 
-TEST(ConvexFieldTest, MinimaOnTrianglesAreThoseOfAnotherMethod) {
+TEST(PrimitiveSdfTest, MinimaOnTrianglesAreThoseOfAnotherMethod) {
   Random rng(5);
   for (const int type : kTypes) {
     int below = 0;
     for (int i = 0; i < 200; ++i) {
-      const ConvexField field = RandomField(type, rng);
+      const PrimitiveSdf field = RandomField(type, rng);
       const double size = rng.Chance(0.5) ? 0.05 : 1.5;
       const Vector3d center = rng.InBox(1.2);
       const Vector3d corners[3] = {center + rng.InBox(size), center + rng.InBox(size),
                                    center + rng.InBox(rng.Chance(0.2) ? 1e-6 : size)};
       Vector3d x;
       const double expected = verify::RoundDistanceOnTriangle(type, field.size, corners, x);
-      const FieldMinimum least = MinimumOnTriangle(field, corners, 1e9, 1e-9);
+      const SdfMinimum least = MinimumOnTriangle(field, corners, 1e9, 1e-9);
       EXPECT_LE(least.f, expected + 1e-8) << test::TypeName(type) << " " << i;
       EXPECT_GE(least.f, expected - 1e-7) << test::TypeName(type) << " " << i;
       EXPECT_NEAR(field.At(least.x).f, least.f, 1e-12);

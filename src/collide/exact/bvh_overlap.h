@@ -14,14 +14,14 @@
 //
 // Where no such point is found (meshes that are not closed; meshes that coincide), the depth is the
 // largest of the least overlaps of two intersecting triangles: triangle-sized.
-// Tree units (solid.h), in the frame of mesh a.
-#ifndef MJCF_PDG_SRC_COLLIDE_EXACT_SOLID_OVERLAP_H_
-#define MJCF_PDG_SRC_COLLIDE_EXACT_SOLID_OVERLAP_H_
+// Tree units (triangle_bvh.h), in the frame of mesh a.
+#ifndef MJCF_PDG_SRC_COLLIDE_EXACT_BVH_OVERLAP_H_
+#define MJCF_PDG_SRC_COLLIDE_EXACT_BVH_OVERLAP_H_
 
 #include <optional>
 #include <vector>
 
-#include "collide/exact/solid_pair.h"
+#include "collide/exact/bvh_pair.h"
 
 namespace mjcf_pdg {
 
@@ -32,7 +32,7 @@ struct WayOut {
 };
 
 // A point of some piece of one mesh is inside the other. To be asked when no triangles intersect.
-bool Contained(const SolidPair& pair);
+bool Contained(const BvhPair& pair);
 
 // How many parts of the two meshes to look at for the depth of an overlap: a quick look, and one
 // that finds the threads of a nut.
@@ -42,18 +42,18 @@ constexpr int kFewParts = 75, kManyParts = 1700;
 // distance <= 0, those along which the surfaces face each other first, of those the deepest; others
 // are at other places or in other directions. Of the meshes at most `most_parts` parts are looked
 // at.
-void AppendOverlaps(const SolidPair& pair, int most_parts, std::vector<SignedGap>& out);
+void AppendOverlaps(const BvhPair& pair, int most_parts, std::vector<SignedGap>& out);
 
 // The deepest first; those of the same place and direction left out, then those beyond the most.
 void AppendDeepest(std::vector<WayOut>& ways, double patch, std::vector<SignedGap>& out);
 
 // The overlap of two meshes of which some triangles intersect, as of faces that rest on each other
-// and cross by rounding: if a move of 8e-8 m along the normal of one of `crossing` parts the
+// and cross by rounding: if a move of kGrazing along the normal of one of `crossing` parts the
 // meshes, that. None if not.
-std::optional<SignedGap> Graze(const SolidPair& pair, const NearestTriangles& crossing);
+std::optional<SignedGap> Graze(const BvhPair& pair, const NearestTriangles& crossing);
 
 // What two crossing triangles tell by themselves: the least move that parts them.
-SignedGap TriangleGap(const SolidPair& pair, const NearestTriangles& crossing);
+SignedGap TriangleGap(const BvhPair& pair, const NearestTriangles& crossing);
 
 // The least overlap of two triangles' projections on an axis: how far they must be moved apart, at
 // most, and the direction from the first to the second. Negative when an axis separates them.
@@ -62,4 +62,4 @@ double TriangleOverlap(const Vector3d first[3], const Vector3d second[3], Vector
 
 }  // namespace mjcf_pdg
 
-#endif  // MJCF_PDG_SRC_COLLIDE_EXACT_SOLID_OVERLAP_H_
+#endif  // MJCF_PDG_SRC_COLLIDE_EXACT_BVH_OVERLAP_H_

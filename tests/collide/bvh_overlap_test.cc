@@ -1,5 +1,5 @@
 // How deep meshes overlap, against brute force and known answers.
-#include "collide/exact/solid_overlap.h"
+#include "collide/exact/bvh_overlap.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ MeshShape AsShape(const Vector3d t[3]) {
   return shape;
 }
 
-TEST(SolidOverlapTest, TrianglesOverlapWhereTheyCrossAndTheirMovePartsThem) {
+TEST(BvhOverlapTest, TrianglesOverlapWhereTheyCrossAndTheirMovePartsThem) {
   Random rng(71);
   int crossing = 0, apart = 0;
   for (int i = 0; i < 3000; ++i) {
@@ -48,7 +48,7 @@ TEST(SolidOverlapTest, TrianglesOverlapWhereTheyCrossAndTheirMovePartsThem) {
   EXPECT_GT(apart, 1000);
 }
 
-TEST(SolidOverlapTest, DegenerateTrianglesHaveAnAnswer) {
+TEST(BvhOverlapTest, DegenerateTrianglesHaveAnAnswer) {
   const Vector3d flat[3] = {{-1, -1, 0}, {2, -1, 0}, {-1, 2, 0}};
   const Vector3d segment[3] = {{0, 0, -0.25}, {0, 0, 0.5}, {0, 0, 0.125}};
   const Vector3d point[3] = {{0, 0, 0.5}, {0, 0, 0.5}, {0, 0, 0.5}};
@@ -63,23 +63,23 @@ TEST(SolidOverlapTest, DegenerateTrianglesHaveAnAnswer) {
 
 // ---- One inside the other ----
 
-TEST(SolidOverlapTest, ContainedIsWhatTheSolidAngleSays) {
+TEST(BvhOverlapTest, ContainedIsWhatTheSolidAngleSays) {
   Random rng(72);
   const MeshShape cup = Cup(0.2, 0.3, 0.08, 12);
   MeshShape open = cup;
   open.faces.pop_back();
   const MeshShape crumb = Globe(4, 5, [](const Vector3d&) { return 0.01; });
-  const Solid outer = MakeSolid(cup), leaky = MakeSolid(open), inner = MakeSolid(crumb);
+  const TriangleBvh outer = MakeSolid(cup), leaky = MakeSolid(open), inner = MakeSolid(crumb);
   int inside = 0, outside = 0;
   for (int i = 0; i < 400; ++i) {
     const Vector3d t = rng.InBox(0.3);
     const RelativePose pose{rng.UnitQuat().matrix(), kTreeUnits * t};
-    const SolidPair pair(outer, inner, pose), turned(inner, outer, pose.Inverse());
+    const BvhPair pair(outer, inner, pose), turned(inner, outer, pose.Inverse());
     if (Intersects(pair)) continue;
     const bool expected = InsideBySolidAngle(cup, t);
     EXPECT_EQ(Contained(pair), expected) << t.transpose();
     EXPECT_EQ(Contained(turned), expected) << t.transpose();
-    EXPECT_FALSE(Contained(SolidPair(leaky, inner, pose)));
+    EXPECT_FALSE(Contained(BvhPair(leaky, inner, pose)));
     ++(expected ? inside : outside);
   }
   EXPECT_GT(inside, 20);
@@ -89,16 +89,17 @@ TEST(SolidOverlapTest, ContainedIsWhatTheSolidAngleSays) {
 // ---- Faces that rest on each other ----
 
 // By definition: a move that parts the two.
-TEST(SolidOverlapTest, GrazingMeshesPartByTheMove) {
+TEST(BvhOverlapTest, GrazingMeshesPartByTheMove) {
   Random rng(73);
-  const Solid cup = MakeSolid(Cup(0.2, 0.3, 0.08, 12)), box = MakeSolid(BoxMesh({0.1, 0.1, 0.1}));
+  const TriangleBvh cup = MakeSolid(Cup(0.2, 0.3, 0.08, 12)),
+                    box = MakeSolid(BoxMesh({0.1, 0.1, 0.1}));
   int grazing = 0;
   for (int i = 0; i < 200; ++i) {
     const double depth = i % 2 == 0 ? rng.Uniform(0.0, 6e-8) : rng.Uniform(1e-7, 1e-4);
     const Vector3d t(rng.Uniform(-0.2, 0.2), rng.Uniform(-0.2, 0.2), -0.1 + depth);
     const Eigen::AngleAxisd turn(rng.Uniform(-3.0, 3.0), Vector3d::UnitZ());
-    const SolidPair pair(cup, box, {turn.matrix(), kTreeUnits * t});
-    const NearestTriangles crossing = pair.Nearest(SolidPair::kTouching);
+    const BvhPair pair(cup, box, {turn.matrix(), kTreeUnits * t});
+    const NearestTriangles crossing = pair.Nearest(BvhPair::kTouching);
     if (crossing.a < 0) continue;
     const std::optional<SignedGap> graze = Graze(pair, crossing);
     ASSERT_EQ(graze.has_value(), i % 2 == 0) << depth;
@@ -107,16 +108,16 @@ TEST(SolidOverlapTest, GrazingMeshesPartByTheMove) {
     EXPECT_LT(graze->distance, -kTreeUnits * depth);
     EXPECT_NEAR(graze->n.dot(graze->p2 - graze->p1), graze->distance, 1e-9);
     const Vector3d moved = kTreeUnits * t - graze->distance * graze->n;
-    EXPECT_FALSE(Intersects(SolidPair(cup, box, {turn.matrix(), moved})));
+    EXPECT_FALSE(Intersects(BvhPair(cup, box, {turn.matrix(), moved})));
   }
   EXPECT_GT(grazing, 80);
 }
 
 // Their triangles cross little, and they are inside each other.
-TEST(SolidOverlapTest, MeshesThatCoincideDoNotGraze) {
-  const Solid cup = MakeSolid(Cup(0.2, 0.3, 0.08, 12));
-  const SolidPair pair(cup, cup, {Matrix3d::Identity(), Vector3d::Constant(1e-9 * kTreeUnits)});
-  const NearestTriangles crossing = pair.Nearest(SolidPair::kTouching);
+TEST(BvhOverlapTest, MeshesThatCoincideDoNotGraze) {
+  const TriangleBvh cup = MakeSolid(Cup(0.2, 0.3, 0.08, 12));
+  const BvhPair pair(cup, cup, {Matrix3d::Identity(), Vector3d::Constant(1e-9 * kTreeUnits)});
+  const NearestTriangles crossing = pair.Nearest(BvhPair::kTouching);
   ASSERT_GE(crossing.a, 0);
   EXPECT_FALSE(Graze(pair, crossing).has_value());
 }
@@ -149,17 +150,17 @@ double DeepestSample(const MeshShape& from, const MeshShape& in) {
   return deepest;
 }
 
-TEST(SolidOverlapTest, OverlapsAreNeitherDeeperThanTheSurfacesNorNothing) {
+TEST(BvhOverlapTest, OverlapsAreNeitherDeeperThanTheSurfacesNorNothing) {
   Random rng(73);
   int overlapping = 0, as_deep_as_a_vertex = 0;
   for (const MeshShape& a : SmallShapes()) {
-    const Solid solid_a = MakeSolid(a);
+    const TriangleBvh solid_a = MakeSolid(a);
     for (const MeshShape& b : SmallShapes()) {
-      const Solid solid_b = MakeSolid(b);
+      const TriangleBvh solid_b = MakeSolid(b);
       for (int i = 0; i < 5; ++i) {
         const Matrix3d R = rng.UnitQuat().matrix();
         const Vector3d t = rng.InBox(0.12);
-        const SolidPair pair(solid_a, solid_b, {R, kTreeUnits * t});
+        const BvhPair pair(solid_a, solid_b, {R, kTreeUnits * t});
         if (!Intersects(pair)) continue;
         std::vector<SignedGap> gaps;
         AppendOverlaps(pair, kFewParts, gaps);
@@ -179,10 +180,10 @@ TEST(SolidOverlapTest, OverlapsAreNeitherDeeperThanTheSurfacesNorNothing) {
   EXPECT_GT(as_deep_as_a_vertex, overlapping / 2);
 }
 
-TEST(SolidOverlapTest, ABoxOnABoxIsAsDeepAsItsLowestCorner) {
+TEST(BvhOverlapTest, ABoxOnABoxIsAsDeepAsItsLowestCorner) {
   Random rng(74);
   const MeshShape base = BoxMesh({0.3, 0.3, 0.1}), box = BoxMesh({0.05, 0.06, 0.07});
-  const Solid below = MakeSolid(base), above = MakeSolid(box);
+  const TriangleBvh below = MakeSolid(base), above = MakeSolid(box);
   for (int i = 0; i < 50; ++i) {
     const Matrix3d R = rng.UnitQuat().matrix();
     double low = 0.0;
@@ -190,7 +191,7 @@ TEST(SolidOverlapTest, ABoxOnABoxIsAsDeepAsItsLowestCorner) {
     const double depth = rng.Uniform(1e-5, 5e-3);
     const Vector3d t(rng.Uniform(-0.1, 0.1), rng.Uniform(-0.1, 0.1), 0.1 - depth - low);
     std::vector<SignedGap> gaps;
-    AppendOverlaps(SolidPair(below, above, {R, kTreeUnits * t}), kFewParts, gaps);
+    AppendOverlaps(BvhPair(below, above, {R, kTreeUnits * t}), kFewParts, gaps);
     ExpectOverlaps(gaps);
     EXPECT_NEAR(-gaps.front().distance / kTreeUnits, depth, 1e-9) << i;
     EXPECT_GT(gaps.front().n.z(), 0.999) << "from the first to the second, the way out";
@@ -198,7 +199,7 @@ TEST(SolidOverlapTest, ABoxOnABoxIsAsDeepAsItsLowestCorner) {
 }
 
 // Boxes over parts of a surface leave the middle out.
-TEST(SolidOverlapTest, ABodyWhollyInsideIsAsDeepAsItsDeepestVertex) {
+TEST(BvhOverlapTest, ABodyWhollyInsideIsAsDeepAsItsDeepestVertex) {
   Random rng(75);
   MeshShape body;
   for (const Vector3d& p :
@@ -207,12 +208,12 @@ TEST(SolidOverlapTest, ABodyWhollyInsideIsAsDeepAsItsDeepestVertex) {
   }
   body.faces = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
   const MeshShape pebble = Globe(10, 12, [](const auto&) { return 0.01; });
-  const Solid around = MakeSolid(body), inside = MakeSolid(pebble);
+  const TriangleBvh around = MakeSolid(body), inside = MakeSolid(pebble);
   int contained = 0;
   for (int i = 0; i < 40; ++i) {
     const Vector3d t = rng.InBox(0.1);
-    const SolidPair pair(around, inside, {Matrix3d::Identity(), kTreeUnits * t});
-    if (pair.RoughlyNearest(SolidPair::kTouching, nullptr).a >= 0 || !Contained(pair)) continue;
+    const BvhPair pair(around, inside, {Matrix3d::Identity(), kTreeUnits * t});
+    if (pair.RoughlyNearest(BvhPair::kTouching, nullptr).a >= 0 || !Contained(pair)) continue;
     ++contained;
     std::vector<SignedGap> gaps;
     AppendOverlaps(pair, kFewParts, gaps);
@@ -223,25 +224,25 @@ TEST(SolidOverlapTest, ABodyWhollyInsideIsAsDeepAsItsDeepestVertex) {
   EXPECT_GT(contained, 10);
 }
 
-TEST(SolidOverlapTest, SurfacesThatCoincideAndOpenMeshesHaveADepth) {
+TEST(BvhOverlapTest, SurfacesThatCoincideAndOpenMeshesHaveADepth) {
   const Matrix3d I = Matrix3d::Identity();
   for (const MeshShape& shape : SmallShapes()) {
-    const Solid solid = MakeSolid(shape);
+    const TriangleBvh solid = MakeSolid(shape);
     std::vector<SignedGap> gaps;
-    AppendOverlaps(SolidPair(solid, solid, {I, Vector3d::Zero()}), kFewParts, gaps);
+    AppendOverlaps(BvhPair(solid, solid, {I, Vector3d::Zero()}), kFewParts, gaps);
     ExpectOverlaps(gaps);
   }
   MeshShape open = BoxMesh({0.1, 0.1, 0.1});
   open.faces.resize(10);
-  const Solid surface = MakeSolid(open);
-  const SolidPair pair(surface, surface, {I, kTreeUnits * Vector3d(0.15, 0.03, 0.02)});
+  const TriangleBvh surface = MakeSolid(open);
+  const BvhPair pair(surface, surface, {I, kTreeUnits * Vector3d(0.15, 0.03, 0.02)});
   ASSERT_TRUE(Intersects(pair));
   std::vector<SignedGap> gaps;
   AppendOverlaps(pair, kFewParts, gaps);
   ExpectOverlaps(gaps);
 }
 
-TEST(SolidOverlapTest, TheDeepestComeFirstAndRepetitionsAreLeftOut) {
+TEST(BvhOverlapTest, TheDeepestComeFirstAndRepetitionsAreLeftOut) {
   auto way = [](double distance, const Vector3d& p, bool faces_apart) {
     return WayOut{{distance, p, p + distance * Vector3d::UnitX(), Vector3d::UnitX()}, faces_apart};
   };
