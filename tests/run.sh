@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds with all cores, runs every test: bash tests/run.sh [release|debug|sanitize|tsan|ci]
+# Installs what is missing, builds with all cores, runs every test: bash tests/run.sh [release|ci|shared|debug|sanitize|tsan]
 # Default: release, in build/. Where CI is set: ci, which is the same with warnings as errors.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -1,5 +1,8 @@
 // Is the straight motion between two configurations free? Certified continuous collision detection:
 // what is called free is proven, not sampled.
+//
+// Source: Tang & Kim, CCDg of Sec. 5.2, Eq. 21. Differs from it: every interval that is called free
+// is proven by bounds on the motion.
 #ifndef MJCF_PDG_MOTION_H_
 #define MJCF_PDG_MOTION_H_
 
@@ -8,11 +11,13 @@
 #include <span>
 #include <vector>
 
+#include "mjcf_pdg/export.h"
 #include "mjcf_pdg/scene.h"
 #include "mjcf_pdg/types.h"
 
 namespace mjcf_pdg {
 
+// How far a motion is free, and what ended it.
 enum class MotionOutcome {
   kFree,              // nothing in the way
   kContact,           // `pairs` are in the way at t
@@ -29,13 +34,13 @@ struct Motion {
   bool certified =
       true;  // ... proven. False where SDFs or height fields, which are sampled, are near
   std::vector<std::array<int, 2>> pairs;  // ids of geoms in the user's model, in MuJoCo's order
-  int joint = -1;                         // id of the joint in the user's model; -1: none
-  int poses = 0;                          // at how many configurations the model was posed
-  int distance_queries = 0;               // signed distances of single pairs
+  int joint = -1;            // id of the joint in the user's model, for kLimit; else -1
+  int poses = 0;             // at how many configurations the model was posed
+  int distance_queries = 0;  // signed distances of single pairs
 };
 
 // One per thread; keeps its scratch from one motion to the next. Never writes to the user's model.
-class MotionChecker {
+class MJCF_PDG_API MotionChecker {
  public:
   // Of the options, tolerance [m], clearance [m], rest [m, of the depths at q0] and the mocap poses
   // count. Equality constraints are not looked at. Throws Error if an option is out of range.
@@ -53,7 +58,7 @@ class MotionChecker {
   // differs from q0 in a frozen joint.
   const Motion& Check(std::span<const double> q0, std::span<const double> q1);
 
-  // Where the mocap bodies are from now on, as in Solver::SetMocap.
+  // Where the mocap bodies are from now on, as in Solver::SetMocap: shapes, units and errors, too.
   void SetMocap(const std::vector<double>& pos, const std::vector<double>& quat);
 
  private:
@@ -62,8 +67,8 @@ class MotionChecker {
 };
 
 // One motion, with a checker of its own. Throws Error as that does.
-Motion CheckMotion(const Scene& scene, std::span<const double> q0, std::span<const double> q1,
-                   const Options& options = {});
+MJCF_PDG_API Motion CheckMotion(const Scene& scene, std::span<const double> q0,
+                                std::span<const double> q1, const Options& options = {});
 
 }  // namespace mjcf_pdg
 

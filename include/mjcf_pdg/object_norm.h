@@ -9,7 +9,7 @@
 //   4. Another root link B: the pose change of B moves its whole tree as one rigid piece, and each
 //      joint between the tree's top body and B moves the other side.
 //   5. A second metric, the true mean squared displacement, is offered beside the paper's.
-// Shapes and units: q (nq), σ [m²].
+// Shapes and units: q (nq), σ [m²]. Mocap bodies stand as in the model.
 #ifndef MJCF_PDG_OBJECT_NORM_H_
 #define MJCF_PDG_OBJECT_NORM_H_
 
@@ -17,26 +17,29 @@
 #include <string>
 #include <vector>
 
+#include "mjcf_pdg/export.h"
 #include "mjcf_pdg/scene.h"
 #include "mjcf_pdg/types.h"
 
 namespace mjcf_pdg {
 
+// One term of the sum over joints, Eq. 19.
 struct NormPart {
   std::string name;    // joint name; "root" for the pose of the root link; body name (displacement)
   double sigma = 0.0;  // [m²]
 };
 
 // σ(q_in, ·). Not thread-safe: one per thread (it poses private MuJoCo data).
-class ObjectNorm {
+class MJCF_PDG_API ObjectNorm {
  public:
-  // These throw Error for a configuration that Scene::CheckConfiguration refuses.
+  // From q_in, which stays the reference. This and the others throw Error for a configuration that
+  // Scene::CheckConfiguration refuses.
   ObjectNorm(const Scene& scene, Metric metric, const std::vector<double>& q_in);
   ~ObjectNorm();
   ObjectNorm(ObjectNorm&&) noexcept;
   ObjectNorm& operator=(ObjectNorm&&) noexcept;
 
-  double Sigma(const std::vector<double>& q);
+  double Sigma(const std::vector<double>& q);                 // σ(q_in, q) [m²]
   std::vector<NormPart> Parts(const std::vector<double>& q);  // adds up to Sigma
 
  private:

@@ -14,8 +14,8 @@ if(NOT CGAL_FOUND)
           "or set MJCF_PDG_BUILD_TESTS=OFF and MJCF_PDG_BUILD_BENCH=OFF")
 endif()
 add_library(mjcf_pdg_mesh_support STATIC EXCLUDE_FROM_ALL ${mesh_sources})
-target_include_directories(mjcf_pdg_mesh_support PUBLIC . src)
-target_link_libraries(mjcf_pdg_mesh_support PUBLIC mjcf_pdg mjcf_pdg_flags Eigen3::Eigen PRIVATE CGAL::CGAL)
+target_include_directories(mjcf_pdg_mesh_support PUBLIC .)
+target_link_libraries(mjcf_pdg_mesh_support PUBLIC mjcf_pdg_internals PRIVATE CGAL::CGAL)
 set_target_properties(mjcf_pdg_mesh_support PROPERTIES CXX_EXTENSIONS OFF)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")  # GCC 12 guesses it inside CGAL
   set_source_files_properties(tests/support/mesh_oracle.cc PROPERTIES COMPILE_OPTIONS -Wno-use-after-free)
@@ -29,8 +29,7 @@ else()
   add_library(mjcf_pdg_test_support INTERFACE)
   set(scope INTERFACE)
 endif()
-target_include_directories(mjcf_pdg_test_support ${scope} . src)
-target_link_libraries(mjcf_pdg_test_support ${scope} mjcf_pdg_mesh_support mjcf_pdg mjcf_pdg_flags Eigen3::Eigen)
+target_link_libraries(mjcf_pdg_test_support ${scope} mjcf_pdg_mesh_support)
 target_compile_definitions(mjcf_pdg_test_support ${scope} MJCF_PDG_MODEL_DIR="${PROJECT_SOURCE_DIR}/models"
                            MJCF_PDG_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 
@@ -94,11 +93,15 @@ if(MJCF_PDG_BUILD_TESTS)
                    -D MJCF_PDG_BUILD_APP=OFF -D MJCF_PDG_BUILD_TESTS=OFF -D MJCF_PDG_BUILD_BENCH=OFF ${disabled})
 
   if(MJCF_PDG_INSTALL)
+    set(shared_library "")
+    if(library_type STREQUAL "SHARED_LIBRARY")
+      set(shared_library "${CMAKE_INSTALL_LIBDIR}/$<TARGET_FILE_NAME:mjcf_pdg>")
+    endif()
     add_test(NAME consumer_of_installed_package
              COMMAND "${CMAKE_COMMAND}" -D "build=${PROJECT_BINARY_DIR}" -D "config=$<CONFIG>"
                      -D "generator=${CMAKE_GENERATOR}" -D "compiler=${CMAKE_CXX_COMPILER}"
                      -D "flags=${CMAKE_CXX_FLAGS}" -D "mujoco_dir=${mujoco_DIR}"
-                     -D "program=$<TARGET_NAME_IF_EXISTS:mjcf-pdg>"
+                     -D "program=$<TARGET_NAME_IF_EXISTS:mjcf-pdg>" -D "library=${shared_library}"
                      -P "${PROJECT_SOURCE_DIR}/tests/consumer/run.cmake")
   endif()
 endif()
@@ -111,9 +114,8 @@ if(MJCF_PDG_BUILD_BENCH AND bench_programs)
   find_package(CLI11 2.1 REQUIRED)
   find_package(nlohmann_json 3.9 REQUIRED)
   add_library(mjcf_pdg_bench_support STATIC ${bench_sources})
-  target_include_directories(mjcf_pdg_bench_support PUBLIC . bench src)
-  target_link_libraries(mjcf_pdg_bench_support PUBLIC mjcf_pdg mjcf_pdg_mesh_support mjcf_pdg_flags Eigen3::Eigen CLI11::CLI11
-                        nlohmann_json::nlohmann_json)
+  target_include_directories(mjcf_pdg_bench_support PUBLIC bench)
+  target_link_libraries(mjcf_pdg_bench_support PUBLIC mjcf_pdg_mesh_support CLI11::CLI11 nlohmann_json::nlohmann_json)
   target_compile_definitions(mjcf_pdg_bench_support PUBLIC MJCF_PDG_MODEL_DIR="${PROJECT_SOURCE_DIR}/models")
   foreach(source IN LISTS bench_programs)
     get_filename_component(program "${source}" NAME_WE)
@@ -128,8 +130,8 @@ if(MJCF_PDG_BUILD_BENCH AND bench_programs)
   set(MJCF_PDG_BENCH_LIBRARIES "" CACHE PATH "Folder of bench/library/fetch.sh, for library_bench")
   set(coal "${MJCF_PDG_BENCH_LIBRARIES}/cmeel.prefix")
   set(daqp "${MJCF_PDG_BENCH_LIBRARIES}/daqp")
-  target_sources(library_bench PRIVATE bench/library/fcl_library.cc bench/library/coal_library.cc
-                 bench/library/quadratic_program.cc)
+  file(GLOB library_sources CONFIGURE_DEPENDS bench/library/*.cc)
+  target_sources(library_bench PRIVATE ${library_sources})
   target_link_libraries(library_bench PRIVATE fcl)
   if(EXISTS "${coal}/lib/libcoal.so")
     target_compile_definitions(library_bench PRIVATE MJCF_PDG_HAVE_COAL)

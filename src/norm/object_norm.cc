@@ -4,7 +4,7 @@
 
 namespace mjcf_pdg {
 
-struct ObjectNorm::Impl {
+struct MJCF_PDG_LOCAL ObjectNorm::Impl {
   Scene scene;
   NormEvaluator evaluator;
 

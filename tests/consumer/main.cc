@@ -2,7 +2,23 @@
 #include <cstdio>
 #include <vector>
 
+#include "follow.h"
 #include "mjcf_pdg/pdg.h"
+
+namespace {
+
+// An Error thrown inside the library arrives as one.
+bool CatchesErrors(mjcf_pdg::Solver& solver) {
+  try {
+    solver.IsFree(std::vector<double>(2, 0.0));
+  } catch (const mjcf_pdg::Error& error) {
+    std::printf("error, as it should be: %s\n", error.what());
+    return true;
+  }
+  return false;
+}
+
+}  // namespace
 
 int main() {
   const mjcf_pdg::Scene scene = mjcf_pdg::Scene::FromString(R"(
@@ -25,5 +41,8 @@ int main() {
   solver.SetBudget({.queries = 1, .seconds = 0.0});
   mjcf_pdg::Result again;
   solver.Solve(std::vector<double>(1, -0.01), again);
-  return solver.IsFree(again.q) ? 0 : 1;
+  if (!solver.IsFree(again.q)) return 1;
+
+  if (!FollowsCommandsWithoutTouching(scene.model())) return 1;
+  return CatchesErrors(solver) ? 0 : 1;
 }

@@ -1,4 +1,5 @@
 # Installs the build, moves the installed folder, then builds and runs the consumer against it (and the program in it).
+# Of a shared library, looks at what it exports.
 set(work "${build}/consumer")
 file(REMOVE_RECURSE "${work}")
 file(MAKE_DIRECTORY "${work}")
@@ -15,6 +16,13 @@ run("${CMAKE_COMMAND}" -S "${CMAKE_CURRENT_LIST_DIR}" -B "${work}/build" -G "${g
     "-DCMAKE_BUILD_TYPE=${config}" "-DCMAKE_RUNTIME_OUTPUT_DIRECTORY=${work}/bin$<0:>")
 run("${CMAKE_COMMAND}" --build "${work}/build" --config "${config}")
 run("${work}/bin/consumer")
+set(models "${CMAKE_CURRENT_LIST_DIR}/../../models")
+run("${work}/bin/allocations" 40 "${models}/puma/puma_car.xml" "${models}/hand/hand_bottle.xml"
+    "${models}/figure/figure_bench.xml")
+if(library)
+  run("${CMAKE_COMMAND}" -D "library=${work}/moved/${library}" -D "headers=${work}/moved/include/mjcf_pdg"
+      -P "${CMAKE_CURRENT_LIST_DIR}/exports.cmake")
+endif()
 if(program)
   run("${work}/moved/bin/${program}" --version)
 endif()
