@@ -1,4 +1,4 @@
-#include "quadratic_program.h"
+#include "library/quadratic_program.h"
 
 #ifdef MJCF_PDG_HAVE_DAQP
 #include <daqp/api.h>
