@@ -423,4 +423,11 @@ const LocalResult& LocalOptimization::Run(const VectorXd& q, const LocalOptions&
   return d.result;
 }
 
+bool Retreat(LocalOptimization& local, const Candidate& candidate, Outcome& outcome, VectorXd& q) {
+  const LocalResult& retreated = local.Run(candidate.q, LocalOptions::Retreating());
+  outcome.iterations += retreated.iterations;
+  q = retreated.q;
+  return retreated.free;
+}
+
 }  // namespace mjcf_pdg

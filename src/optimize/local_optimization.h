@@ -21,6 +21,7 @@
 #include "optimize/feature_memory.h"
 #include "optimize/lcp.h"
 #include "optimize/witness_memory.h"
+#include "problem/strategy.h"
 #include "problem/workspace.h"
 
 namespace mjcf_pdg {
@@ -154,6 +155,9 @@ class LocalOptimization {
   MatrixXd J_, H_, G_;
   BlockCholesky whitening_;
 };
+
+// Strategy::Retreat by a local optimization, whose iterations `outcome` counts.
+bool Retreat(LocalOptimization& local, const Candidate& candidate, Outcome& outcome, VectorXd& q);
 
 }  // namespace mjcf_pdg
 

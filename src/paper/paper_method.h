@@ -41,7 +41,9 @@ class PaperMethod : public Strategy {
   Outcome& Run(const StrategyInput& input) override;
   // The paper's answers are final.
   bool Polish(Candidate&) override { return false; }
-  bool Retreat(const Candidate& candidate, VectorXd& q) override;
+  bool Retreat(const Candidate& candidate, VectorXd& q) override {
+    return mjcf_pdg::Retreat(local_, candidate, outcome_, q);
+  }
   std::int64_t lcp_steps() const override { return sweeps_ + local_.lcp_steps(); }
   std::int64_t other_queries() const override { return 0; }
   // Frames that overlap count too, if they are free of self-collision at least.

@@ -62,11 +62,4 @@ bool Trials::Polish(Candidate& candidate) {
   return nearer;
 }
 
-bool Trials::Retreat(const Candidate& candidate, VectorXd& q) {
-  const LocalResult& retreated = local_.Run(candidate.q, LocalOptions::Retreating());
-  outcome_.iterations += retreated.iterations;
-  q = retreated.q;
-  return retreated.free;
-}
-
 }  // namespace mjcf_pdg

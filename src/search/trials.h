@@ -24,7 +24,9 @@ class Trials {
   bool Try(const VectorXd& q, Component start, const LocalOptions& options);
   // The same to full precision, for a candidate: true if it became nearer.
   bool Polish(Candidate& candidate);
-  bool Retreat(const Candidate& candidate, VectorXd& q);
+  bool Retreat(const Candidate& candidate, VectorXd& q) {
+    return mjcf_pdg::Retreat(local_, candidate, outcome_, q);
+  }
 
   bool HasFree() const { return !outcome_.free.empty(); }
   const VectorXd& Best() const { return outcome_.free.front().q; }  // HasFree

@@ -2,11 +2,17 @@
 #include "mjcf_pdg/motion.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "ccd/ccdg.h"
 #include "ccd/limit_reach.h"
 #include "solve/options.h"
+#include "solve/rest.h"
+#include "verify/verifier.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -32,7 +38,7 @@ MotionOutcome ToPublic(CcdOutcome outcome) {
 
 }  // namespace
 
-struct MotionChecker::Impl {
+struct MJCF_PDG_LOCAL MotionChecker::Impl {
   Impl(const Scene& s, const Options& o)
       : scene(s),
         options(o),
@@ -49,8 +55,13 @@ struct MotionChecker::Impl {
       required[static_cast<Eigen::Index>(k)] = clearance - pairs[k].allowed;
     }
     motion.pairs.reserve(pairs.size());
+    if (options.rest > 0.0) {
+      verifier = std::make_unique<Verifier>(scene.verifier_model(), options);
+    }
+    SetMocap(options.mocap_pos, options.mocap_quat);
   }
 
+  void SetMocap(const std::vector<double>& pos, const std::vector<double>& quat);
   void SetEnds(std::span<const double> from, std::span<const double> to);
   void RefuseFrozenMotion() const;
   void LetRest();
@@ -62,10 +73,19 @@ struct MotionChecker::Impl {
   ContactFinder finder;
   Ccdg ccd;
   CcdOptions ccd_options;
-  VectorXd required, required_now;  // per kept pair: smallest distance that counts as free [m]
+  std::unique_ptr<Verifier> verifier;  // of what rests; null: nothing may
+  VectorXd required, required_now;     // per kept pair: smallest distance that counts as free [m]
+  VectorXd at_rest;                    // per kept pair, see DistancesAtRest
+  int rest_poses = 0;                  // that finding them took
   VectorXd q0, q1, normalized, dq;
   Motion motion;
 };
+
+void MotionChecker::Impl::SetMocap(const std::vector<double>& pos,
+                                   const std::vector<double>& quat) {
+  finder.SetMocap({pos, quat});
+  if (verifier) verifier->SetMocap(pos, quat);
+}
 
 void MotionChecker::Impl::SetEnds(std::span<const double> from, std::span<const double> to) {
   scene.CheckUnchanged();
@@ -93,15 +113,17 @@ void MotionChecker::Impl::RefuseFrozenMotion() const {
   }
 }
 
-// Pairs that overlap at q0 by no more than options.rest may keep their depth.
+// Pairs that overlap at q0 by no more than options.rest may keep their depth, as the verifier
+// measures it: its question is asked for that alone.
 void MotionChecker::Impl::LetRest() {
   required_now = required;
-  if (options.rest <= 0.0) return;
-  finder.Pose(normalized);
-  for (const NearPair& near : finder.Find(0.0)) {
-    double& least = required_now[near.pair];
-    if (near.distance >= -options.rest) least = std::min(least, near.distance);
-  }
+  if (!verifier) return;
+  const std::span<const double> q(normalized.data(), static_cast<std::size_t>(normalized.size()));
+  const std::int64_t poses_before = verifier->queries();
+  verifier->IsFree(q, q);
+  rest_poses = static_cast<int>(verifier->queries() - poses_before);
+  DistancesAtRest(*verifier, scene.tables(), at_rest);
+  required_now = required_now.cwiseMin(at_rest);
 }
 
 void MotionChecker::Impl::Fill(const CcdResult& result) {
@@ -110,7 +132,7 @@ void MotionChecker::Impl::Fill(const CcdResult& result) {
   motion.q.assign(result.q.data(), result.q.data() + result.q.size());
   motion.certified = result.certified;
   motion.joint = result.joint < 0 ? -1 : scene.tables().joints[result.joint].id;
-  motion.poses = result.poses + (options.rest > 0.0 ? 1 : 0);
+  motion.poses = result.poses + rest_poses;
   motion.distance_queries = result.distance_queries;
   motion.pairs.clear();
   for (const int pair : result.pairs) {
@@ -132,7 +154,6 @@ void MotionChecker::Impl::FillOutside(int joint) {
 MotionChecker::MotionChecker(const Scene& scene, const Options& options) {
   CheckOptions(options, *scene.model());
   impl_ = std::make_unique<Impl>(scene, options);
-  impl_->finder.SetMocap({options.mocap_pos, options.mocap_quat});
 }
 
 MotionChecker::~MotionChecker() = default;
@@ -141,7 +162,7 @@ MotionChecker& MotionChecker::operator=(MotionChecker&&) noexcept = default;
 
 void MotionChecker::SetMocap(const std::vector<double>& pos, const std::vector<double>& quat) {
   CheckMocap(pos, quat, *impl_->scene.model());
-  impl_->finder.SetMocap({pos, quat});
+  impl_->SetMocap(pos, quat);
 }
 
 const Motion& MotionChecker::Check(std::span<const double> q0, std::span<const double> q1) {

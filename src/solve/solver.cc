@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -19,6 +18,7 @@
 #include "solve/acceptance.h"
 #include "solve/options.h"
 #include "solve/report.h"
+#include "solve/rest.h"
 #include "verify/verifier.h"
 
 namespace mjcf_pdg {
@@ -42,11 +42,10 @@ struct RestoreHint {
 
 }  // namespace
 
-struct Solver::Impl {
+struct MJCF_PDG_LOCAL Solver::Impl {
   Impl(const Scene& s, const Options& o);
 
   Status Solve(std::span<const double> q, Result& result);
-  const VectorXd* ContactsAtRest();
   bool Search(Result& result);
   void Remember(const Result& result);
   void SetMocap(std::span<const double> pos, std::span<const double> quat);
@@ -69,7 +68,7 @@ struct Solver::Impl {
 
   // The present solve.
   std::vector<double> q_in;    // as the user gave it
-  VectorXd at_rest;            // per kept pair, see Workspace::Begin
+  VectorXd at_rest;            // per kept pair, see DistancesAtRest
   VectorXd q_hint;             // the hint with what is frozen as in q_in
   Outcome* outcome = nullptr;  // null: nothing was searched
   bool frozen = false;         // pairs overlap that no movable joint can part
@@ -94,7 +93,8 @@ Status Solver::Impl::Solve(std::span<const double> q, Result& result) {
   work.budget.Begin(budget, begin, work.finder.queries());
   Reporter::Clear(result);
   if (!reporter.Input(q_in, result)) {
-    work.Begin(AsEigen(q_in), mocap, ContactsAtRest());
+    if (options.rest > 0.0) DistancesAtRest(verifier, scene.tables(), at_rest);
+    work.Begin(AsEigen(q_in), mocap, options.rest > 0.0 ? &at_rest : nullptr);
     if (Search(result)) {
       reporter.Solved(q_in, acceptance.q(), acceptance.start(), result);
     } else {
@@ -109,19 +109,6 @@ Status Solver::Impl::Solve(std::span<const double> q, Result& result) {
 }
 
 // q_in penetrates: bound, search, accept. True if acceptance has a free configuration.
-const VectorXd* Solver::Impl::ContactsAtRest() {
-  if (options.rest == 0.0) return nullptr;
-  const std::vector<KeptPair>& pairs = scene.tables().pairs;
-  at_rest.resize(static_cast<Eigen::Index>(pairs.size()));
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const double depth = verifier.DepthAtRest(pairs[k].geom1, pairs[k].geom2);
-    // Of the others whatever is required stays so.
-    at_rest[static_cast<Eigen::Index>(k)] =
-        depth < 0.0 ? depth : std::numeric_limits<double>::infinity();
-  }
-  return &at_rest;
-}
-
 bool Solver::Impl::Search(Result& result) {
   outcome = nullptr;
   const std::int64_t distances_before = work.finder.distances();
