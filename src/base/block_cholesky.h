@@ -15,6 +15,12 @@ struct ColumnRange {
 // H = L Lᵀ; only the blocks of H on the diagonal are read.
 class BlockCholesky {
  public:
+  // Room for n × n.
+  void Reserve(int n) {
+    L_.resize(n, n);
+    inverse_.resize(n);
+  }
+
   void Factor(const Eigen::MatrixXd& H, const std::vector<ColumnRange>& blocks) {
     blocks_ = &blocks;
     L_ = H;

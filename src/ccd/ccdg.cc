@@ -36,6 +36,9 @@ double ExpectedMeeting(const Reach& reach, double slack) {
   return far > kWorthAsking * reach.length ? far : reach.length;
 }
 
+// That there is room for from the start. Halving [0, 1] leaves nothing after that many.
+constexpr int kIntervals = 64;
+
 double SmallerRadius(const mjModel& m, const KeptPair& kept) {
   const double r1 = m.geom_rbound[kept.geom1], r2 = m.geom_rbound[kept.geom2];
   return r1 > 0.0 && r2 > 0.0 ? std::min(r1, r2) : std::max(r1, r2);
@@ -51,6 +54,9 @@ Ccdg::Ccdg(const SceneTables& tables, ContactFinder& finder)
       bodies_(tables.body_pairs.size()) {
   asked_.reserve(tables.body_pairs.size());
   result_.pairs.reserve(tables.pairs.size());
+  result_.q.resize(tables.model->nq);
+  intervals_.reserve(kIntervals);
+  ahead_.reserve(tables.pairs.size() + kIntervals);
 }
 
 const CcdResult& Ccdg::Move(const CcdMotion& motion, const CcdOptions& options) {

@@ -50,6 +50,7 @@ MotionBound::MotionBound(const SceneTables& tables) : tables_(tables) {
     chain_.push_back(range);
   }
   active_.resize(chain_.size());
+  path_.resize(tables.n);
   std::size_t longest = 0;
   for (const Range& range : chain_) {
     longest = std::max(longest, static_cast<std::size_t>(range.end - range.begin));

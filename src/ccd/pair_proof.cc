@@ -23,7 +23,14 @@ bool Curved(int type) { return type == mjGEOM_ELLIPSOID || type == mjGEOM_CYLIND
 }  // namespace
 
 PairProof::PairProof(const SceneTables& tables, ContactFinder& finder)
-    : tables_(tables), finder_(finder), motion_(tables), separation_(tables) {}
+    : tables_(tables),
+      finder_(finder),
+      motion_(tables),
+      separation_(tables),
+      q0_(tables.model->nq),
+      dq_(tables.n),
+      step_(tables.n),
+      q_(tables.model->nq) {}
 
 void PairProof::SetMotion(const CcdMotion& motion, double tolerance) {
   q0_ = motion.q0;

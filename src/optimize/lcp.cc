@@ -14,6 +14,11 @@ constexpr double kDependent = 1e-9;
 
 }  // namespace
 
+void GaussSeidelLcp::Reserve(int n, int m) {
+  x_.resize(n);
+  GrowTo(m, diagonal_);
+}
+
 LcpOutcome GaussSeidelLcp::Solve(const ConstMatrixRef& G, const ConstVectorRef& b,
                                  const ConstVectorRef& mu, const LcpOptions& options,
                                  VectorRef lambda) {

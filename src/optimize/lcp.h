@@ -42,6 +42,9 @@ using VectorRef = Eigen::Ref<Eigen::VectorXd>;
 // Projected Gauss-Seidel from the given λ (warm start); zero columns keep λ = 0.
 class GaussSeidelLcp {
  public:
+  // Room for problems up to n × m.
+  void Reserve(int n, int m);
+
   LcpOutcome Solve(const ConstMatrixRef& G, const ConstVectorRef& b, const ConstVectorRef& mu,
                    const LcpOptions& options, VectorRef lambda);
 

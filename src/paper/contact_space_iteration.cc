@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cassert>
 
+#include "base/grow.h"
+
 namespace mjcf_pdg {
 namespace {
 
 constexpr double kTouchingBand = 10.0;  // in units of the CCD's gap
+constexpr int kContacts = 128;          // that there is room for from the start
 constexpr double kNoBound = 1e12;       // μ of rows that nothing may violate
 
 }  // namespace
@@ -17,10 +20,26 @@ ContactSpaceIteration::ContactSpaceIteration(Workspace& work)
       ccd_(work.problem().tables, work.finder),
       projection_(work.problem().tables, ccd_) {
   projection_options_.ccd.tolerance = work.problem().tolerances.accept;
+  const SceneTables& tables = problem_.tables;
+  const int n = tables.n, nq = static_cast<int>(tables.model->nq), k = work.norm.rows();
+  const int contacts = std::min(kContacts, static_cast<int>(tables.pairs.size()));
+  const int rows = contacts + 2 * static_cast<int>(tables.joints.size());
+  rows_.Reserve(rows, n);
+  GrowTo(n, rows, G_);
+  for (VectorXd* per_row : {&b_, &mu_, &lambda_}) GrowTo(rows, *per_row);
+  lcp_.Reserve(n, rows);
+  whitening_.Reserve(n);
+  J_.resize(k, n);
+  H_.resize(n, n);
+  r_.resize(k);
+  for (VectorXd* per_dof : {&y_, &dq_, &z_}) per_dof->resize(n);
+  for (VectorXd* q : {&q_, &result_.q, &next_.q}) q->resize(nq);
+  next_.pairs.reserve(tables.pairs.size());
+  result_.sigmas.reserve(1 + IterationOptions{}.max_iterations);
 }
 
-VectorXd ContactSpaceIteration::Optimize(const VectorXd& q_c, const IterationOptions& options,
-                                         int& sweeps) {
+void ContactSpaceIteration::Optimize(const VectorXd& q_c, const IterationOptions& options,
+                                     VectorXd& q) {
   const SceneTables& tables = problem_.tables;
   rows_.Clear(tables.n);
   dq_.setZero(tables.n);
@@ -30,7 +49,7 @@ VectorXd ContactSpaceIteration::Optimize(const VectorXd& q_c, const IterationOpt
   work_.norm.Linearize(q_c, r_, J_);
   work_.norm.InnerProduct(J_, H_);
   whitening_.Factor(H_, work_.norm.blocks());
-  return Minimize(q_c, options, sweeps);
+  Minimize(q_c, options, q);
 }
 
 // The contacts at q_c ⊕ dq_, linearized there: c·(dq - dq_) + gap >= 0.
@@ -48,33 +67,38 @@ void ContactSpaceIteration::AppendContactRows(const VectorXd& q) {
 }
 
 // In whitened coordinates r = H^½ X: C' = C (dq/dX), and X* = H⁻¹ C'ᵀ λ* reads r* = G λ*.
-VectorXd ContactSpaceIteration::Minimize(const VectorXd& q_c, const IterationOptions& options,
-                                         int& sweeps) {
-  VectorXd y = J_.transpose() * r_;
-  whitening_.SolveLower(y);
-  G_ = rows_.C.topRows(rows_.m).transpose();
-  whitening_.SolveLower(G_);
-  b_ = G_.transpose() * y - rows_.gap.head(rows_.m);
-  mu_.setConstant(rows_.m, kNoBound);
-  lambda_.setZero(rows_.m);
+void ContactSpaceIteration::Minimize(const VectorXd& q_c, const IterationOptions& options,
+                                     VectorXd& q) {
+  const int n = problem_.tables.n, m = rows_.m;
+  GrowTo(n, m, G_);
+  for (VectorXd* per_row : {&b_, &mu_, &lambda_}) GrowTo(m, *per_row);
+  auto G = G_.leftCols(m);
+  auto b = b_.head(m), mu = mu_.head(m), lambda = lambda_.head(m);
+  y_.noalias() = J_.transpose() * r_;
+  whitening_.SolveLower(y_);
+  G = rows_.C.topRows(m).transpose();
+  whitening_.SolveLower(G);
+  b.noalias() = G.transpose() * y_;
+  b -= rows_.gap.head(m);
+  mu.setConstant(kNoBound);
+  lambda.setZero();
   LcpOptions lcp;
   lcp.max_steps = options.max_sweeps;
-  sweeps += lcp_.Solve(G_, b_, mu_, lcp, lambda_).steps;
-  dq_ = G_ * lambda_ - y;
+  result_.sweeps += lcp_.Solve(G, b, mu, lcp, lambda).steps;
+  z_.noalias() = G * lambda;
+  dq_ = z_ - y_;
   whitening_.SolveUpper(dq_);
-  VectorXd q;
   work_.norm.Retract(q_c, dq_, q);
   ClampToLimits(problem_.tables, q);
-  return q;
 }
 
 // The minimizer, where it collides, tells which contacts were missing or curve too much: they join
 // the others, and the minimum is sought again, until it is free.
 bool ContactSpaceIteration::Correct(const VectorXd& q_c, const IterationOptions& options,
-                                    VectorXd& q, int& sweeps) {
+                                    VectorXd& q) {
   for (int k = 0; k < options.corrections; ++k) {
     AppendContactRows(q);
-    q = Minimize(q_c, options, sweeps);
+    Minimize(q_c, options, q);
     if (!q.allFinite()) return false;
     if (work_.Free(q)) return true;
   }
@@ -87,50 +111,53 @@ const ProjectionResult& ContactSpaceIteration::Reproject(const VectorXd& q_c, co
              : projection_.Project(q_c, q, projection_options_, &problem_.required);
 }
 
-IterationStatus ContactSpaceIteration::Step(const IterationOptions& options,
-                                            IterationResult& result) {
-  ++result.iterations;
-  VectorXd q = Optimize(result.q, options, result.sweeps);
-  ProjectionResult next = Reproject(result.q, q);
-  double sigma = work_.norm.Sigma(next.q);
-  if (!work_.Free(q) && Correct(result.q, options, q, result.sweeps)) {
-    const ProjectionResult& corrected = Reproject(result.q, q);
+IterationStatus ContactSpaceIteration::Step(const IterationOptions& options) {
+  ++result_.iterations;
+  Optimize(result_.q, options, q_);
+  next_ = Reproject(result_.q, q_);
+  double sigma = work_.norm.Sigma(next_.q);
+  if (!work_.Free(q_) && Correct(result_.q, options, q_)) {
+    const ProjectionResult& corrected = Reproject(result_.q, q_);
     const double corrected_sigma = work_.norm.Sigma(corrected.q);
     if (corrected.start_free && corrected_sigma < sigma) {
-      next = corrected;
+      next_ = corrected;
       sigma = corrected_sigma;
     }
   }
-  if (!next.start_free) return IterationStatus::kRefusedByCcd;
-  if (!(sigma <= (1.0 + options.convergence) * result.sigma)) return IterationStatus::kWouldRise;
-  const bool settled = sigma >= (1.0 - options.convergence) * result.sigma;
-  if (sigma < result.sigma) {
-    result.q = next.q;
-    result.sigma = sigma;
-    result.certified = result.certified && next.certified;
-    result.sigmas.push_back(sigma);
+  if (!next_.start_free) return IterationStatus::kRefusedByCcd;
+  if (!(sigma <= (1.0 + options.convergence) * result_.sigma)) return IterationStatus::kWouldRise;
+  const bool settled = sigma >= (1.0 - options.convergence) * result_.sigma;
+  if (sigma < result_.sigma) {
+    result_.q = next_.q;
+    result_.sigma = sigma;
+    result_.certified = result_.certified && next_.certified;
+    result_.sigmas.push_back(sigma);
   }
   return settled ? IterationStatus::kConverged : IterationStatus::kIterationLimit;
 }
 
-IterationResult ContactSpaceIteration::Run(const VectorXd& q_f, const IterationOptions& options) {
-  IterationResult result;
+const IterationResult& ContactSpaceIteration::Run(const VectorXd& q_f,
+                                                  const IterationOptions& options) {
   projection_options_.reverse_samples = options.reverse_samples;
   const ProjectionResult& first =
       projection_.Project(q_f, problem_.q_in, projection_options_, &problem_.required);
-  result.q = first.q;
-  result.start_free = first.start_free;
-  result.certified = first.certified;
-  if (!result.start_free) return result;
-  result.sigma = work_.norm.Sigma(result.q);
-  result.sigmas.push_back(result.sigma);
-  result.status = IterationStatus::kIterationLimit;
-  while (result.status == IterationStatus::kIterationLimit &&
-         result.iterations < options.max_iterations) {
-    result.status = work_.Spent() ? IterationStatus::kTimeLimit : Step(options, result);
+  result_.q = first.q;
+  result_.start_free = first.start_free;
+  result_.certified = first.certified;
+  result_.sigma = std::numeric_limits<double>::infinity();
+  result_.sigmas.clear();
+  result_.iterations = result_.sweeps = 0;
+  result_.status = IterationStatus::kStartNotFree;
+  if (!result_.start_free) return result_;
+  result_.sigma = work_.norm.Sigma(result_.q);
+  result_.sigmas.push_back(result_.sigma);
+  result_.status = IterationStatus::kIterationLimit;
+  while (result_.status == IterationStatus::kIterationLimit &&
+         result_.iterations < options.max_iterations) {
+    result_.status = work_.Spent() ? IterationStatus::kTimeLimit : Step(options);
   }
-  assert(std::is_sorted(result.sigmas.rbegin(), result.sigmas.rend()));
-  return result;
+  assert(std::is_sorted(result_.sigmas.rbegin(), result_.sigmas.rend()));
+  return result_;
 }
 
 }  // namespace mjcf_pdg

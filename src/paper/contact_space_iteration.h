@@ -53,23 +53,25 @@ struct IterationResult {
   IterationStatus status = IterationStatus::kStartNotFree;
 };
 
+// Keeps its memory between runs: no run but one with very many contacts takes more.
 class ContactSpaceIteration {
  public:
   explicit ContactSpaceIteration(Workspace& work);
 
-  IterationResult Run(const VectorXd& q_f, const IterationOptions& options = {});
+  // The result is valid until the next run.
+  const IterationResult& Run(const VectorXd& q_f, const IterationOptions& options = {});
 
  private:
-  // The minimizer on the linearized contact space around q_c (Eq. 24-30), limits kept.
-  VectorXd Optimize(const VectorXd& q_c, const IterationOptions& options, int& sweeps);
+  // q: the minimizer on the linearized contact space around q_c (Eq. 24-30), limits kept.
+  void Optimize(const VectorXd& q_c, const IterationOptions& options, VectorXd& q);
   void AppendContactRows(const VectorXd& q);
-  VectorXd Minimize(const VectorXd& q_c, const IterationOptions& options, int& sweeps);
-  bool Correct(const VectorXd& q_c, const IterationOptions& options, VectorXd& q, int& sweeps);
+  void Minimize(const VectorXd& q_c, const IterationOptions& options, VectorXd& q);
+  bool Correct(const VectorXd& q_c, const IterationOptions& options, VectorXd& q);
   // From a free q towards q_in, from a colliding q from q_c towards q (Sec. 5.4).
   const ProjectionResult& Reproject(const VectorXd& q_c, const VectorXd& q);
-  // Optimizes from result.q and re-projects; if that lowers σ it becomes the new result.q.
+  // Optimizes from result_.q and re-projects; if that lowers σ it becomes the new result_.q.
   // kIterationLimit: it did, and may again.
-  IterationStatus Step(const IterationOptions& options, IterationResult& result);
+  IterationStatus Step(const IterationOptions& options);
 
   const Problem& problem_;
   Workspace& work_;
@@ -79,7 +81,12 @@ class ContactSpaceIteration {
   ContactRows rows_;
   BlockCholesky whitening_;
   GaussSeidelLcp lcp_;
-  VectorXd r_, dq_, b_, mu_, lambda_;
+  IterationResult result_;
+  ProjectionResult next_;
+
+  // Scratch; entries per row, or columns of G_, that are beyond the rows in use mean nothing.
+  VectorXd q_, r_, y_, dq_, z_;
+  VectorXd b_, mu_, lambda_;  // per row
   MatrixXd J_, H_, G_;
 };
 

@@ -5,7 +5,15 @@
 namespace mjcf_pdg {
 
 ContactSpaceProjection::ContactSpaceProjection(const SceneTables& tables, Ccdg& ccd)
-    : tables_(tables), ccd_(ccd), moves_(tables.joints.size()), removed_(tables.model->nbody) {
+    : tables_(tables),
+      ccd_(ccd),
+      moves_(tables.joints.size()),
+      removed_(tables.model->nbody),
+      dq_(tables.n),
+      step_(tables.n),
+      sample_(tables.model->nq) {
+  result_.q.resize(tables.model->nq);
+  result_.pairs.reserve(tables.pairs.size());
   const mjModel& m = *tables.model;
   std::vector<int> depth(m.nbody, 0);
   for (int body = 1; body < m.nbody; ++body) depth[body] = depth[m.body_parentid[body]] + 1;

@@ -28,12 +28,12 @@ PaperResult PaperMethod::Run(const VectorXd* hint) {
   IterationOptions how = kIteration;
   if (!problem_.Uses(Component::kCorrections)) how.corrections = 0;
   if (!problem_.Uses(Component::kReverseProjection)) how.reverse_samples = 0;
-  IterationResult iterated = iteration_.Run(q_f->q, how);
+  const IterationResult& iterated = iteration_.Run(q_f->q, how);
   sweeps_ += iterated.sweeps;
   result.free = iterated.start_free;
-  result.q = std::move(iterated.q);
+  result.q = iterated.q;
   result.sigma = iterated.sigma;
-  result.sigmas = std::move(iterated.sigmas);
+  result.sigmas = iterated.sigmas;
   result.iterations = iterated.iterations;
   result.status = iterated.status;
   result.certified = iterated.certified;

@@ -4,6 +4,10 @@
 
 namespace mjcf_pdg {
 
+void Candidates::Reserve(int nq) {
+  for (Candidate& slot : slots_) slot.q.resize(nq);
+}
+
 void Candidates::Insert(const VectorXd& q, double sigma, Component start) {
   Candidate& added = slots_[count_];
   added.q = q;
@@ -15,6 +19,11 @@ void Candidates::Insert(const VectorXd& q, double sigma, Component start) {
                        [](const Candidate& a, const Candidate& b) { return a.sigma < b.sigma; });
   std::rotate(place, end, end + 1);
   count_ = std::min(count_ + 1, kSlots);
+}
+
+void Outcome::Reserve(int nq) {
+  free.Reserve(nq);
+  least_overlap.q.resize(nq);
 }
 
 void Outcome::Clear() {

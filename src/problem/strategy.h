@@ -34,6 +34,7 @@ class Candidates {
  public:
   static constexpr std::size_t kSlots = 16;
 
+  void Reserve(int nq);
   void Clear() { count_ = 0; }
   bool empty() const { return count_ == 0; }
   std::size_t size() const { return count_; }
@@ -57,6 +58,7 @@ struct Outcome {
   int starts = 0;
   int iterations = 0;
 
+  void Reserve(int nq);  // room for all of it
   void Clear();
 };
 

@@ -32,6 +32,7 @@ Workspace::Workspace(const SceneTables& tables, const Options& options)
                .without = ComponentsNamed(options.without, options.method)} {
   problem_.required.setZero(static_cast<Eigen::Index>(tables.pairs.size()));
   overlaps_.reserve(tables.pairs.size());
+  norm.SetReference(Eigen::Map<const VectorXd>(tables.model->qpos0, tables.model->nq));
 }
 
 void Workspace::Begin(const Eigen::Ref<const VectorXd>& q_in, const MocapPoses& mocap,

@@ -15,7 +15,8 @@ namespace mjcf_pdg {
 // One per thread. Neither copyable nor movable: stages keep references into it.
 class Workspace {
  public:
-  // Both are kept by reference. Throws Error for unknown names in options.without.
+  // Both are kept by reference. The norm refers to qpos0 until Begin: stages make their scratch by
+  // it. Throws Error for unknown names in options.without.
   Workspace(const SceneTables& tables, const Options& options);
   Workspace(const Workspace&) = delete;
   Workspace& operator=(const Workspace&) = delete;

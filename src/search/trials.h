@@ -16,7 +16,9 @@ namespace mjcf_pdg {
 class Trials {
  public:
   explicit Trials(Workspace& work)
-      : problem_(work.problem()), work_(work), rule_(work), local_(work) {}
+      : problem_(work.problem()), work_(work), rule_(work), local_(work) {
+    outcome_.Reserve(static_cast<int>(problem_.tables.model->nq));
+  }
 
   void Begin(const EffortPlan& plan, const StrategyInput& input, double depth, bool meshes_overlap);
 

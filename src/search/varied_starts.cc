@@ -80,7 +80,7 @@ void VariedStarts::TryOnRay(const VectorXd& q, Component start) {
 // not.
 void VariedStarts::TryFreePose(const VectorXd& q_f, Component start) {
   if (work_.Spent() && trials_.outcome().starts > 0) return;
-  const IterationResult result = iteration_.Run(q_f);
+  const IterationResult& result = iteration_.Run(q_f);
   trials_.outcome().iterations += result.iterations;
   trials_.Try(result.q, start, LocalOptions{});
 }
@@ -97,7 +97,7 @@ void VariedStarts::TryAnywhere() {
     starts_.Uniform(center_, random_, start_);
     trials_.Try(start_, Component::kAnywhere, LocalOptions{});
   }
-  if (trials_.HasFree()) TryFreePose(VectorXd(trials_.Best()), Component::kAnywhere);
+  if (trials_.HasFree()) TryFreePose(trials_.Best(), Component::kAnywhere);
 }
 
 }  // namespace mjcf_pdg

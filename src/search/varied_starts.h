@@ -26,7 +26,9 @@ class VariedStarts {
         trials_(trials),
         starts_(work),
         iteration_(work),
-        random_(0) {}
+        random_(0),
+        start_(problem_.tables.model->nq),
+        far_(problem_.tables.model->nq) {}
 
   // A search about `center` begins; `on_rays`: triangle meshes overlap.
   void Begin(const EffortPlan& plan, const VectorXd& center, bool on_rays);

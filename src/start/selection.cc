@@ -108,6 +108,8 @@ StartSelection::StartSelection(Workspace& work) : problem_(work.problem()), work
   open_.reserve(translations_.size());
   trial_ = q;
   for (VectorXd* per_dof : {&dq_, &hopped_, &scaled_, &steps_}) per_dof->resize(tables.n);
+  r_.resize(work.norm.rows());
+  J_.resize(work.norm.rows(), tables.n);
   between_.reserve(tables.n);
   free_.reserve(slides);
   touching_.reserve(tables.pairs.size());

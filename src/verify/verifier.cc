@@ -64,6 +64,9 @@ Verifier::Verifier(std::shared_ptr<const VerifierModel> model, const Options& op
   plane_.assign(pairs, Vector3d::Zero());
   contact_.assign(pairs, -1);
   order_.reserve(pairs);
+  findings_.pairs.reserve(pairs);
+  findings_.limits.reserve(model_.njnt);
+  verdict_.contacts.reserve(pairs);
   rest_q_in_.reserve(model_.nq);
   verdict_.certified = !shared_->has_contact_only_pairs;
   UpdateRest({});

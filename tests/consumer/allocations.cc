@@ -97,13 +97,13 @@ class Counted {
     ++ticks_;
   }
 
-  // True if nothing was taken.
+  // True if there were ticks and nothing was taken.
   bool Print(const char* what) const {
     std::printf("  %-16s %5d ticks: Solve %lld, IsFree %lld allocations (%d unsolved, %.2f ms)\n",
                 what, ticks_, static_cast<long long>(solve_), static_cast<long long>(is_free_),
                 unsolved_, 1e3 * seconds_ / std::max(ticks_, 1));
     std::fflush(stdout);
-    return solve_ + is_free_ == 0;
+    return ticks_ > 0 && solve_ + is_free_ == 0;
   }
 
  private:

@@ -99,6 +99,19 @@ TEST_F(MotionTest, ClearanceRestAndToleranceAreThoseOfTheOptions) {
             MotionOutcome::kStartInCollision);
 }
 
+// The verifier's measure, rounding included, decides for both.
+TEST_F(MotionTest, WhatRestsForTheSolverRestsForAMotion) {
+  const Scene scene = Scene::FromString(kBalls);
+  Options options;
+  options.rest = 0.05;
+  const Numbers just = {0.8 + options.rest * (1.0 + 5e-7), 0}, too_deep = {0.8501, 0};
+  EXPECT_EQ(Solver(scene, options).Solve(just).status, Status::kAlreadyFree);
+  EXPECT_EQ(CheckMotion(scene, just, Numbers{0, 0}, options).outcome, MotionOutcome::kFree);
+  EXPECT_EQ(Solver(scene, options).Solve(too_deep).status, Status::kSolved);
+  EXPECT_EQ(CheckMotion(scene, too_deep, Numbers{0, 0}, options).outcome,
+            MotionOutcome::kStartInCollision);
+}
+
 TEST_F(MotionTest, MocapObstaclesStandWhereTheyArePut) {
   const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
       <body name="obstacle" mocap="true" pos="0 0 5"><geom size=".1"/></body>
