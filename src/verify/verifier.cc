@@ -27,9 +27,9 @@ constexpr double kRestRounding = 1e-6, kSizeRounding = 1e-12;
 // same way, so that no verdict depends on what was asked before.
 constexpr double kClear = 1e-9;
 
-// No finer result is asked of MuJoCo's contacts than this share of the model's size: below it they
-// would be rounding.
-constexpr double kFinestContacts = 1e-9;
+// How fine a result is asked of MuJoCo's contacts [tolerances], though no finer than this share of
+// the model's size: below it they would be rounding.
+constexpr double kFinerThanTolerance = 0.1, kFinestContacts = 1e-9;
 
 // The largest bounding radius of the geoms [m].
 double SizeOf(const mjModel& m) {
@@ -57,8 +57,8 @@ Verifier::Verifier(std::shared_ptr<const VerifierModel> model, const Options& op
       exact_(*shared_, rest_ * (1.0 + kRestRounding)) {
   if (!data_) throw Error("MuJoCo could not allocate its data for this model");
   NeutraliseMargins();
-  // As fine as the answer shall be; MuJoCo's default is that for our default.
-  model_.opt.ccd_tolerance = std::max(tolerance_, kFinestContacts * SizeOf(model_));
+  model_.opt.ccd_tolerance =
+      std::max(kFinerThanTolerance * tolerance_, kFinestContacts * SizeOf(model_));
   const std::size_t pairs = shared_->pairs.size();
   required_.resize(pairs);
   plane_.assign(pairs, Vector3d::Zero());
