@@ -123,7 +123,7 @@ void LowerBound::AddOverlap(const LowerBoundInput& in, const NearPair& near) {
   added.movers.end = static_cast<int>(concerned_.size());
   pair.geom[0].Fill(in.posed, *in.tables.support, kept.geom1);
   pair.geom[1].Fill(in.posed, *in.tables.support, kept.geom2);
-  pair.hope = pair.plane ? pair.RootForPlane() : pair.RootFor(near.n_W, 0.0);
+  pair.hope = pair.plane ? pair.RootForPlane(in.budget) : pair.RootFor(near.n_W, 0.0);
 }
 
 // Pair by pair, the most promising first. Those that hardly raise the sum are passed over.
@@ -131,7 +131,10 @@ void LowerBound::ClaimOverlaps(const LowerBoundInput& in) {
   chains_.Fill(in);
   heap_.reserve(kFirstCells + in.max_cells + 3);
   for (std::vector<int>* path : {&path1_, &path2_}) path->reserve(in.norm.terms().size());
-  for (const NearPair& near : in.overlaps) AddOverlap(in, near);
+  for (const NearPair& near : in.overlaps) {
+    if (BoundIsLate(in.budget)) break;
+    AddOverlap(in, near);
+  }
   OrderFalling(
       static_cast<int>(overlaps_.size()), [this](int k) { return overlaps_[k].problem.hope; },
       order_);
@@ -144,7 +147,7 @@ void LowerBound::ClaimOverlaps(const LowerBoundInput& in) {
     if (!pair.plane && pair.hope > floor && cells_left > 0) {
       root = SearchDirections(pair, floor, in.budget, cells_left, heap_);
     }
-    const double S = pair.MomentArmS(root * root);
+    const double S = BoundIsLate(in.budget) ? root * root : pair.MomentArmS(root * root);
     floor = std::max(floor, std::sqrt(S));
     claims_.push_back({S, movers});
   }

@@ -8,9 +8,6 @@ namespace mjcf_pdg {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// A bound serves a search, which needs the time more: none of it is used after this share of a
-// budget.
-constexpr double kShareOfBudget = 0.25;
 constexpr double kGoodEnough = 0.97;  // stop when within this factor of what can be proven
 
 // At least the largest eigenvalue of a symmetric 3 × 3 matrix: mean + √2 standard deviation.
@@ -126,7 +123,7 @@ double PairProblem::RootFor(const Vector3d& n, double eps, double floor) const {
   return RootAt(a, b, n, eps, floor);
 }
 
-double PairProblem::RootForPlane() const {
+double PairProblem::RootForPlane(const BudgetMeter* budget) const {
   const Vector3d n = geom[0].R.col(2);
   double best = 0.0;
   auto look_at = [&](const Vector3d& b) {
@@ -135,7 +132,11 @@ double PairProblem::RootForPlane() const {
   };
   look_at(geom[1].Support(-n));
   if (geom[1].round) return best;
-  for (int k = 0; k < geom[1].num_points(); ++k) look_at(geom[1].Point(k) - geom[1].radius * n);
+  constexpr int kBetweenLooks = 32;  // points, at the clock
+  for (int k = 0; k < geom[1].num_points(); ++k) {
+    if (k % kBetweenLooks == 0 && BoundIsLate(budget)) break;
+    look_at(geom[1].Point(k) - geom[1].radius * n);
+  }
   return best;
 }
 
@@ -169,12 +170,12 @@ double SearchDirections(const PairProblem& pair, double floor, const BudgetMeter
   };
   for (int face = 0; face < 6; ++face) {
     for (const int u : {-1, 0, 1}) {
-      if (budget && budget->Late(kShareOfBudget)) return 0.0;
+      if (BoundIsLate(budget)) return 0.0;
       for (const int v : {-1, 0, 1}) push({0.0, face, u * 2.0 / 3.0, v * 2.0 / 3.0, 1.0 / 3.0});
     }
   }
   while (cells_left > 0 && reachable > floor && heap.front().root < kGoodEnough * reachable) {
-    if (budget && budget->Late(kShareOfBudget)) break;
+    if (BoundIsLate(budget)) break;
     const DirectionCell cell = heap.front();
     std::pop_heap(heap.begin(), heap.end());
     heap.pop_back();

@@ -13,6 +13,13 @@
 
 namespace mjcf_pdg {
 
+// A bound serves a search, which needs the time more: it ends when this share of a budget of time
+// is over. What has been claimed by then holds. `budget` null: no limit.
+inline constexpr double kShareOfBudget = 0.25;
+inline bool BoundIsLate(const BudgetMeter* budget) {
+  return budget && budget->Late(kShareOfBudget);
+}
+
 struct PairProblem {
   // What carries geom 1 and geom 2 relative to each other, all finite: first[i] to first[i + 1] of
   // the pool.
@@ -32,7 +39,7 @@ struct PairProblem {
   // more.
   double RootFor(const Vector3d& n, double eps, double floor = 0.0) const;
   // √S if geom 1 is a plane: a half-space is left along its normal only.
-  double RootForPlane() const;
+  double RootForPlane(const BudgetMeter* budget) const;
 
  private:
   // √S by (2) for the points a and b and all unit vectors within eps of n.
