@@ -403,7 +403,9 @@ const LocalResult& LocalOptimization::Run(const VectorXd& q, const LocalOptions&
   Keep(d.current, d.result);
   while (d.result.iterations < options.max_iterations && !work_.Spent()) {
     ++d.result.iterations;
+    const BudgetMeter::Clock::time_point begin = work_.budget.Now();
     Step(d);
+    work_.budget.Stepped(begin);
     d.sigma_before = d.result.sigma;
     Keep(d.trial, d.result);
     if (GivesUp(d)) break;

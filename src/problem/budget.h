@@ -23,7 +23,8 @@ class BudgetMeter {
     // Longer ones would overflow the clock, and nobody waits for them.
     constexpr double kForever = 1e9;  // [s]
     if (budget.seconds > 0.0 && budget.seconds < kForever) {
-      seconds_ = std::max(kLeastShare * budget.seconds, budget.seconds - longest_verification_);
+      const double reserve = longest_verification_ + longest_step_;
+      seconds_ = std::max(kLeastShare * budget.seconds, budget.seconds - reserve);
     }
   }
   // The same budget for a finder of another solve within this one, whose count is `queries` now and
@@ -40,29 +41,31 @@ class BudgetMeter {
   // `queries`: the finder's count now.
   bool Spent(std::int64_t queries) const { return queries >= last_query_ || Late(); }
   // Of the bound in seconds alone, or a share of it; without one the clock is never read.
-  bool Late(double share = 1.0) const { return HasDeadline() && Elapsed() > share * seconds_; }
+  bool Late(double share = 1.0) const { return HasDeadline() && Since(begin_) > share * seconds_; }
   bool HasDeadline() const { return seconds_ < std::numeric_limits<double>::infinity(); }
 
-  // What is found must be verified within the budget: searches end as much earlier as the longest
-  // verification took of late.
-  void Verified(Clock::duration took) {
-    const std::chrono::duration<double> seconds(took);
-    longest_verification_ = std::max(kForgetting * longest_verification_, seconds.count());
-  }
+  // What is found must be verified within the budget, and a step that has begun is not interrupted:
+  // searches end as much earlier as the longest of both took of late. `begin`: as Now said.
+  Clock::time_point Now() const { return HasDeadline() ? Clock::now() : Clock::time_point(); }
+  void Verified(Clock::time_point begin) { Remember(begin, longest_verification_); }
+  void Stepped(Clock::time_point begin) { Remember(begin, longest_step_); }
 
  private:
-  double Elapsed() const {
-    return std::chrono::duration<double>(Clock::now() - begin_).count();
+  static double Since(Clock::time_point begin) {
+    return std::chrono::duration<double>(Clock::now() - begin).count();
+  }
+  void Remember(Clock::time_point begin, double& longest) const {
+    if (HasDeadline()) longest = std::max(kForgetting * longest, Since(begin));
   }
 
   static constexpr std::int64_t kNoLimit = std::numeric_limits<std::int64_t>::max();
   std::int64_t last_query_ = kNoLimit;
   // Searches keep this share of the budget, however long verifications take.
   static constexpr double kLeastShare = 0.5;
-  static constexpr double kForgetting = 0.95;  // per verification: one that was interrupted passes
+  static constexpr double kForgetting = 0.99;  // each time: one that was interrupted passes
   Clock::time_point begin_;
   double seconds_ = std::numeric_limits<double>::infinity();  // from begin_ to the end of searches
-  double longest_verification_ = 0.0;                         // [s]
+  double longest_verification_ = 0.0, longest_step_ = 0.0;    // [s]
 };
 
 }  // namespace mjcf_pdg

@@ -22,6 +22,7 @@ bool Search::Begin(const StrategyInput& input, Component hint_start) {
   meshes_overlap_ = MeshesOverlap(input.overlaps);
   trials_.Begin(plan_, input, depth_, meshes_overlap_);
   varied_.Begin(plan_, center_, meshes_overlap_);
+  if (input.hint && hint_start == Component::kUserPose) trials_.NeedNoStart();
   if (meshes_overlap_) {
     if (input.hint) trials_.Try(*input.hint, hint_start, ExactMeshStarts::FromHint());
     meshes_.Begin();

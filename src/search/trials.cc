@@ -20,11 +20,12 @@ LocalOptions Coarse() {
 void Trials::Begin(const EffortPlan& plan, const StrategyInput& input, double depth,
                    bool meshes_overlap) {
   outcome_.Clear();
+  needs_start_ = true;
   rule_.Begin(plan, input, depth, meshes_overlap);
 }
 
 bool Trials::Try(const VectorXd& q, Component start, const LocalOptions& options) {
-  if (Spent() && outcome_.starts > 0) return false;
+  if (Spent() && (outcome_.starts > 0 || !needs_start_)) return false;
   ++outcome_.starts;
   LocalOptions bounded = options;
   if (HasFree() && problem_.Uses(Component::kEarlyExit)) {

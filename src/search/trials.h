@@ -22,6 +22,9 @@ class Trials {
 
   void Begin(const EffortPlan& plan, const StrategyInput& input, double depth, bool meshes_overlap);
 
+  // Without a budget left there is still one start, unless somebody has an answer to fall back on.
+  void NeedNoStart() { needs_start_ = false; }
+
   // Descends from q. False if that was given up because it led to nothing better.
   bool Try(const VectorXd& q, Component start, const LocalOptions& options);
   // The same to full precision, for a candidate: true if it became nearer.
@@ -52,6 +55,7 @@ class Trials {
   StoppingRule rule_;
   LocalOptimization local_;
   Outcome outcome_;
+  bool needs_start_ = true;
 };
 
 // For starts: whether one leads to something better shows early, full precision is for the best.

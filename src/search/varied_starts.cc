@@ -79,7 +79,7 @@ void VariedStarts::TryOnRay(const VectorXd& q, Component start) {
 // motions that no local step from q_in can find; local optimization finishes, or tries if it is
 // not.
 void VariedStarts::TryFreePose(const VectorXd& q_f, Component start) {
-  if (work_.Spent() && trials_.outcome().starts > 0) return;
+  if (work_.Spent()) return;
   const IterationResult& result = iteration_.Run(q_f);
   trials_.outcome().iterations += result.iterations;
   trials_.Try(result.q, start, LocalOptions{});
