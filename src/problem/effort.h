@@ -12,7 +12,7 @@ namespace mjcf_pdg {
 // first, then σ, then time (bench/README.md, Agreement).
 struct EffortPlan {
   // The search ends when so many independent starts have ended at the best answer: fewer where that
-  // is near what is proven (search.h).
+  // is near what is proven (stopping_rule.h).
   int agree_near_proven = 3, agree = 6;
   int queries = 800;       // collision queries after which no further start is made
   double box_tests = 9e3;  // ... and per dof, of triangle meshes, unless the answer is very far

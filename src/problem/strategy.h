@@ -1,5 +1,5 @@
 // A way to search for the nearest free configuration: what the solver asks of it and gets back.
-// Search (method auto) and PaperMethod (method paper) are the two.
+// The two are AutoMethod (method auto) and PaperMethod (method paper).
 #ifndef MJCF_PDG_SRC_PROBLEM_STRATEGY_H_
 #define MJCF_PDG_SRC_PROBLEM_STRATEGY_H_
 

@@ -13,9 +13,9 @@
 namespace mjcf_pdg {
 
 // The <exclude> lines of the bodies whose pairs overlap at q and in each of 100 configurations
-// anywhere (UniformStart), in words that end a sentence; empty if there are none, or some joint is
-// frozen. No proof. Stops when the budget is spent. As many queries as it takes to find each pair
-// parted, at most 101.
+// anywhere (StartSelection::Uniform), in words that end a sentence; empty if there are none, or
+// some joint is frozen. No proof. Stops when the budget is spent. As many queries as it takes to
+// find each pair parted, at most 101.
 std::string DescribeInseparable(Workspace& work, const VectorXd& q);
 
 }  // namespace mjcf_pdg

@@ -174,7 +174,8 @@ ConvexDistance::Ending ConvexDistance::SearchTouching(const RelativePose& pose,
     simplex_.Add(Support(pair, aside, ways[(k + 1) % 4]));  // out of a plane of symmetry
     const double anywhere = std::numeric_limits<double>::infinity();
     if (Search(aside, pair, anywhere, accuracy, found) != Ending::kFound) continue;
-    // Along the normal of the touch; of what is deep, by no more than the depth there and the way.
+    // The plane's overlap at the real pose; of what is deep, at most the depth aside less the
+    // shift.
     const double here = -Support(pair, pose, found.n).x.dot(found.n);
     const double way_there = kAside * tables_.size;
     found.distance =
