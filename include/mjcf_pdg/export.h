@@ -2,8 +2,8 @@
 #ifndef MJCF_PDG_EXPORT_H_
 #define MJCF_PDG_EXPORT_H_
 
-// MJCF_PDG_LOCAL hides a part of what is exported. MJCF_PDG_STATIC comes with the CMake target of the static library: a program or plugin that has
-// it inside does not export it in turn.
+// MJCF_PDG_LOCAL hides a part of what is exported. MJCF_PDG_STATIC comes with the CMake target of
+// the static library: a program or plugin that has it inside does not export it in turn.
 #if defined(MJCF_PDG_STATIC) || !defined(__GNUC__)
 #define MJCF_PDG_API
 #define MJCF_PDG_LOCAL
