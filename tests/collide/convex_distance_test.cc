@@ -209,9 +209,8 @@ TEST_F(ConvexDistanceTest, OverlapsAreTheLeastThatParts) {
       return -Separation(pair.scene.tables()).Distance(pair.posed, kept.geom1, kept.geom2, n);
     };
     const double depth = -gap.distance;
-    const double rounding = 1e-8 * pair.scene.tables().size;
-    EXPECT_NEAR(parts_at(gap.n), depth, rounding + 1e-4 * depth);
-    met += std::abs(parts_at(gap.n) - depth) <= rounding + 2e-6 * depth;
+    EXPECT_NEAR(parts_at(gap.n), depth, 1e-9 + 1e-4 * depth);
+    met += std::abs(parts_at(gap.n) - depth) <= 1e-9 + 2e-6 * depth;
     for (int k = 0; k < 300; ++k) {
       const Vector3d beside = k % 2 == 0 ? Vector3d(0, 0, 0) : gap.n;
       const Vector3d n = (beside + rng_.InBox(std::pow(0.1, k % 7))).normalized();
