@@ -361,5 +361,39 @@ TEST_F(SeparationTest, NoSafeStepCrossesItsFloor) {
   EXPECT_GT(whole, 10);
 }
 
+// Over a horizon that is safe as a whole, a step is that horizon; so the longest of those says what
+// a step over a longer one might have been.
+TEST_F(SeparationTest, AStepIsMostOfTheLongestSafeOne) {
+  Random rng(5);
+  int steps = 0, long_enough = 0;
+  for (const Scene& scene : Scenes(rng)) {
+    Line line(scene);
+    const Separation separation(line.tables);
+    for (int trial = 0; trial < 200; ++trial) {
+      line.Set(RandomConfiguration(scene, rng), RandomTangent(line, rng));
+      line.Pose(0.0);
+      const int pair = rng.Index(scene.num_kept_pairs()), bodies = line.BodyPairOf(pair);
+      NearPair near;
+      if (!line.bound.Moves(bodies) || !line.finder.Distance(pair, 0.5, near)) continue;
+      if (near.distance < 1e-3) continue;
+      const double floor = near.distance * rng.Uniform(-0.5, 0.9);
+      const RelativeMotion motion = line.bound.Geoms(line.finder.posed(), bodies, pair, 1.0);
+      const auto step = [&](double horizon) {
+        return separation.SafeStep(line.finder.posed(), line.tables.pairs[pair], near.n_W, motion,
+                                   floor, horizon);
+      };
+      if (step(1.0) == 1.0) continue;
+      double longest = 1.0;
+      while (longest > 1e-6 && step(longest) < longest) longest *= 0.98;
+      if (longest <= 1e-6) continue;
+      ++steps;
+      long_enough += step(1.0) >= 0.75 * longest;
+    }
+  }
+  std::printf("  %d of %d steps are three quarters of the longest\n", long_enough, steps);
+  EXPECT_GT(steps, 200);
+  EXPECT_GE(long_enough, 0.99 * steps);
+}
+
 }  // namespace
 }  // namespace mjcf_pdg::test
