@@ -72,8 +72,9 @@ enum class Cause {
 };
 
 // What one solve may cost; what comes first ends it. 0: no bound. With a bound on queries alone
-// answers repeat; seconds are a guard against the clock. A solve ends at most one collision query
-// and one LCP after its budget, and the query that verifies its answer.
+// answers repeat; seconds are a guard against the clock. A search ends at most one collision query
+// and one LCP after its budget. The query that verifies its answer comes on top, or, if it has
+// none, those that tell how deep q_in and what is returned overlap, three at most.
 struct Budget {
   int queries = 0;       // as Stats::collision_queries counts them
   double seconds = 0.0;  // [s]

@@ -7,17 +7,17 @@
 #include <array>
 #include <vector>
 
+#include "base/tuning.h"
 #include "bound/lower_bound_chain.h"
 #include "bound/lower_bound_geom.h"
 #include "problem/budget.h"
 
 namespace mjcf_pdg {
 
-// A bound serves a search, which needs the time more: it ends when this share of a budget of time
-// is over. What has been claimed by then holds. `budget` null: no limit.
-inline constexpr double kShareOfBudget = 0.25;
+// A bound serves a search, which needs the time more: it ends when its share of a budget in seconds
+// is spent, and what it has proven by then holds. `budget` null: no limit.
 inline bool BoundIsLate(const BudgetMeter* budget) {
-  return budget && budget->Late(kShareOfBudget);
+  return budget && budget->Late(tuning::budget::kBound);
 }
 
 struct PairProblem {

@@ -4,21 +4,16 @@
 #include <cmath>
 #include <limits>
 
+#include "base/tuning.h"
 #include "ccd/limit_reach.h"
 
 namespace mjcf_pdg {
+
+namespace tune = tuning::bisection;
+
 namespace {
 
 constexpr double kForever = 2.0;  // beyond any t
-
-constexpr double kNearestSplit = 0.25;  // of an interval: no split is nearer to its ends
-
-// Where two proofs meet is known up to the curvature of the motion. Asked is at this share of the
-// way, and only where that gains a tenth of the first proof. On the motions that method paper makes
-// on the sets of ablation_bench, 0.8 takes 9 % more poses, 1.0 takes 1 % more, and asking only
-// where proofs end (conservative advancement) a third more.
-constexpr double kMeetShare = 0.97;
-constexpr double kWorthAsking = 1.1;
 
 constexpr double kLeastSlack = 1.0 / 64.0;  // of the gap; far above the error of a distance
 constexpr double kToleranceUsed = 0.99;     // the rest is for the error of a distance
@@ -32,8 +27,8 @@ constexpr double kSampleStep = 0.01;
 double ExpectedMeeting(const Reach& reach, double slack) {
   double far = 2.0 * reach.length;
   if (reach.rate * far < -slack) far = -slack / reach.rate;
-  far *= kMeetShare;
-  return far > kWorthAsking * reach.length ? far : reach.length;
+  far *= tune::kMeetShare;
+  return far > tune::kWorthAsking * reach.length ? far : reach.length;
 }
 
 // That there is room for from the start. Halving [0, 1] leaves nothing after that many.
@@ -120,7 +115,7 @@ double Ccdg::NextPose(const Interval& interval) const {
 
 void Ccdg::Split(double at) {
   const Interval whole = intervals_.back();
-  const double least = kNearestSplit * (whole.t1 - whole.t0);
+  const double least = tune::kNearestSplit * (whole.t1 - whole.t0);
   at = std::clamp(at, whole.t0 + least, whole.t1 - least);
   intervals_.back().t0 = at;
   intervals_.push_back({whole.t0, at, false});
@@ -166,7 +161,7 @@ void Ccdg::AskBodies(int body_pair, double& next) {
   for (int pair = bodies.begin; pair < bodies.end; ++pair) {
     const double until = pairs_[pair].until;
     if (proven) {
-      Extend(pair, reach, kMeetShare * 2.0 * reach);
+      Extend(pair, reach, tune::kMeetShare * 2.0 * reach);
     } else if (t_ == 0.0 || until < next) {
       AskPair(body_pair, pair, next);
     }
@@ -182,7 +177,7 @@ void Ccdg::AskPair(int body_pair, int pair, double next) {
   const double back = std::max(0.0, t_ - state.until), rest = end_ - t_;
   const Reach bounds = proof_.BoundsReach(body_pair, pair, state.floor, std::max(rest, back));
   if (bounds.length > back && t_ + bounds.length >= next) {
-    return Extend(pair, bounds.length, kMeetShare * 2.0 * bounds.length);
+    return Extend(pair, bounds.length, tune::kMeetShare * 2.0 * bounds.length);
   }
   if (!tables_.pairs[pair].has_distance) return Sample(pair, bounds.lambda);
 

@@ -6,7 +6,9 @@
 // free when each pair is: proven forward from its start and backward from its end, as far as the
 // motion's bounds reach (pair_proof.h), until the two proofs meet. If not, it is split.
 // Differs from it:
-//   1. Certified: nothing between poses is taken on trust, but for 6. Early, never late.
+//   1. Certified: what lies between poses is proven, except in 6. The t found may be smaller than
+//   the
+//      time of contact, never larger.
 //   2. The split is where two proofs are expected to meet, a quarter of the interval or more from
 //      its ends; CcdOptions::halve splits in the middle, as the paper does.
 //   3. An end is asked when the proofs are expected to meet before it. From the start an interval
@@ -52,8 +54,8 @@ enum class CcdOutcome {
 
 struct CcdResult {
   CcdOutcome outcome = CcdOutcome::kFree;
-  double t = 0.0;            // [0, t] is free
-  bool certified = true;     // ... proven; false where contact-only pairs were sampled
+  double t = 0.0;            // the motion is free on [0, t]
+  bool certified = true;     // proven to be so; false where contact-only pairs were sampled
   std::vector<int> pairs;    // indices into SceneTables::pairs
   int joint = -1;            // index into SceneTables::joints
   VectorXd q;                // q0 ⊕ t·dq
@@ -81,17 +83,18 @@ class Ccdg {
   };
   // What is known of a pair along the present motion.
   struct PairState {
-    double until = 0.0;    // proven (sampled: believed) above its floor on [0, until]
-    double meet = 0.0;     // a pose up to here is expected to prove the pair back to `until`
-    double seen = 0.0;     // the last pose at which it was looked at and above its floor
-    double bad = -1.0;     // sampled: the first pose at which it was below, if later than `seen`
-    double floor = 0.0;    // of its margin [m]
+    double until = 0.0;  // its margin is proven (sampled: taken) to be above `floor` on [0, until]
+    double meet = 0.0;   // a pose up to here is expected to prove the pair back to `until`
+    double seen = 0.0;   // the last pose at which it was looked at and above its floor
+    double bad = -1.0;   // sampled: the first pose at which it was below, if later than `seen`
+    double floor = 0.0;  // the least margin that it must keep [m]
     double advance = 0.0;  // a proven step shorter than advance/λ counts as contact [m]
   };
-  // The least of its pairs, or what their bodies' spheres prove.
+  // Of two bodies: the least `until` and `meet` of their pairs, or what their bounding spheres
+  // prove.
   struct BodiesState {
     double until = 0.0, meet = 0.0;
-    double required = 0.0;  // the largest of its pairs [m]
+    double required = 0.0;  // the largest required distance of their pairs [m]
   };
   // A proof around the end of an interval that has not met the one from the start yet.
   struct ProvenAhead {
@@ -120,15 +123,15 @@ class Ccdg {
   PairProof proof_;
 
   CcdOptions options_;
-  double end_ = 1.0;                 // where the limits end the line
-  double t_ = 0.0;                   // of the pose
-  double front_ = 0.0, meet_ = 0.0;  // the least of all pairs
-  int critical_ = -1;                // the body pair of the front; -1: none yet
-  std::vector<Interval> intervals_;  // a stack
-  std::vector<ProvenAhead> ahead_;   // a stack, too: by `at`, the earliest on top
+  double end_ = 1.0;                 // where joint limits end the motion
+  double t_ = 0.0;                   // where the finder is posed
+  double front_ = 0.0, meet_ = 0.0;  // the least `until` and `meet` of all pairs
+  int critical_ = -1;                // the body pair with the least `until`; -1: not known yet
+  std::vector<Interval> intervals_;  // a stack, the earliest on top
+  std::vector<ProvenAhead> ahead_;   // a stack, ordered by `at`, the earliest on top
   std::vector<PairState> pairs_;
   std::vector<BodiesState> bodies_;
-  std::vector<int> asked_;                           // body pairs
+  std::vector<int> asked_;                           // body pairs asked at this pose
   const std::vector<NearPair>* contacts_ = nullptr;  // of contact-only pairs at this pose, if known
   CcdResult result_;
 };

@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-namespace mjcf_pdg {
-namespace {
+#include "base/tuning.h"
 
-// λ grows with the horizon: it is tried on the whole, then on a few times what that proved, at
-// least a 16th of it. The second saves 1 % of the poses of usual motions, the third is for turns
-// far away or along a long slide; a fourth would save less than a thousandth.
-constexpr int kHorizons = 3;
-constexpr double kHorizonPerReach = 4.0;
-constexpr double kSmallestShrink = 1.0 / 16.0;
+namespace mjcf_pdg {
+
+namespace tune = tuning::bisection;
+
+namespace {
 
 // In tolerances:
 constexpr double kSureNormal = 0.1;   // the witness normal of a shallower overlap is noise
@@ -95,7 +93,7 @@ Reach PairProof::Prove(int body_pair, int pair, const Margin& margin, double flo
   const PosedModel& posed = finder_.posed();
   const double slack = margin.value - floor;
   Reach reach;
-  for (int i = 0; i < kHorizons; ++i) {
+  for (int i = 0; i < tune::kHorizons; ++i) {
     RelativeMotion motion = motion_.Geoms(posed, body_pair, pair, horizon);
     if (direction == Direction::kEarlier) {
       motion.v_W = -motion.v_W;
@@ -111,7 +109,8 @@ Reach PairProof::Prove(int body_pair, int pair, const Margin& margin, double flo
       proven = std::max(proven, by_plane);
     }
     reach.length = std::max(reach.length, proven);
-    const double shorter = std::max(kHorizonPerReach * reach.length, kSmallestShrink * horizon);
+    const double shorter =
+        std::max(tune::kHorizonPerReach * reach.length, tune::kSmallestShrink * horizon);
     if (proven >= horizon || shorter > 0.5 * horizon) break;
     horizon = shorter;
   }

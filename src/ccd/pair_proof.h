@@ -1,5 +1,5 @@
-// What one pose of a motion proves of one pair: for how long before and after it the pair keeps its
-// distance.
+// What one pose of a motion proves about one pair: how long before and after that pose the pair is
+// certain to keep its required distance.
 //
 // A pair's margin is its signed distance less the required one. It is bounded in two ways, and the
 // farther reach counts: it changes by at most λ per unit of t (motion_bound.h), and a separating
@@ -14,7 +14,8 @@
 
 namespace mjcf_pdg {
 
-// q(t) = q0 ⊕ t·dq, t in [0, 1]. What is named must live until the motion has been checked.
+// The motion q(t) = q0 ⊕ t·dq, t in [0, 1]. It refers to what it was made from, which must live
+// until the motion has been checked.
 struct CcdMotion {
   const VectorXd& q0;  // nq
   const VectorXd& dq;  // n
@@ -25,9 +26,9 @@ struct CcdMotion {
 enum class Direction { kEarlier, kLater };
 
 struct Margin {
-  double value = 0.0;     // signed distance less the required one [m] ...
-  bool measured = false;  // ... or a lower bound of that
-  Vector3d n_W, p1_W;     // if measured: the witness normal and the witness point on geom 1
+  double value = 0.0;     // signed distance less the required one, or a lower bound of it [m]
+  bool measured = false;  // true: it is the distance, not a bound, and the witness is known:
+  Vector3d n_W, p1_W;     // its normal, and its point on geom 1
 };
 
 struct Reach {
@@ -42,7 +43,7 @@ class PairProof {
   // Poses and queries go through `finder`.
   PairProof(const SceneTables& tables, ContactFinder& finder);
 
-  // The motion of what follows; it is copied, `motion.required` is not. `tolerance` [m].
+  // Begins a motion. q0 and dq are copied, `motion.required` is referred to. `tolerance` [m].
   void SetMotion(const CcdMotion& motion, double tolerance);
   bool Moves(int body_pair) const { return motion_.Moves(body_pair); }
   double Required(int pair) const {
@@ -51,18 +52,20 @@ class PairProof {
 
   // q = q0 ⊕ t·dq; q0 bit for bit at t = 0.
   void At(double t, VectorXd& q);
-  // What follows is asked at this t.
+  // Poses the finder at t. The questions below are about this pose.
   void PoseAt(double t);
 
-  // For how long all pairs of two bodies are proven to keep `distance` [m], either way, by the
-  // bodies' bounding spheres alone; <= 0 if they are not. `horizon` bounds what is asked for.
+  // How long before and after the pose all pairs of two bodies are proven to keep `distance` [m],
+  // by the bodies' bounding spheres alone; <= 0 if that proves nothing. At most `horizon`.
   double BodiesReach(int body_pair, double distance, double horizon);
-  // The same for the margin `floor` of one pair, by the geoms' bounding volumes.
+  // The same for one pair and the margin `floor` [m], by the geoms' bounding volumes.
   Reach BoundsReach(int body_pair, int pair, double floor, double horizon);
 
-  // The pair's margin, measured where it is less than `enough` [m]. One distance query.
+  // The pair's margin; where it is more than `enough` [m] possibly a lower bound. One distance
+  // query.
   Margin Measure(int pair, double enough);
-  // For how long, at most `horizon`, the pair is proven to keep a margin of `floor` [m].
+  // How long in one direction, at most `horizon`, the pair is proven to keep a margin of `floor`
+  // [m].
   Reach Prove(int body_pair, int pair, const Margin& margin, double floor, Direction direction,
               double horizon);
 

@@ -11,14 +11,14 @@
 
 namespace mjcf_pdg {
 
-// m rows over n movable degrees of freedom. Grows only.
+// m rows over n movable degrees of freedom. Its memory only grows.
 struct ContactRows {
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> C;  // capacity × n
   VectorXd gap;  // capacity; signed slack of each row [m]
   int m = 0;
 
   void Clear(int n);
-  // Room for so many rows of n entries; forgets those that were.
+  // Makes room for `rows` rows of n entries, and forgets all rows.
   void Reserve(int rows, int n);
   // Appends a zero row and returns its index.
   int Append(double gap_value);
@@ -29,12 +29,14 @@ struct ContactRows {
 void ContactRow(const SceneTables& tables, const PosedModel& posed, int pair, const Vector3d& p1_W,
                 const Vector3d& p2_W, const Vector3d& n_W, Eigen::Ref<Eigen::RowVectorXd> out);
 
-// Which joint limits get a row.
+// Which joint limits get a row, and in which unit.
 struct LimitReach {
-  double turn;    // those of hinges and balls that are nearer than this [rad]
-  double slide;   // those of slides [m]
-  double radius;  // a turn counts as the arc it makes at this distance, so that all rows are in m
+  double turn;   // limits of hinges and balls get one if they are nearer than this [rad]
+  double slide;  // limits of slides, if nearer than this [m]
+  double
+      radius;  // the gap of a turn is the arc at this distance, so that all rows are in metres [m]
 };
+// Appends a row for every joint limit that is near enough at q (nq).
 void AppendLimitRows(const SceneTables& tables, const VectorXd& q, const LimitReach& reach,
                      ContactRows& rows);
 

@@ -75,7 +75,7 @@ void FeatureMemory::AppendLearnt(const SceneTables& tables, const PosedModel& po
     if (std::any_of(out.begin(), out.end(), overlaps)) continue;
     std::erase_if(known_[pair].learnt, [&](const Plane& plane) {
       const NearPair near = InWorld(tables, posed, pair, plane);
-      // Its points have slid along it: what it says of there is a guess.
+      // Far apart, the points have slid along the plane, which need not hold there.
       const bool here = (near.p2_W - near.p1_W).norm() < margin;
       if (near.distance >= 0.0 && here) out.push_back(near);
       return near.distance < 0.0;

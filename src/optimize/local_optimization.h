@@ -5,10 +5,13 @@
 //   C dq + gap >= 0 (Eq. 24-30), move there, repeat until σ stops falling.
 // Differs from it:
 //   1. The start may penetrate; rows are kept for all pairs within a margin (contact_matrix.h).
-//   2. Rows are elastic: a violated contact costs μ per metre, so conflicting contacts have an
-//      answer. Steps are judged by ½σ + ν Σ violation, ν a few times the largest contact force,
-//      with a trust radius in object-norm units and Levenberg-Marquardt damping.
+//   2. Rows are elastic and steps are damped and cut to a trust radius (linearized_step.h). A step
+//   is
+//      judged by the merit function ½σ + ν Σ violation, where the penalty weight ν is a few times
+//      the largest contact force.
 //   3. The LCP is solved by an active-set method (lcp.h); Gauss-Seidel fails on pinched cases.
+//   4. Exact meshes: a step that ends in an overlap is made again, shorter, bounded by the planes
+//      between features that the meshes had where they were apart (feature_memory.h).
 #ifndef MJCF_PDG_SRC_OPTIMIZE_LOCAL_OPTIMIZATION_H_
 #define MJCF_PDG_SRC_OPTIMIZE_LOCAL_OPTIMIZATION_H_
 
@@ -16,85 +19,89 @@
 #include <limits>
 #include <vector>
 
-#include "base/block_cholesky.h"
-#include "optimize/contact_matrix.h"
+#include "base/tuning.h"
 #include "optimize/feature_memory.h"
-#include "optimize/lcp.h"
-#include "optimize/witness_memory.h"
+#include "optimize/linearized_step.h"
 #include "problem/strategy.h"
 #include "problem/workspace.h"
 
 namespace mjcf_pdg {
 
 struct LocalOptions {
-  int max_iterations = 60;
-  double trust_radius = 0.3;  // largest step, √σ units [m]; grows with large scenes
-  double convergence = 1e-4;  // relative decrease of σ that still counts
-  double largest_step = std::numeric_limits<double>::infinity();  // whatever the scene [m]
-  Depths depths = Depths::kMeasured;                              // of exact meshes that overlap
-  int last_chances = 4;  // steps without a lower σ of exact meshes that end it
-  double give_up_sigma =
-      std::numeric_limits<double>::infinity();  // a worse prediction ends it [m²]
-  const VectorXd* known = nullptr;  // an optimum already found: coming close to it ends it
-  double known_sigma = 0.0;         // [m²]
-  bool retreats = false;            // keeps pairs a tolerance farther apart than required
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-  // A last descent from close to the answer, to full precision.
+  int max_iterations = tuning::descent::kSteps;
+  // The trust radius at first and at most [√σ, m], in scenes up to desk size; it grows with larger
+  // ones, up to largest_step.
+  double trust_radius = tuning::descent::kTrustRadius;
+  double largest_step = kInfinity;
+  double convergence = tuning::descent::kConvergence;  // a smaller relative decrease of σ ends it
+  Depths depths = Depths::kMeasured;  // how carefully depths of exact meshes are measured
+  int last_chances = tuning::descent::kLastChances;  // exact meshes: steps without a lower σ end it
+  double give_up_sigma = kInfinity;  // steps that predict a larger σ end it as hopeless [m²]
+  // An optimum that is known already: a descent that comes close to it ends there.
+  const VectorXd* known = nullptr;
+  double known_sigma = 0.0;  // [m²]
+  bool retreats = false;     // keeps every pair farther apart than required, by a tolerance
+
+  // A last descent to full precision, from a configuration close to its optimum.
   static LocalOptions Polishing();
-  // The same for a configuration that the verifier calls not free.
+  // The same from a configuration that the verifier refused, keeping pairs farther apart.
   static LocalOptions Retreating();
 };
 
 // How one local optimization ended.
 struct LocalOutcome {
-  double sigma = std::numeric_limits<double>::infinity();  // [m²]
-  bool reached_known = false;                              // ended close to LocalOptions::known
-  bool hopeless = false;                                   // ended by LocalOptions::give_up_sigma
-  bool free = false;                                       // by the solver's own distances
-  double violation =
-      0.0;  // 0 if free, else Σ over pairs of the overlap beyond what is aimed at [m]
+  bool free = false;  // q is free by the solver's own distances
+  double sigma = std::numeric_limits<double>::infinity();  // of q [m²]
+  double violation = 0.0;      // sum over the pairs of their overlap beyond the aim; 0 if free [m]
+  bool reached_known = false;  // ended close to LocalOptions::known
+  bool hopeless = false;       // ended because of LocalOptions::give_up_sigma
   int iterations = 0;
 };
 
 struct LocalResult : LocalOutcome {
-  VectorXd q;
+  VectorXd q;  // nq: the free configuration of least σ that was met, else the one of least merit
 };
 
-// Keeps its memory between runs.
+// Runs do not depend on earlier runs; only memory is kept.
 class LocalOptimization {
  public:
   explicit LocalOptimization(Workspace& work);
 
-  // From `q` moved inside its limits; overlaps may be deep. Bounded by options.max_iterations. The
-  // result is valid until the next run.
+  // Descends from `q` (nq), moved inside its limits; pairs may overlap deeply there. The result is
+  // valid until the next run.
   const LocalResult& Run(const VectorXd& q, const LocalOptions& options);
 
-  std::int64_t lcp_steps() const { return lcp_steps_; }
+  std::int64_t lcp_steps() const { return step_.lcp_steps(); }
 
  private:
   struct Cost {
-    double sigma = 0.0;
-    double violation = 0.0;  // Σ overlap beyond `aim`
+    double sigma = 0.0;      // [m²]
+    double violation = 0.0;  // sum over the pairs of their overlap beyond aim_ [m]
   };
-  // A configuration with all that its linearization needs.
+  // A configuration with what its linearization needs.
   struct Iterate : Cost {
-    VectorXd q;
-    double worst = 0.0;  // largest overlap beyond `accept`
-    std::vector<NearPair> near;
-    std::size_t found = 0;  // the first of `near`; the others are planes learnt before
+    VectorXd q;                  // nq
+    double worst = 0.0;          // the largest overlap beyond accept_ [m]; free where it is <= 0
+    std::vector<NearPair> near;  // pairs close to each other; of exact meshes, their features
+    std::size_t learnt = 0;      // the last so many of `near` are FeatureMemory's learnt planes
   };
 
   // How far one Run has come.
   struct Progress {
-    bool finder_at_current = true;
-    double radius = 0.0, largest_radius = 0.0;  // of trust [m]
-    double length = 0.0, first_length = 0.0;    // of the last step, of the first since the best [m]
-    double sigma_before = 0.0;                  // result.sigma before the last step
-    int without_progress = 0;                   // steps since the best
-    int retreats = 0;                           // since a step was taken
-    int settled = 0, hopeless = 0, idle = 0;    // steps in a row that were so
+    bool finder_at_current = true;              // the finder is posed at current.q
+    double radius = 0.0, largest_radius = 0.0;  // the trust radius, and its largest value [√σ, m]
+    double length = 0.0;                        // of the last step [√σ, m]
+    double first_length = 0.0;                  // of the first step away from the best iterate
+    double sigma_before = 0.0;                  // result.sigma before the last step [m²]
+    int without_progress = 0;                   // steps since the best iterate
+    int retreats = 0;                           // steps made again since one was taken
+    // Steps in a row that: hardly changed σ; promised nothing better than what is known; found no
+    // lower σ.
+    int settled = 0, hopeless = 0, idle = 0;
   };
-  // One Run.
+  // All that one Run knows.
   struct Descent : Progress {
     LocalOptions options;
     LocalResult result;
@@ -107,22 +114,16 @@ class LocalOptimization {
   void Advance(Descent& d);
   bool HasConverged(Descent& d);
   bool ReturnToBest(Descent& d);
-  // Poses q and asks what is near; Evaluate judges it, at that pose.
+  // Poses q and finds the pairs within `margin` [m].
   void Look(const VectorXd& q, double margin, Iterate& out);
+  // Completes what Look found, at the same pose: depths, σ, violation, worst.
   void Evaluate(double margin, Iterate& out);
   void AdaptSafetyMargin(const Descent& d);
   bool Retreat(Descent& d);
   void MeasureOverlap(std::size_t k, double margin, Iterate& out);
-  void Linearize(const Iterate& at, double margin);
   bool NearKnown(const VectorXd& q, const LocalOptions& options);
-  void AddDamping();
   void AdaptDamping(const Iterate& current, const Iterate& trial);
   void SetMeritPenalty();
-  double LargestTurn() const;  // of dq_ [rad]
-  // Solves for the step at the current linearization; returns its length ‖J dq‖ [m].
-  double SolveStep(double trust_radius);
-  void SolveLcp();
-  void PredictStep();
   void Keep(const Iterate& it, LocalResult& result) const;
   double Merit(const Cost& cost) const {
     return 0.5 * cost.sigma + merit_penalty_ * cost.violation;
@@ -131,34 +132,22 @@ class LocalOptimization {
 
   const Problem& problem_;
   Workspace& work_;
-  WitnessMemory memory_;
-  FeatureMemory features_;  // of exact pairs
-  ContactRows rows_;
-  int contact_rows_ = 0;  // the first of them; the others are joint limits
-  ActiveSetLcp lcp_;
-  std::int64_t lcp_steps_ = 0;
-  double scale_ = 1.0;  // of lengths in large scenes
-  double mu_ = 0.0;
-  double merit_penalty_ = 0.0;   // [m]
-  Cost predicted_;               // after the last step, by its linearization
-  double promised_sigma_ = 0.0;  // had it not been cut
+  LinearizedStep step_;
+  FeatureMemory features_;
+  double scale_ = 1.0;          // the scene's size over a desk's: multiplies penalties and radii
+  double mu_ = 0.0;             // μ, the penalty weight of contacts in a step [m]
+  double merit_penalty_ = 0.0;  // ν, their penalty weight in the merit function [m]
   double damping_ = 0.0;
-  double safety_margin_ = 0.0;       // of exact meshes [m]
-  double aim_ = 0.0, accept_ = 0.0;  // overlaps that are aimed at and accepted [m]
+  double safety_margin_ = 0.0;       // kept beyond the planes of exact meshes [m]
+  double aim_ = 0.0, accept_ = 0.0;  // overlaps that are aimed at and accepted [m], see Tolerances
   Depths depths_ = Depths::kMeasured;
-  bool remembers_ = true, damps_ = true;  // false: left out (Options::without)
 
-  // Scratch; entries per row, or columns of G_, that are beyond the rows in use mean nothing.
   Descent descent_;
-  std::vector<const NearPair*> nearest_;
-  std::vector<NearPair> measured_;
-  VectorXd apart_, to_known_, moved_, next_, r_, z_, dq_, y_;
-  VectorXd lambda_, b_, bounds_, slack_;  // per row
-  MatrixXd J_, H_, G_;
-  BlockCholesky whitening_;
+  std::vector<NearPair> measured_;  // scratch
+  VectorXd apart_, next_;           // scratch
 };
 
-// Strategy::Retreat by a local optimization, whose iterations `outcome` counts.
+// Implements Strategy::Retreat by a run of `local`; adds its iterations to `outcome`.
 bool Retreat(LocalOptimization& local, const Candidate& candidate, Outcome& outcome, VectorXd& q);
 
 }  // namespace mjcf_pdg

@@ -1,8 +1,8 @@
-// Remembered witness points: extra rows that end the zig-zag between faces.
+// Witness points of earlier steps, which give a pair of convex geoms extra rows. Not in the paper.
 //
-// A pair of convex shapes has one pair of witness points per query; when two faces meet, they jump
-// from corner to corner from step to step. A few earlier ones, kept in the geoms' frames, bound the
-// same separating direction where it will matter next.
+// A query finds one pair of witness points. When two faces meet, these jump from corner to corner
+// from step to step, and a descent that knows only the present corner zigzags. The points of a few
+// earlier steps, kept in the frames of their geoms, bound the motion at the other corners too.
 #ifndef MJCF_PDG_SRC_OPTIMIZE_WITNESS_MEMORY_H_
 #define MJCF_PDG_SRC_OPTIMIZE_WITNESS_MEMORY_H_
 

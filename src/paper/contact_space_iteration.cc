@@ -4,13 +4,16 @@
 #include <cassert>
 
 #include "base/grow.h"
+#include "base/tuning.h"
 
 namespace mjcf_pdg {
+
+namespace tune = tuning::paper;
+
 namespace {
 
-constexpr double kTouchingBand = 10.0;  // in units of the CCD's gap
-constexpr int kContacts = 128;          // that there is room for from the start
-constexpr double kNoBound = 1e12;       // μ of rows that nothing may violate
+constexpr int kContacts = 128;     // that there is room for from the start
+constexpr double kNoBound = 1e12;  // μ of rows that nothing may violate
 
 }  // namespace
 
@@ -54,7 +57,7 @@ void ContactSpaceIteration::Optimize(const VectorXd& q_c, const IterationOptions
 
 // The contacts at q_c ⊕ dq_, linearized there: c·(dq - dq_) + gap >= 0.
 void ContactSpaceIteration::AppendContactRows(const VectorXd& q) {
-  const double band = kTouchingBand * projection_options_.ccd.Gap();
+  const double band = tune::kTouchingBand * projection_options_.ccd.Gap();
   work_.finder.Pose(q);
   for (const NearPair& near : work_.finder.Find(problem_.options.clearance + band)) {
     const double gap = near.distance - problem_.required[near.pair];

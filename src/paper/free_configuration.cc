@@ -3,17 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/tuning.h"
 #include "start/selection.h"
 
 namespace mjcf_pdg {
-namespace {
 
-constexpr int kTranslations = 4;   // trees carried off one after the other
-constexpr int kKeyframes = 32;     // looked at
-constexpr int kClearLevels = 8;    // distances, each twice the one before
-constexpr int kClearSamples = 16;  // per distance
-
-}  // namespace
+namespace tune = tuning::paper;
 
 FreeConfigurationSelection::FreeConfigurationSelection(Workspace& work,
                                                        const MotionCoherence& coherence)
@@ -86,10 +81,10 @@ std::optional<VectorXd> FreeConfigurationSelection::UserPose() { return FirstFre
 
 std::optional<VectorXd> FreeConfigurationSelection::MaximallyClear() {
   double reach = 0.25 * problem_.size;  // √σ units [m]
-  for (int level = 0; level < kClearLevels; ++level, reach *= 2.0) {
+  for (int level = 0; level < tune::kClearLevels; ++level, reach *= 2.0) {
     Selected clearest;
     double largest = 0.0;
-    for (int k = 0; k < kClearSamples && !work_.Spent(); ++k) {
+    for (int k = 0; k < tune::kClearSamples && !work_.Spent(); ++k) {
       VectorXd q;
       starts_.Gaussian(problem_.q_in, reach * reach, 1.0, random_, q);
       if (!work_.Free(q)) continue;
@@ -121,7 +116,7 @@ std::optional<VectorXd> FreeConfigurationSelection::FirstFree(
 // the next one is carried off.
 std::optional<VectorXd> FreeConfigurationSelection::TranslateFrom(VectorXd q) {
   ClampToLimits(problem_.tables, q);
-  for (int k = 0; k < kTranslations; ++k) {
+  for (int k = 0; k < tune::kTranslations; ++k) {
     if (work_.Free(q)) return q;
     const auto candidates = starts_.ConstrainedTranslation(Overlaps(q), q);
     if (candidates.empty()) return std::nullopt;
@@ -149,15 +144,16 @@ std::vector<VectorXd> FreeConfigurationSelection::UserPoses() {
     ClampToLimits(problem_.tables, poses.back());
   };
   if (hint_) add(*hint_);
-  ConfigurationCache cache(kKeyframes + 1);
+  ConfigurationCache cache(tune::kKeyframes + 1);
   const std::size_t first = poses.size();
   add(Eigen::Map<const VectorXd>(m.qpos0, m.nq));
-  for (int key = 0; key < std::min<int>(kKeyframes, m.nkey); ++key) {
+  for (int key = 0; key < std::min<int>(tune::kKeyframes, m.nkey); ++key) {
     add(Eigen::Map<const VectorXd>(m.key_qpos + static_cast<std::size_t>(key) * m.nq, m.nq));
   }
   for (std::size_t k = first; k < poses.size(); ++k) cache.Add(poses[k]);
   poses.resize(first);
-  for (VectorXd& pose : cache.NearestFirst(work_, kKeyframes + 1)) poses.push_back(std::move(pose));
+  for (VectorXd& pose : cache.NearestFirst(work_, tune::kKeyframes + 1))
+    poses.push_back(std::move(pose));
   return poses;
 }
 

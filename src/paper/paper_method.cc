@@ -2,11 +2,14 @@
 
 #include <utility>
 
+#include "base/tuning.h"
+
 namespace mjcf_pdg {
 namespace {
 
-constexpr IterationOptions kIteration = {
-    .max_iterations = 100, .corrections = 6, .reverse_samples = 16};
+const IterationOptions kIteration = {.max_iterations = tuning::paper::kIterations,
+                                     .corrections = tuning::paper::kCorrections,
+                                     .reverse_samples = tuning::paper::kReverseSamples};
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// What a solve has left to spend: the one place where a search looks at the clock.
+// What a solve has left of its budget of queries and seconds: the only place that reads the clock.
 #ifndef MJCF_PDG_SRC_PROBLEM_BUDGET_H_
 #define MJCF_PDG_SRC_PROBLEM_BUDGET_H_
 
@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "base/tuning.h"
 #include "mjcf_pdg/types.h"
 
 namespace mjcf_pdg {
@@ -15,37 +16,39 @@ class BudgetMeter {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // A solve that began at `begin`; `queries` is the finder's count then.
+  // A solve begins, at the time `begin`, when the finder has counted `queries`.
   void Begin(const Budget& budget, Clock::time_point begin, std::int64_t queries) {
     last_query_ = budget.queries > 0 ? queries + budget.queries : kNoLimit;
     begin_ = begin;
     seconds_ = std::numeric_limits<double>::infinity();
-    // Longer ones would overflow the clock, and nobody waits for them.
+    // Longer budgets would overflow the clock; they count as none.
     constexpr double kForever = 1e9;  // [s]
     if (budget.seconds > 0.0 && budget.seconds < kForever) {
       const double reserve = longest_verification_ + longest_step_;
-      seconds_ = std::max(kLeastShare * budget.seconds, budget.seconds - reserve);
+      seconds_ = std::max(tuning::budget::kLeastSearch * budget.seconds, budget.seconds - reserve);
     }
   }
-  // The same budget for a finder of another solve within this one, whose count is `queries` now and
-  // ours `own`.
+  // What is left for a search within this one that has a finder of its own: `queries` is the count
+  // of that finder now, `own` that of ours.
   BudgetMeter For(std::int64_t queries, std::int64_t own) const {
     BudgetMeter other = *this;
     if (last_query_ != kNoLimit) other.last_query_ += queries - own;
     return other;
   }
-  // Queries that the finder did not make: the verifier's.
+  // Counts queries that the finder did not make, as those of the verifier.
   void Charge(std::int64_t queries) {
     if (last_query_ != kNoLimit) last_query_ -= queries;
   }
-  // `queries`: the finder's count now.
+  // Whether the budget is spent when the finder has counted `queries`.
   bool Spent(std::int64_t queries) const { return queries >= last_query_ || Late(); }
-  // Of the bound in seconds alone, or a share of it; without one the clock is never read.
+  // Whether `share` of the budget in seconds is spent; false, without reading the clock, if there
+  // is no such budget.
   bool Late(double share = 1.0) const { return HasDeadline() && Since(begin_) > share * seconds_; }
   bool HasDeadline() const { return seconds_ < std::numeric_limits<double>::infinity(); }
 
-  // What is found must be verified within the budget, and a step that has begun is not interrupted:
-  // searches end as much earlier as the longest of both took of late. `begin`: as Now said.
+  // A step that has begun is not interrupted, and what is found must be verified within the budget.
+  // So searches end earlier, by the longest recent step and the longest recent verification. Both
+  // are reported here when they end, with the time that Now gave when they began.
   Clock::time_point Now() const { return HasDeadline() ? Clock::now() : Clock::time_point(); }
   void Verified(Clock::time_point begin) { Remember(begin, longest_verification_); }
   void Stepped(Clock::time_point begin) { Remember(begin, longest_step_); }
@@ -55,14 +58,11 @@ class BudgetMeter {
     return std::chrono::duration<double>(Clock::now() - begin).count();
   }
   void Remember(Clock::time_point begin, double& longest) const {
-    if (HasDeadline()) longest = std::max(kForgetting * longest, Since(begin));
+    if (HasDeadline()) longest = std::max(tuning::budget::kForgetting * longest, Since(begin));
   }
 
   static constexpr std::int64_t kNoLimit = std::numeric_limits<std::int64_t>::max();
   std::int64_t last_query_ = kNoLimit;
-  // Searches keep this share of the budget, however long verifications take.
-  static constexpr double kLeastShare = 0.5;
-  static constexpr double kForgetting = 0.99;  // each time: one that was interrupted passes
   Clock::time_point begin_;
   double seconds_ = std::numeric_limits<double>::infinity();  // from begin_ to the end of searches
   double longest_verification_ = 0.0, longest_step_ = 0.0;    // [s]

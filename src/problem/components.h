@@ -10,7 +10,7 @@
 
 namespace mjcf_pdg {
 
-// Starts first, since a candidate says by one of these which start it came from; then other steps.
+// The starts, by which a candidate says where it came from, and then other steps of both methods.
 enum class Component {
   kDirect,                  // q_in itself
   kMirror,                  // q_in's other side, seen from the first answer
@@ -35,15 +35,16 @@ enum class Component {
 };
 inline constexpr int kNumComponents = static_cast<int>(Component::kNone);
 
-// As Options::without and Result::start call it; "none" of kNone.
+// The name of a component in Options::without and Result::start; "none" for kNone.
 const char* NameOf(Component component);
 
-// Those of a method, in the order in which Components (pdg.h) names them.
+// The components of a method, in the order of Components (pdg.h).
 const std::vector<Component>& ComponentsOf(Method method);
 
 using ComponentSet = std::bitset<kNumComponents>;
 
-// The named components. Throws Error for a name that the method does not have, with those it has.
+// The set of the named components. Throws Error for a name that the method does not have; the
+// message lists those that it has.
 ComponentSet ComponentsNamed(const std::vector<std::string>& names, Method method);
 
 }  // namespace mjcf_pdg

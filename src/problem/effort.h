@@ -11,16 +11,21 @@ namespace mjcf_pdg {
 // The numbers of default and max were chosen on 7700 random problems of nine robots, by success
 // first, then σ, then time (bench/README.md, Agreement).
 struct EffortPlan {
-  // The search ends when so many independent starts have ended at the best answer: fewer where that
-  // is near what is proven (stopping_rule.h).
+  // The search ends when this many independent starts have ended at the best answer; the first
+  // number holds where that is near the lower bound of σ (search/stopping_rule.h).
   int agree_near_proven = 3, agree = 6;
-  int queries = 800;       // collision queries after which no further start is made
-  double box_tests = 9e3;  // ... and per dof, of triangle meshes, unless the answer is very far
-  double evaluations = 1000.0;  // ... and estimated time since something was free [evaluations]
-  int blind = 20;               // noisy starts while nothing is free, then as many anywhere
-  bool follows = true;          // exact meshes: a frame may trust the last one's answer
-  bool polishes_meshes = true;  // a fifth of a fast solve of exact meshes, for 1e-3 of σ
-  int bound_cells = 100;  // pieces of the sphere of directions for the lower bound; 0: moment arms
+  int queries = 800;  // collision queries after which no further start is made
+  // Exact meshes: tests of bounding boxes per degree of freedom after which no further start is
+  // made, unless the answer is very far.
+  double box_tests = 9e3;
+  // Estimated time after which no further start is made, from when something free was found on.
+  double evaluations = 1000.0;
+  int blind = 20;       // noisy starts while nothing free is known, and then starts anywhere
+  bool follows = true;  // exact meshes: a frame of a trajectory may end with the last one's answer
+  // Whether answers of exact meshes are polished: it gains 1e-3 of σ for a fifth of a fast solve.
+  bool polishes_meshes = true;
+  int bound_cells =
+      100;  // cells of the sphere of directions for the lower bound; 0: moment arms only
 };
 
 inline EffortPlan PlanFor(Effort effort) {

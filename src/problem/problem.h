@@ -14,11 +14,11 @@ namespace mjcf_pdg {
 struct Tolerances {
   Tolerances(double tolerance, double scene_size);
 
-  double user;    // overlap that counts as free [m]
-  double aim;     // overlap the local optimization aims at: inside, distances jitter [m]
-  double accept;  // overlap it accepts [m]
-  // Exact meshes are kept apart by this: normals are those of the nearest points as long as
-  // triangles are apart, and guesses when they overlap [m].
+  double user;    // overlap that counts as free: Options::tolerance [m]
+  double aim;     // overlap that a descent aims at: less than that, for distances jitter [m]
+  double accept;  // overlap with which a descent calls a configuration free: between the two [m]
+  // Distance at which exact meshes are kept [m]: as long as triangles are apart their nearest
+  // points give a normal, which has to be guessed when they overlap.
   double mesh_gap;
 };
 

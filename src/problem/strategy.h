@@ -1,5 +1,5 @@
-// A way to search for the nearest free configuration: what the solver asks of it and gets back.
-// The two are AutoMethod (method auto) and PaperMethod (method paper).
+// The interface of a method that searches for the nearest free configuration. AutoMethod (search/)
+// and PaperMethod (paper/) implement it.
 #ifndef MJCF_PDG_SRC_PROBLEM_STRATEGY_H_
 #define MJCF_PDG_SRC_PROBLEM_STRATEGY_H_
 
@@ -17,7 +17,7 @@ namespace mjcf_pdg {
 struct StrategyInput {
   const std::vector<NearPair>& overlaps;  // pairs nearer than required at q_in
   int distances_at_input = 0;             // pair distances that the query for them took
-  double sigma_lower_bound = 0.0;         // of every free configuration [m²]
+  double sigma_lower_bound = 0.0;         // no free configuration has a smaller σ [m²]
   const VectorXd* hint = nullptr;         // nq, a configuration that may be free; null: none
 };
 
@@ -28,8 +28,8 @@ struct Candidate {
   Component start = Component::kNone;
 };
 
-// The nearest free candidates of a search, the least σ first. A fixed number of slots, made once:
-// the verifier hardly ever refuses the first, and never yet refused kSlots of them.
+// The nearest free candidates of a search, by σ ascending. Only kSlots are kept, in memory that is
+// made once: the verifier hardly ever refuses the first of them.
 class Candidates {
  public:
   static constexpr std::size_t kSlots = 16;
@@ -41,7 +41,8 @@ class Candidates {
   Candidate& operator[](std::size_t k) { return slots_[k]; }
   const Candidate& operator[](std::size_t k) const { return slots_[k]; }
   const Candidate& front() const { return slots_[0]; }
-  // Among equals the older stays first. Beyond kSlots the farthest is dropped.
+  // Inserts a candidate, behind older ones of the same σ. If there are more than kSlots then, the
+  // one with the largest σ is dropped.
   void Insert(const VectorXd& q, double sigma, Component start);
 
  private:
@@ -49,16 +50,16 @@ class Candidates {
   std::size_t count_ = 0;
 };
 
-// What a search leaves: kept and refilled from solve to solve.
+// What a search found. The object is kept, and refilled by each solve.
 struct Outcome {
-  Candidates free;          // by the solver's own distances
-  Candidate least_overlap;  // the best that is not free, if has_overlap
-  bool has_overlap = false;
-  double least_violation = 0.0;  // of it: Σ of overlaps beyond what is aimed at [m]
+  Candidates free;           // free by the solver's own distances; the verifier has not seen them
+  bool has_overlap = false;  // some start ended in an overlap; of those:
+  Candidate least_overlap;   // the one with the least violation
+  double least_violation = 0.0;  // its sum of overlaps beyond what descents aim at [m]
   int starts = 0;
   int iterations = 0;
 
-  void Reserve(int nq);  // room for all of it
+  void Reserve(int nq);  // makes room for configurations of nq entries
   void Clear();
 };
 
@@ -70,20 +71,22 @@ class Strategy {
   // Searches from the workspace's q_in. The outcome is valid until the next call.
   virtual Outcome& Run(const StrategyInput& input) = 0;
 
-  // A last descent from a free candidate to full precision: true if it became nearer. After Run.
+  // After Run: descends from a free candidate to full precision. Returns true, and changes it, if
+  // that is nearer.
   virtual bool Polish(Candidate& candidate) = 0;
-  // A configuration near the candidate that keeps every required distance without using any of the
-  // tolerance; false if none was found. For candidates that the verifier refuses.
+  // For a candidate that the verifier refuses: finds a configuration near it that keeps every
+  // required distance in full, without using the tolerance. Returns false if there is none nearby.
   virtual bool Retreat(const Candidate& candidate, VectorXd& q) = 0;
 
-  virtual std::int64_t lcp_steps() const = 0;  // so far
-  // Collision queries so far, besides those of the workspace's finder.
+  // Counts since construction: steps of LCP solvers, and collision queries by other finders than
+  // the workspace's.
+  virtual std::int64_t lcp_steps() const = 0;
   virtual std::int64_t other_queries() const = 0;
 
-  // Motion coherence (Options::trajectory): a frame's answer, or what was found or given of one
-  // that has none, for later frames to start from.
+  // Motion coherence (Options::trajectory): keeps `q` for later frames to start from. It is a
+  // frame's answer if `free`; else what was found, or given, where there is none.
   virtual void Remember(const VectorXd& q, bool free) = 0;
-  virtual void Forget() = 0;
+  virtual void Forget() = 0;  // all that Remember keeps
 };
 
 }  // namespace mjcf_pdg

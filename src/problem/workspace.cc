@@ -3,25 +3,18 @@
 #include <algorithm>
 #include <vector>
 
+#include "base/tuning.h"
+
 namespace mjcf_pdg {
-namespace {
 
-// Distances of convex geoms repeat to about this share of the scene's size [1]: those to cylinders
-// and ellipsoids, which come from iterations, scattered by up to 5e-7 m in scenes of 0.1 m.
-constexpr double kDistanceJitter = 6e-6;
-// What the aim keeps away from the tolerance where jitter is small beside it [tolerances]. MuJoCo's
-// multi-contact tells up to 0.6 more than the distance: at 0.2, two of 600 answers were beyond.
-constexpr double kAimInside = 0.5;
-constexpr double kMeshGap = 2e-6;  // Tolerances::mesh_gap [size]; of 1e-6 … 1e-5 the quickest
-
-}  // namespace
+namespace tune = tuning::accuracy;
 
 Tolerances::Tolerances(double tolerance, double scene_size)
     : user(tolerance),
-      aim(std::max(0.0,
-                   tolerance - std::max(kAimInside * tolerance, kDistanceJitter * scene_size))),
+      aim(std::max(0.0, tolerance - std::max(tune::kAimInside * tolerance,
+                                             tune::kDistanceJitter * scene_size))),
       accept(0.5 * (user + aim)),
-      mesh_gap(kMeshGap * scene_size) {}
+      mesh_gap(tune::kMeshGap * scene_size) {}
 
 Workspace::Workspace(const SceneTables& tables, const Options& options)
     : norm(tables, options.metric),

@@ -15,25 +15,27 @@ namespace mjcf_pdg {
 // One per thread. Neither copyable nor movable: stages keep references into it.
 class Workspace {
  public:
-  // Both are kept by reference. The norm refers to qpos0 until Begin: stages make their scratch by
-  // it. Throws Error for unknown names in options.without.
+  // Keeps references to both arguments. Until Begin the norm's reference is qpos0, so that stages
+  // can size their memory. Throws Error for unknown names in options.without.
   Workspace(const SceneTables& tables, const Options& options);
   Workspace(const Workspace&) = delete;
   Workspace& operator=(const Workspace&) = delete;
 
-  // A new problem: q_in (nq) among obstacles at `mocap`. Everything that refers to q_in is set
-  // here: the reference of the norm, the required distances. `rest`: per kept pair the distance
-  // to which it may rest, negative, infinite of pairs that may not [m]; null: none may.
+  // Makes the problem of q_in (nq) among obstacles at `mocap`, and with it all that refers to q_in:
+  // the norm's reference and the required distances. `rest` gives, per kept pair, the negative
+  // distance that it may keep, infinite for a pair that may not overlap at all [m]; null: none may.
   void Begin(const Eigen::Ref<const VectorXd>& q_in, const MocapPoses& mocap = {},
              const VectorXd* rest = nullptr);
-  // The same problem for other tables of the same model: as `other` poses it, with its budget.
+  // Makes `other`'s problem, for tables of the same model whose collision geoms differ (hulls
+  // instead of triangles), with what is left of its budget.
   void Begin(const Workspace& other);
 
   const Problem& problem() const { return problem_; }
 
-  // No pair that can move is nearer than required, by the solver's own distances. One query.
+  // Whether no movable pair is nearer than required, by the solver's own distances. One query.
   bool Free(const VectorXd& q);
-  // Pairs nearer than required at q_in; the finder stays posed there. One query.
+  // The pairs nearer than required at q_in, where the finder stays posed. One query. Valid until
+  // the next call.
   const std::vector<NearPair>& OverlapsAtInput();
   bool Spent() const { return budget.Spent(finder.queries()); }
 

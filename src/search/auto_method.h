@@ -1,5 +1,5 @@
-// Method auto, in stages: the first starts, for links of exact meshes a search on their hulls, the
-// search, and a last descent from its answer.
+// Method auto in its stages: the first starts; where links of exact meshes overlap, a whole search
+// on their convex hulls; the search itself; and a last descent from the answer to full precision.
 #ifndef MJCF_PDG_SRC_SEARCH_AUTO_METHOD_H_
 #define MJCF_PDG_SRC_SEARCH_AUTO_METHOD_H_
 

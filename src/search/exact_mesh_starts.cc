@@ -5,20 +5,13 @@
 #include <limits>
 #include <span>
 
-namespace mjcf_pdg {
-namespace {
+#include "base/tuning.h"
 
-// The last basin is followed while √σ is below so many times its triangle-inequality bound, and for
-// so many frames in a row.
-constexpr double kFollowed = 2.0;
-constexpr int kFramesFollowed = 5;
-// Answers so many times as far as the meshes are deep in each other: there may be a nearer one.
-constexpr double kFar = 2.5, kVeryFar = 10.0;
-// Patient tries to come out of overlapping meshes the short way: so many, of so many steps, with
-// noise of so much about q_in [depths].
-constexpr int kWaysOut = 5, kPatientSteps = 120;
-constexpr double kNudge = 0.2;
-constexpr int kHintChances = 2;  // LocalOptions::last_chances of a start near its answer
+namespace mjcf_pdg {
+
+namespace tune = tuning::exact_meshes;
+
+namespace {
 
 bool MovedByFreeJointsOnly(const SceneTables& tables, int pair) {
   const mjModel& m = *tables.model;
@@ -47,11 +40,11 @@ bool AllRigid(const SceneTables& tables, const std::vector<NearPair>& overlaps) 
 
 LocalOptions ExactMeshStarts::FromHint() {
   LocalOptions near = Coarse();
-  near.last_chances = kHintChances;
+  near.last_chances = tune::kHintChances;
   return near;
 }
 
-// A hint does not replace these.
+// These are tried whether or not there was a hint.
 void ExactMeshStarts::Try(const StrategyInput& input, const VectorXd& center, double depth,
                           Random& random) {
   const bool rigid = AllRigid(problem_.tables, input.overlaps);
@@ -62,14 +55,14 @@ void ExactMeshStarts::Try(const StrategyInput& input, const VectorXd& center, do
   if (problem_.Uses(Component::kConstrainedTranslation)) TryRays(input.overlaps, center);
   const bool found = trials_.outcome().free.size() > hinted_;
   if (!problem_.Uses(Component::kDirect) || (found && trials_.Done())) return;
-  if (trials_.Exceeds(kFar)) {
+  if (trials_.Exceeds(tune::kFar)) {
     TryFromWithin(center, depth, random);
   } else if (!found || !rigid) {
     trials_.Try(center, Component::kDirect, Coarse());
   }
 }
 
-// The nearest free poses on the translations of Eq. 20, on the way out.
+// Starts where the straight ways of Eq. 20's translations first become free.
 void ExactMeshStarts::TryRays(const std::vector<NearPair>& overlaps, const VectorXd& center) {
   const std::span<const VectorXd> far = starts_.ConstrainedTranslation(overlaps, center);
   const double any_sigma = std::numeric_limits<double>::infinity();
@@ -78,35 +71,38 @@ void ExactMeshStarts::TryRays(const std::vector<NearPair>& overlaps, const Vecto
   }
 }
 
-// A nut leaves its bolt along the axis only. Its own contacts lead it out, if all of them are seen
-// and no step is longer than the overlap. A try that leads to nothing better is given up early.
+// From q_in itself: a nut leaves its bolt only along the axis, and no straight line of a sample
+// finds that. Its own contacts lead it out if all of them are measured and no step is longer than
+// the overlap. Stops at the first try that leads to nothing better than what is known.
 void ExactMeshStarts::TryFromWithin(const VectorXd& center, double depth, Random& random) {
   LocalOptions patient = Coarse();
-  patient.max_iterations = kPatientSteps;
+  patient.max_iterations = tune::kPatientSteps;
   patient.depths = Depths::kSearched;
   patient.largest_step = depth;
-  for (int k = 0; k < kWaysOut && trials_.Exceeds(k == 0 ? kFar : kVeryFar); ++k) {
+  for (int k = 0; k < tune::kWaysOut && trials_.Exceeds(k == 0 ? tune::kFar : tune::kVeryFar);
+       ++k) {
     if (work_.Spent()) return;
     start_ = center;
-    if (k > 0) starts_.Gaussian(center, depth * depth, kNudge, random, start_);
+    if (k > 0) starts_.Gaussian(center, depth * depth, tune::kNudge, random, start_);
     if (!trials_.Try(start_, Component::kDirect, patient)) return;
   }
 }
 
-// The frames of a trajectory drag the answer along, in the end far from the nearest. Where only
-// free bodies move and nothing else has, √σ is a metric: the nearest is no nearer than the frame
-// last searched had it, less what q_in has moved since.
+// Following frame after frame drags an answer along, in the end far from the nearest one. Where
+// only free bodies move and no obstacle has moved, √σ is a metric, and by its triangle inequality
+// the nearest answer's √σ is at least that of the last searched frame less what q_in has moved
+// since.
 bool ExactMeshStarts::Follows(const EffortPlan& plan) {
   const SceneTables& tables = problem_.tables;
   bool near = plan.follows && problem_.options.trajectory && searched_ && trials_.HasFree() &&
-              frames_followed_ < kFramesFollowed && searched_->mocap == problem_.mocap &&
+              frames_followed_ < tune::kFramesFollowed && searched_->mocap == problem_.mocap &&
               WithMovable(tables, searched_->q_in, problem_.q_in) == problem_.q_in &&
               std::all_of(
                   tables.joints.begin(), tables.joints.end(),
                   [](const JointEntry& joint) { return joint.type == mjJNT_FREE; });
   if (near) {
     const double least = searched_->rms - std::sqrt(work_.norm.Sigma(searched_->q_in));
-    near = std::sqrt(trials_.BestSigma()) < kFollowed * least;
+    near = std::sqrt(trials_.BestSigma()) < tune::kFollowed * least;
   }
   if (near) ++frames_followed_;
   return near;

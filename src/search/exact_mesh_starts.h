@@ -1,10 +1,12 @@
-// Exact meshes: the starts that triangles need, and when a frame of theirs follows the last one.
-// Of the search this is the one file that knows what triangles are.
+// Starts for meshes that collide as triangles, and the rule by which a frame of a trajectory ends
+// with the answer of the frame before. In search/ only this file knows how triangles differ.
 //
-// Translations take a rigid body out the short way, but a finger over the rim of a cup, where its
-// joints could take it back through the wall: links are parted pair by pair first, after the answer
-// of their convex hulls. The direct start knows only how deep the meshes overlap, which says little
-// of the way out: it comes last, and only if translations found nothing near.
+// A translation takes a rigid body out of an overlap by a short way. For a link it may be a detour:
+// a finger is carried over the rim of a cup where its joints could have moved it back through the
+// wall. So links begin with the answer of their convex hulls (hull_stage.h) and with overlapping
+// pairs parted one after the other (pair_by_pair.h). A descent from q_in comes last, and only if
+// translations found nothing near, because the depth of overlapping triangles says little about the
+// way out.
 #ifndef MJCF_PDG_SRC_SEARCH_EXACT_MESH_STARTS_H_
 #define MJCF_PDG_SRC_SEARCH_EXACT_MESH_STARTS_H_
 
@@ -21,9 +23,9 @@
 
 namespace mjcf_pdg {
 
-// Some of these overlaps at q_in are of triangles.
+// True if some of the pairs that overlap at q_in collide as triangles.
 bool MeshesOverlap(const std::vector<NearPair>& overlaps);
-// Only free joints move the geoms of these pairs.
+// True if free joints alone move the geoms of these pairs.
 bool AllRigid(const SceneTables& tables, const std::vector<NearPair>& overlaps);
 
 class ExactMeshStarts {
@@ -31,19 +33,19 @@ class ExactMeshStarts {
   ExactMeshStarts(Workspace& work, Trials& trials)
       : problem_(work.problem()), work_(work), trials_(trials), parting_(work), starts_(work) {}
 
-  // A search begins whose first starts have been made.
+  // Begins a search. To be called when its first starts, those of a hint, have been tried.
   void Begin() { hinted_ = trials_.outcome().free.size(); }
-  // All but those of the hulls, from `center`, q_in inside its limits. `depth`: the deepest overlap
-  // [m].
+  // Tries all of these starts but that of the hulls. `center` is q_in moved inside its limits,
+  // `depth` the deepest overlap there [m].
   void Try(const StrategyInput& input, const VectorXd& center, double depth, Random& random);
 
-  // A descent from a hint, which is near its answer.
+  // How to descend from a hint, which is taken to be near its answer.
   static LocalOptions FromHint();
 
-  // Only free bodies of exact meshes move, and the answer from the last frame's is near what it
-  // must be: the frame may end there. To be asked once a frame.
+  // True if this frame of a trajectory may end with the answer that the last frame's led to: only
+  // free bodies can move, and the answer is close to the least σ it can have. Ask once per frame.
   bool Follows(const EffortPlan& plan);
-  // A frame was searched; infinite if nothing was found free [m²].
+  // A frame has been searched; `best_sigma` is its answer's, infinite if it has none [m²].
   void FrameSearched(double best_sigma);
   void Forget() { searched_.reset(); }
   bool following() const { return frames_followed_ > 0; }
@@ -58,14 +60,14 @@ class ExactMeshStarts {
   PairByPair parting_;
   StartSelection starts_;
   VectorXd start_;          // scratch
-  std::size_t hinted_ = 0;  // candidates that a hint led to
+  std::size_t hinted_ = 0;  // number of candidates that the hint's descent has found
   struct Searched {
     VectorXd q_in;
     MocapPoses mocap;
     double rms = 0.0;  // √σ of its answer [m]
   };
   std::optional<Searched> searched_;  // the last frame that was searched and solved
-  int frames_followed_ = 0;           // since then
+  int frames_followed_ = 0;           // frames in a row that ended by Follows since then
 };
 
 }  // namespace mjcf_pdg

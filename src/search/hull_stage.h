@@ -1,9 +1,9 @@
-// Exact meshes: a search on their convex hulls, before the one on triangles, for models of several
-// links.
+// A search on the convex hulls of exact meshes, before the one on their triangles, for models of
+// several links. Not in the paper.
 //
-// Hulls that are apart have triangles that are apart, and their depths and ways out are known: a
-// whole search on hulls takes less than a few descents on triangles. Where a hollow matters its
-// answer is far, or there is none. Nothing of the paper.
+// What is free for the hulls is free for the triangles, and hulls have exact depths and normals: a
+// whole search on hulls costs less than a few descents on triangles. Where the answer lies in a
+// hollow of a mesh, the hulls' answer is far away or does not exist, and other starts must find it.
 #ifndef MJCF_PDG_SRC_SEARCH_HULL_STAGE_H_
 #define MJCF_PDG_SRC_SEARCH_HULL_STAGE_H_
 
@@ -19,8 +19,8 @@ class HullStage {
   HullStage();
   ~HullStage();
 
-  // The nearest answer as if the meshes of `work`'s problem were their hulls, until the next call;
-  // null if nothing was found free.
+  // Solves `work`'s problem with every mesh replaced by its hull. Returns the nearest answer, valid
+  // until the next call, or null if nothing free was found.
   const VectorXd* Run(const Workspace& work);
 
   std::int64_t queries() const;

@@ -36,7 +36,7 @@ bool Search::Begin(const StrategyInput& input, Component hint_start) {
 void Search::Finish(const StrategyInput& input) {
   if (meshes_overlap_) {
     meshes_.Try(input, center_, depth_, varied_.random());
-    trials_.RenewQueries();  // the budget is for what varies from there
+    trials_.RenewQueries();  // those so far do not count against the varied starts
   }
   if (trials_.HasFree() && !trials_.Done() && problem_.Uses(Component::kMirror)) {
     varied_.TryMirror();
@@ -45,7 +45,7 @@ void Search::Finish(const StrategyInput& input) {
   if (!trials_.HasFree()) {
     if (problem_.Uses(Component::kConstrainedTranslation)) varied_.TryTranslations(input.overlaps);
     if (!trials_.HasFree() && problem_.Uses(Component::kAnywhere)) varied_.TryAnywhere();
-    trials_.RenewQueries();  // the search for a nearer one begins here
+    trials_.RenewQueries();  // the search for a nearer answer begins here
     if (trials_.HasFree()) varied_.TryUntilDone();
   }
   meshes_.FrameSearched(trials_.BestSigma());

@@ -1,8 +1,8 @@
 // The search over starts: local optimization from each until enough of them agree.
 //
-// The direct start, q_in itself, settles shallow problems alone; varied starts follow
-// (varied_starts.h), for exact meshes after starts of their own (exact_mesh_starts.h). What ends it
-// is in stopping_rule.h, what becomes of a start in trials.h.
+// The first start is q_in itself, which solves shallow problems alone. Exact meshes then get starts
+// of their own (exact_mesh_starts.h), and varied starts follow (varied_starts.h). trials.h runs a
+// start and keeps what it finds; stopping_rule.h decides when the search ends.
 #ifndef MJCF_PDG_SRC_SEARCH_SEARCH_H_
 #define MJCF_PDG_SRC_SEARCH_SEARCH_H_
 
@@ -21,15 +21,15 @@ class Search {
  public:
   explicit Search(Workspace& work);
 
-  // The first starts: q_in and `hint`, whose component is `hint_start` (null: no hint). True if
-  // the answer is to be left at that: a frame that follows the last one.
+  // Tries the first starts: q_in and the input's hint, which is recorded as `hint_start`. Returns
+  // true if the search may end there, as a frame of a trajectory that follows the last one.
   bool Begin(const StrategyInput& input, Component hint_start = Component::kUserPose);
-  // One more start, from elsewhere.
+  // Tries one more start, which another stage has found.
   void Try(const VectorXd& q, Component start) { trials_.Try(q, start, Coarse()); }
-  // All others.
+  // Tries all other starts until the search is done.
   void Finish(const StrategyInput& input);
 
-  // The gain of a last descent is worth its time at this effort, after Finish.
+  // After Finish: whether a last descent to full precision is worth its time at this effort.
   bool WorthPolishing() const;
   Trials& trials() { return trials_; }
   const Trials& trials() const { return trials_; }
@@ -43,8 +43,8 @@ class Search {
   ExactMeshStarts meshes_;
   EffortPlan plan_;
   VectorXd center_;              // q_in inside its limits
-  double depth_ = 0.0;           // that q_in must be parted by [m]
-  bool meshes_overlap_ = false;  // at q_in, as triangles
+  double depth_ = 0.0;           // the deepest overlap at q_in, clearance included [m]
+  bool meshes_overlap_ = false;  // some pair that collides as triangles overlaps at q_in
 };
 
 }  // namespace mjcf_pdg

@@ -1,10 +1,12 @@
 // What decides when a search ends.
 //
-// A search ends early when the best answer is as near as is proven, or when enough independent
-// starts have ended at it: fewer of them where the lower bound is not far below, for contacts that
-// hardly interact leave few other optima. It ends late by a budget of collision queries and of
-// estimated time. Time is estimated from counts, not read from a clock, so that answers repeat.
-// Measured on 7700 random problems of nine robots (bench/README.md, Agreement).
+// A search ends when its best answer is proven to be the nearest (σ within 1 % of the lower bound),
+// or when enough independent starts have ended at that answer. Fewer need to agree where σ is close
+// to the lower bound: then contacts hardly interact, and there are few other optima. Without
+// agreement it ends when it has used its collision queries or its estimated time, both from
+// problem/effort.h. Time is estimated from counts instead of read from a clock, so that answers
+// repeat. The numbers were chosen on 7700 random problems of nine robots (bench/README.md,
+// Agreement).
 #ifndef MJCF_PDG_SRC_SEARCH_STOPPING_RULE_H_
 #define MJCF_PDG_SRC_SEARCH_STOPPING_RULE_H_
 
@@ -21,20 +23,22 @@ class StoppingRule {
  public:
   explicit StoppingRule(const Workspace& work) : work_(work) {}
 
-  // A search begins. `depth`: how far q_in must be parted [m]; `meshes_overlap`: some as triangles.
+  // Begins a search. `depth` is the deepest overlap at q_in [m]; `meshes_overlap` says whether
+  // pairs that collide as triangles overlap there.
   void Begin(const EffortPlan& plan, const StrategyInput& input, double depth, bool meshes_overlap);
-  // The bound on queries counts from here again.
+  // Counts queries from here on, as if the search began here.
   void RenewQueries() { first_query_ = work_.finder.queries(); }
-  // The first free configuration was found after so many steps of the LCP.
+  // The first free configuration has been found; `lcp_steps` is the count of LCP steps then.
   void FirstFree(std::int64_t lcp_steps);
 
-  // Another start ended, before its result joins the candidates; `best_sigma` is theirs, infinite
-  // if there is none [m²].
+  // Counts a start that ended with `result`. `best_sigma` is that of the candidates before the
+  // result joins them, infinite if there are none [m²].
   void Count(const LocalResult& result, Component start, double best_sigma);
 
-  // Of a search whose best answer has `best_sigma`, finite.
+  // Whether a search whose best answer has `best_sigma`, finite, may end [m²].
   bool Done(double best_sigma, std::int64_t lcp_steps) const;
-  // The best answer is farther than so many depths, or there is none.
+  // Whether √(best_sigma) is more than `depths` times the deepest overlap at q_in; true if there is
+  // no answer.
   bool Exceeds(double depths, double best_sigma) const {
     return best_sigma > depths * depths * depth_ * depth_;
   }
@@ -48,10 +52,9 @@ class StoppingRule {
   int distances_at_input_ = 0;
   double depth_ = 0.0;  // [m]
   bool meshes_overlap_ = false;
-  int agreeing_ =
-      0;  // independent starts that converged to the best answer or were stopped near it
-  std::int64_t first_query_ = 0, first_box_test_ = 0;  // the finder's counts as the search begins
-  // ... and as the first answer is free.
+  int agreeing_ = 0;  // independent starts that ended at the best answer, or close to it
+  // The finder's counts when the search began, and when the first free configuration was found.
+  std::int64_t first_query_ = 0, first_box_test_ = 0;
   std::int64_t free_query_ = 0, free_distance_ = 0, free_lcp_step_ = 0;
 };
 

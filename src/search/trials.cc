@@ -3,17 +3,16 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/tuning.h"
+
 namespace mjcf_pdg {
-namespace {
 
-constexpr double kGiveUp = 1.15;  // a start whose prediction is this ratio worse in σ is dropped
-
-}  // namespace
+namespace tune = tuning::starts;
 
 LocalOptions Coarse() {
   LocalOptions options;
-  options.max_iterations = 40;
-  options.convergence = 1e-3;
+  options.max_iterations = tuning::descent::kCoarseSteps;
+  options.convergence = tuning::descent::kCoarseConvergence;
   return options;
 }
 
@@ -29,7 +28,7 @@ bool Trials::Try(const VectorXd& q, Component start, const LocalOptions& options
   ++outcome_.starts;
   LocalOptions bounded = options;
   if (HasFree() && problem_.Uses(Component::kEarlyExit)) {
-    bounded.give_up_sigma = kGiveUp * BestSigma();
+    bounded.give_up_sigma = tune::kGiveUp * BestSigma();
     bounded.known = &Best();
     bounded.known_sigma = BestSigma();
   }

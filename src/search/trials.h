@@ -22,12 +22,14 @@ class Trials {
 
   void Begin(const EffortPlan& plan, const StrategyInput& input, double depth, bool meshes_overlap);
 
-  // Without a budget left there is still one start, unless somebody has an answer to fall back on.
+  // Allows a search whose budget is spent to make no start at all, because there is a hint to fall
+  // back on. Otherwise it makes one.
   void NeedNoStart() { needs_start_ = false; }
 
-  // Descends from q. False if that was given up because it led to nothing better.
+  // Descends from q and keeps what it finds; without budget it does nothing. Returns false if
+  // nothing was done or the descent was given up because it led to nothing better.
   bool Try(const VectorXd& q, Component start, const LocalOptions& options);
-  // The same to full precision, for a candidate: true if it became nearer.
+  // Descends from the candidate to full precision. Returns true, and changes it, if that is nearer.
   bool Polish(Candidate& candidate);
   bool Retreat(const Candidate& candidate, VectorXd& q) {
     return mjcf_pdg::Retreat(local_, candidate, outcome_, q);
@@ -40,7 +42,7 @@ class Trials {
   }
   bool Done() const { return HasFree() && rule_.Done(BestSigma(), local_.lcp_steps()); }
   bool Exceeds(double depths) const { return rule_.Exceeds(depths, BestSigma()); }
-  // The budget of the whole solve is spent.
+  // Whether the budget of the whole solve is spent.
   bool Spent() const { return work_.Spent(); }
   void RenewQueries() { rule_.RenewQueries(); }
 
@@ -58,7 +60,8 @@ class Trials {
   bool needs_start_ = true;
 };
 
-// For starts: whether one leads to something better shows early, full precision is for the best.
+// How to descend from a start: less precisely, for whether it leads to something better shows
+// early, and the best answer is polished in the end.
 LocalOptions Coarse();
 
 }  // namespace mjcf_pdg

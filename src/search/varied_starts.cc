@@ -3,19 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/tuning.h"
+
 namespace mjcf_pdg {
+
+namespace tune = tuning::starts;
+
 namespace {
 
-// Spreads of the noisy starts, in turn, since how far the nearest answer's basin reaches is not
-// known [√σ of the best answer].
-constexpr double kNoise[] = {5.0, 2.0, 3.0, 8.0};
-constexpr double kWiderWhenBlind = 0.5;  // while nothing is free the scale is a guess: per try more
-constexpr double kLeastNoise = 0.01;     // √σ that noise assumes at least [size]
 constexpr Hop kHops[] = {Hop::kFromBest, Hop::kFromInput, Hop::kMirrored};
-constexpr int kHopEvery = 3;     // of the varied starts every third is a hop
-constexpr double kRayEnd = 4.0;  // a ray ends so many times as far as its start
-// A ray is left where its first free configuration would cost more than so many times the best σ.
-constexpr double kWorthADescent = 5.0;
 
 }  // namespace
 
@@ -31,16 +27,17 @@ void VariedStarts::TryMirror() {
   TryOnRay(start_, Component::kMirror);
 }
 
-// The hop comes early: noisy starts agree on a wrong answer sooner than it finds a better one.
+// The first hop comes second: noisy starts may agree on a wrong answer before a later hop could
+// find a better one.
 void VariedStarts::TryUntilDone() {
   const bool noise = problem_.Uses(Component::kNoise), hops = problem_.Uses(Component::kHop);
   for (int k = 0; !trials_.Done() && !work_.Spent(); ++k) {
-    if (hops && trials_.HasFree() && (k % kHopEvery == 1 || !noise)) {
-      TryHop(kHops[(noise ? k / kHopEvery : k) % 3]);
+    if (hops && trials_.HasFree() && (k % tune::kHopEvery == 1 || !noise)) {
+      TryHop(kHops[(noise ? k / tune::kHopEvery : k) % 3]);
     } else {
       if (!noise) return;
-      const double widened = trials_.HasFree() ? 1.0 : 1.0 + kWiderWhenBlind * k;
-      TryNoise(widened * kNoise[k % 4]);
+      const double widened = trials_.HasFree() ? 1.0 : 1.0 + tune::kWiderWhenBlind * k;
+      TryNoise(widened * tune::kNoise[k % 4]);
     }
     if (!trials_.HasFree() && k + 1 == plan_.blind) return;
   }
@@ -49,7 +46,7 @@ void VariedStarts::TryUntilDone() {
 void VariedStarts::TryNoise(double spread) {
   double sigma = trials_.BestSigma();
   if (!trials_.HasFree()) {
-    const double least = kLeastNoise * problem_.size;
+    const double least = tune::kLeastNoise * problem_.size;
     sigma = trials_.outcome().has_overlap
                 ? std::max(trials_.outcome().least_overlap.sigma, least * least)
                 : problem_.size * problem_.size;
@@ -68,16 +65,15 @@ void VariedStarts::TryOnRay(const VectorXd& q, Component start) {
     trials_.Try(q, start, Coarse());
     return;
   }
-  starts_.Beyond(center_, q, kRayEnd, far_);
-  const double largest_sigma = kWorthADescent * trials_.BestSigma();
+  starts_.Beyond(center_, q, tune::kRayEnd, far_);
+  const double largest_sigma = tune::kWorthADescent * trials_.BestSigma();
   for (const FreeOnRay& free : starts_.FirstFree(center_, {&far_, 1}, largest_sigma)) {
     trials_.Try(free.q, start, Coarse());
   }
 }
 
-// The paper's way: a pose that may be free goes through contact-space projection and iteration, for
-// motions that no local step from q_in can find; local optimization finishes, or tries if it is
-// not.
+// The paper's way for motions that no local step from q_in can find: q_f, which may be free, goes
+// through contact-space projection and iteration, and a descent starts from where that ends.
 void VariedStarts::TryFreePose(const VectorXd& q_f, Component start) {
   if (work_.Spent()) return;
   const IterationResult& result = iteration_.Run(q_f);

@@ -1,9 +1,9 @@
 // Starts that differ from solve to solve by the seed alone: noise about q_in, hops that decide one
 // contact of the best answer anew, the other side of q_in, anywhere.
 //
-// Deep problems are decided by which side of an obstacle, or which order of contacts, a start falls
-// on. How deep two triangle meshes overlap says little, so theirs are moved on along the way there
-// to where they are apart first.
+// In deep problems, the side of an obstacle on which a start lies decides which optimum is found.
+// Where triangle meshes overlap, the depth at a start says little; so such a start is moved to the
+// first free configuration on the straight way from q_in through it.
 #ifndef MJCF_PDG_SRC_SEARCH_VARIED_STARTS_H_
 #define MJCF_PDG_SRC_SEARCH_VARIED_STARTS_H_
 
@@ -30,16 +30,18 @@ class VariedStarts {
         start_(problem_.tables.model->nq),
         far_(problem_.tables.model->nq) {}
 
-  // A search about `center` begins; `on_rays`: triangle meshes overlap.
+  // Begins a search about `center`. `on_rays`: triangle meshes overlap there, so that starts are
+  // moved to where they are free.
   void Begin(const EffortPlan& plan, const VectorXd& center, bool on_rays);
 
   void TryMirror();
-  // Noise and hops in turn until the search is done; noise alone, `blind` times, while nothing is
-  // free.
+  // Tries noise and hops in turn until the search is done. As long as nothing free is known it
+  // tries noise alone, EffortPlan::blind times at most.
   void TryUntilDone();
-  // Where nothing near q_in worked: Eq. 20 for the overlaps at q_in, until something is free.
+  // For problems where nothing near q_in was found free: the translations of Eq. 20 for the
+  // overlaps at q_in, until one leads to something free.
   void TryTranslations(const std::vector<NearPair>& overlaps);
-  // ... and uniform within limits.
+  // For the same: configurations anywhere within limits, until one leads to something free.
   void TryAnywhere();
 
   Random& random() { return random_; }

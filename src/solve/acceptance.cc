@@ -1,29 +1,34 @@
 #include "solve/acceptance.h"
 
 #include <algorithm>
+#include <limits>
+
+#include "base/tuning.h"
 
 namespace mjcf_pdg {
-namespace {
 
-// How much farther from q_in than a refused candidate, doubled until the verifier agrees [share].
-constexpr double kFirstBeyond = 1e-4, kLastBeyond = 0.1;
-// ... than one that is proven but disputed, where no more than 1 % of the way is worth it.
-constexpr double kBeyondDisputed = 0.01;
+namespace tune = tuning::acceptance;
 
-}  // namespace
-
+// A hint that is nearer than a candidate goes before it: where the budget ended the search before
+// it came to the hint, that may be so.
 bool Acceptance::Accept(Outcome& outcome, const VectorXd* hint) {
+  const double of_hint = hint ? work_.norm.Sigma(*hint) : std::numeric_limits<double>::infinity();
+  bool asked = !hint;
   for (std::size_t k = 0; k < outcome.free.size() && (k == 0 || !work_.Spent()); ++k) {
+    if (!asked && of_hint < outcome.free[k].sigma) {
+      if (IsFree(*hint, Component::kUserPose)) return true;
+      asked = true;
+    }
     if (AcceptCandidate(outcome.free[k])) return true;
   }
   const Candidate& least = outcome.least_overlap;
   if (outcome.has_overlap && !work_.Spent() && IsFree(least.q, least.start)) return true;
-  return hint && IsFree(*hint, Component::kUserPose);
+  return !asked && IsFree(*hint, Component::kUserPose);
 }
 
-// One that the verifier refuses is moved a little further out and asked about again: by a descent
-// that keeps a distance, or else straight on. So is one that MuJoCo's contacts dispute, since
-// people simulate what they get; but a proof is enough where that does not help.
+// A candidate that the verifier refuses is moved a little farther out and verified again. The same
+// is tried with one that is proven free but in which MuJoCo still finds contacts, since people
+// simulate what they get; if that does not help, the proof is enough.
 bool Acceptance::AcceptCandidate(Candidate& candidate) {
   if (!work_.Spent()) strategy_.Polish(candidate);
   const bool proven = IsFree(candidate.q, candidate.start);
@@ -32,15 +37,16 @@ bool Acceptance::AcceptCandidate(Candidate& candidate) {
   return proven && IsFree(candidate.q, candidate.start);
 }
 
-// `proven`: the candidate itself is free, but disputed, so that only
-// what nobody disputes is better.
+// By a descent that keeps more distance, or else straight on from q_in. `proven`: the candidate
+// itself is proven free but MuJoCo disputes it, so that only what MuJoCo does not dispute is
+// better.
 bool Acceptance::AcceptFartherOut(const Candidate& candidate, bool proven) {
   const auto better = [&] {
     return IsFree(trial_, candidate.start) && !(proven && verifier_.disputed());
   };
   if (strategy_.Retreat(candidate, trial_) && better()) return true;
-  const double last_beyond = proven ? kBeyondDisputed : kLastBeyond;
-  for (double beyond = kFirstBeyond; beyond < last_beyond && !work_.Spent(); beyond *= 2.0) {
+  const double last_beyond = proven ? tune::kBeyondDisputed : tune::kLastBeyond;
+  for (double beyond = tune::kFirstBeyond; beyond < last_beyond && !work_.Spent(); beyond *= 2.0) {
     starts_.Beyond(problem_.q_in, candidate.q, 1.0 + beyond, trial_);
     if (better()) return true;
   }

@@ -1,4 +1,4 @@
-// From candidates to an answer: what the verifier does not call free is not accepted.
+// Makes a candidate of the search the answer: only one that the verifier calls free.
 #ifndef MJCF_PDG_SRC_SOLVE_ACCEPTANCE_H_
 #define MJCF_PDG_SRC_SOLVE_ACCEPTANCE_H_
 
@@ -20,12 +20,14 @@ class Acceptance {
         verifier_(verifier),
         starts_(work) {}
 
-  // The verifier's word on what `q_in`, as the user gave it, may rest.
+  // Begins a solve of `q_in`, as the user gave it, which must live until the solve ends: the
+  // verifier is told it because contacts may rest as deep as they do there (Options::rest).
   void Begin(const std::vector<double>& q_in) { q_in_ = &q_in; }
 
-  // Polishes and verifies the candidates, best first, then the least overlap, for exact meshes that
-  // cross may be within the tolerance, then `hint` (null: none). True if one is free: then q and
-  // start say which. Ends early when the budget is spent, but for one candidate and the hint.
+  // Polishes and verifies the free candidates, nearest first; then the least overlap, because exact
+  // meshes that cross may still be within the tolerance; then `hint` (null: none), which comes
+  // before candidates that are farther. Returns true if one is free; q and start then say which. Of
+  // a solve whose budget is spent only the first candidate and the hint are looked at.
   bool Accept(Outcome& outcome, const VectorXd* hint);
 
   const std::vector<double>& q() const { return q_; }  // nq

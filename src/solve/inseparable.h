@@ -1,8 +1,8 @@
-// Pairs that seem to overlap wherever the joints go.
+// Pairs that seem to overlap wherever the joints go. Not in the paper.
 //
-// Nothing of the paper. Models often have such pairs: links drawn into each other that MuJoCo's
-// filters keep, as those of a static body's children and of links two joints apart. No search can
-// part them; the model must <exclude> them.
+// Models often have such pairs: geoms of links that are drawn into each other, and that MuJoCo's
+// filter of parent and child does not leave out because the links are two joints apart or children
+// of a static body. No search can part them; the model must <exclude> them.
 #ifndef MJCF_PDG_SRC_SOLVE_INSEPARABLE_H_
 #define MJCF_PDG_SRC_SOLVE_INSEPARABLE_H_
 
@@ -12,10 +12,11 @@
 
 namespace mjcf_pdg {
 
-// The <exclude> lines of the bodies whose pairs overlap at q and in each of 100 configurations
-// anywhere (StartSelection::Uniform), in words that end a sentence; empty if there are none, or
-// some joint is frozen. No proof. Stops when the budget is spent. As many queries as it takes to
-// find each pair parted, at most 101.
+// Finds the pairs that overlap at q and in each of 100 random configurations
+// (StartSelection::Uniform). Returns the <exclude> lines of their bodies in words that end a
+// sentence; empty if there is no such pair, if a joint is frozen, or if the budget is spent. This
+// is evidence, not proof. Takes as many queries as it needs to see each pair parted once, 101 at
+// most.
 std::string DescribeInseparable(Workspace& work, const VectorXd& q);
 
 }  // namespace mjcf_pdg

@@ -17,7 +17,7 @@ void CheckOptions(const Options& options, const mjModel& m);
 // that we were built with: patches go together, other versions lay out their structs differently.
 void CheckMujocoVersion();
 
-// Shorter ones are refused: they have no direction.
+// Quaternions shorter than this are refused, because they have no direction.
 inline constexpr double kLeastQuaternion = 1e-6;
 
 // Throws Error for negative numbers and NaN.

@@ -129,8 +129,7 @@ void Reporter::SayWhy(const Outcome* outcome, bool frozen, const Verdict& verdic
   } else {
     result.cause = outcome && !outcome->free.empty() ? Cause::kNotVerified : Cause::kNotFound;
   }
-  if (spent)
-    result.reason = problem_.options.time_limit < 1e9 ? "time limit reached; " : "budget spent; ";
+  if (spent) result.reason = work_.budget.Late() ? "time limit reached; " : "budget spent; ";
   result.reason += "no free configuration found from " +
                    std::to_string(outcome ? outcome->starts : 0) + " starts: " + verdict.reason +
                    inseparable;

@@ -1,5 +1,5 @@
-// What a result says: the verifier's verdicts on q_in and on the answer, unedited, and why there is
-// no answer if there is none.
+// Writes the Result: the verifier's verdicts on q_in and on the answer, unedited, and the reason
+// where there is no answer.
 #ifndef MJCF_PDG_SRC_SOLVE_REPORT_H_
 #define MJCF_PDG_SRC_SOLVE_REPORT_H_
 
@@ -20,17 +20,17 @@ class Reporter {
   // Empties `result`, keeping its memory.
   static void Clear(Result& result);
 
-  // The verifier's word on q_in: true if it is free, and the result says so.
+  // Asks the verifier about q_in. If it is free, the result is complete: returns true.
   bool Input(const std::vector<double>& q_in, Result& result);
-  // Without contacts and distances to report, depths at q_in are the search's own: the verifier
-  // takes longer to measure deep overlaps than to tell that there are some.
+  // Takes the depth at q_in from the search's `overlaps`, unless contacts or distances are to be
+  // reported: the verifier takes longer to measure deep overlaps than to find that there are some.
   void Overlaps(const std::vector<NearPair>& overlaps, Result& result) const;
-  // `q` is free by the verifier's last word.
+  // The answer is `q`, which the verifier was last asked about and called free.
   void Solved(const std::vector<double>& q_in, const std::vector<double>& q, Component start,
               Result& result);
-  // The least overlap that the search saw, or q_in inside its limits if the verifier finds more
-  // there. `outcome` null: nothing was searched. `frozen`: pairs overlap that no movable joint can
-  // part.
+  // There is no answer: the result's q is the least overlap that the search found, or q_in moved
+  // inside its limits where the verifier finds that less deep. `outcome` is null if nothing was
+  // searched. `frozen`: pairs overlap that no movable joint can part.
   void Unsolved(const std::vector<double>& q_in, const Outcome* outcome, bool frozen,
                 Result& result);
 

@@ -1,4 +1,4 @@
-// Options::rest: which contacts of q_in may keep their depth, by the verifier's measure.
+// Options::rest: which contacts of q_in may keep their depth, as the verifier measured it.
 #ifndef MJCF_PDG_SRC_SOLVE_REST_H_
 #define MJCF_PDG_SRC_SOLVE_REST_H_
 
@@ -7,8 +7,8 @@
 
 namespace mjcf_pdg {
 
-// Per kept pair the distance to which it may rest, negative; infinite for pairs that may not [m].
-// The verifier was last asked about a q_in.
+// Fills `at_rest` with the negative distance that each kept pair may keep, infinite for pairs that
+// may not overlap [m]. The verifier's last question must have been about q_in.
 void DistancesAtRest(const Verifier& verifier, const SceneTables& tables, VectorXd& at_rest);
 
 }  // namespace mjcf_pdg

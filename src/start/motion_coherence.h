@@ -1,4 +1,5 @@
-// Motion coherence: what earlier frames of a motion leave for later ones to start from.
+// Motion coherence: configurations of earlier frames of a motion, from which later frames may
+// start.
 //
 // Source: Tang & Kim, Sec. 3.2 and 5.1: a cache of free and of self-collision-free configurations.
 #ifndef MJCF_PDG_SRC_START_MOTION_COHERENCE_H_
@@ -7,6 +8,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "base/tuning.h"
 #include "problem/workspace.h"
 
 namespace mjcf_pdg {
@@ -19,7 +21,8 @@ class ConfigurationCache {
   void Add(const VectorXd& q);
   void Clear() { entries_.clear(), next_ = 0; }
   bool empty() const { return entries_.empty(); }
-  // With what is frozen as in q_in; nearest to it first, by σ, `largest_count` at most.
+  // The entries nearest to q_in by σ, nearest first, `largest_count` at most, with frozen joints as
+  // in q_in.
   std::vector<VectorXd> NearestFirst(Workspace& work, std::size_t largest_count) const;
 
  private:
@@ -28,28 +31,28 @@ class ConfigurationCache {
   std::vector<VectorXd> entries_;
 };
 
-// One per solver. Cached configurations may no longer be free: obstacles (mocap bodies) move too.
+// One per solver. What was free when it was added may no longer be: obstacles (mocap bodies) move
+// too.
 class MotionCoherence {
  public:
-  static constexpr std::size_t kTries = 8;  // nearest cached configurations that a start looks at
-
-  // A frame's answer, known to be free; a frame known to be free of self-collision.
+  // Adds a frame's answer, which is free; or a configuration that is free of self-collision at
+  // least.
   void AddFree(const VectorXd& q);
   void AddSelfCollisionFree(const VectorXd& q) { self_collision_free_.Add(q); }
   void Clear();
 
   bool empty() const { return free_.empty(); }
-  std::vector<VectorXd> NearestFree(Workspace& work, std::size_t largest_count = kTries) const {
+  std::vector<VectorXd> NearestFree(
+      Workspace& work, std::size_t largest_count = tuning::starts::kFramesTried) const {
     return free_.NearestFirst(work, largest_count);
   }
   std::vector<VectorXd> NearestSelfCollisionFree(Workspace& work) const {
-    return self_collision_free_.NearestFirst(work, kTries);
+    return self_collision_free_.NearestFirst(work, tuning::starts::kFramesTried);
   }
 
  private:
-  // Longer motions than so many frames seldom come back to where they were.
-  static constexpr std::size_t kCapacity = 64;
-  ConfigurationCache free_{kCapacity}, self_collision_free_{kCapacity};
+  ConfigurationCache free_{tuning::starts::kFramesKept};
+  ConfigurationCache self_collision_free_{tuning::starts::kFramesKept};
 };
 
 }  // namespace mjcf_pdg

@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/tuning.h"
 #include "optimize/contact_matrix.h"
 
 namespace mjcf_pdg {
+
+namespace tune = tuning::exact_meshes;
+
 namespace {
 
-constexpr int kRounds = 3;             // over all pairs: parting one may bring others together
-constexpr double kFirstReach = 0.02;   // tried first, then doubled [scene's size]
-constexpr double kLargestReach = 4.0;  // [scene's size]
-constexpr int kBisections = 3;
 constexpr double kImmovable = 1e-9;  // a joint motion that parts by 1 m costs more than its inverse
 
 // The normal that was found, both ways, and the faces and corners of a cube.
@@ -33,7 +33,7 @@ std::vector<Vector3d> Directions(const Vector3d& n_W) {
 std::optional<VectorXd> PairByPair::Start(const VectorXd& q) {
   VectorXd at = q;
   bool parted = false;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < tune::kRounds; ++round) {
     const std::vector<NearPair> overlaps = ExactOverlaps(at);
     if (overlaps.empty()) break;
     for (const NearPair& overlap : overlaps) {
@@ -113,15 +113,15 @@ bool PairByPair::Motion(const VectorXd& q, const NearPair& overlap, const Vector
 // How far along dq [m] the pair is apart first; none below `largest_sigma`.
 std::optional<double> PairByPair::PartedAt(const VectorXd& q, int pair, const VectorXd& dq,
                                            double largest_sigma) {
-  double overlapping = 0.0, apart = kFirstReach * problem_.size;
+  double overlapping = 0.0, apart = tune::kFirstReach * problem_.size;
   for (;; apart *= 2.0) {
-    if (apart > kLargestReach * problem_.size) return std::nullopt;
+    if (apart > tune::kLargestReach * problem_.size) return std::nullopt;
     MoveTo(q, dq, apart);
     if (!Overlaps(pair, trial_)) break;
     if (work_.norm.Sigma(trial_) >= largest_sigma) return std::nullopt;
     overlapping = apart;
   }
-  for (int k = 0; k < kBisections; ++k) {
+  for (int k = 0; k < tune::kBisections; ++k) {
     const double t = 0.5 * (overlapping + apart);
     MoveTo(q, dq, t);
     (Overlaps(pair, trial_) ? overlapping : apart) = t;

@@ -1,9 +1,10 @@
-// Exact meshes: a start for models of several links, one overlapping pair parted after the other.
+// Exact meshes: a start for models of several links, which parts one overlapping pair after the
+// other. Not in the paper, whose Eq. 20 moves whole trees.
 //
-// How deep two thin-walled meshes overlap says little of the way out. So it is tried: the joints
-// between the two bodies move along the cheapest motion, by the object norm, that parts them in a
-// given direction, up to where they are apart; of several directions the one with the least σ
-// counts. Not of the paper, whose Eq. 20 moves whole trees.
+// The depth of two overlapping thin-walled meshes says little about the way out. So ways are tried:
+// the joints between the two bodies move as the object norm finds cheapest for parting them in a
+// given direction, as far as it takes until they are apart; of several directions the one that ends
+// with the least σ is taken.
 #ifndef MJCF_PDG_SRC_START_PAIR_BY_PAIR_H_
 #define MJCF_PDG_SRC_START_PAIR_BY_PAIR_H_
 
@@ -19,8 +20,8 @@ class PairByPair {
  public:
   explicit PairByPair(Workspace& work) : problem_(work.problem()), work_(work) {}
 
-  // From `q`, inside its limits. The result may overlap still, or anew. None if no pair of exact
-  // meshes overlaps, or none can be parted.
+  // Starts from `q`, which must be inside its limits. The result may still overlap, or overlap
+  // elsewhere. Returns nothing if no pair of exact meshes overlaps, or none can be parted.
   std::optional<VectorXd> Start(const VectorXd& q);
 
  private:

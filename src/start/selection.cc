@@ -4,15 +4,13 @@
 #include <cmath>
 #include <iterator>
 
-namespace mjcf_pdg {
-namespace {
+#include "base/tuning.h"
 
-constexpr double kTouching = 20.0;           // of the tolerance
-constexpr double kFirstOnRay = 1.0 / 256.0;  // share of the way
-constexpr double kNextOnRay = 1.2;           // times the share before
-constexpr int kRayHalvings = 2;
-constexpr double kWorthARay = 2.0;                 // σ over that of the nearest found
-constexpr double kHopSpreads[] = {3.0, 7.5, 1.5};  // as in Gaussian, one at random
+namespace mjcf_pdg {
+
+namespace tune = tuning::starts;
+
+namespace {
 
 struct Sphere {
   Vector3d center_W = Vector3d::Zero();
@@ -121,9 +119,8 @@ StartSelection::StartSelection(Workspace& work) : problem_(work.problem()), work
 // norm hardly sees are held back.
 void StartSelection::FindDofSteps(const VectorXd& at, double length) {
   work_.norm.Linearize(at, r_, J_);
-  constexpr double kLeastGain = 1e-3;  // share of the root mean square of all
   steps_ = J_.colwise().norm().transpose().cwiseQuotient(arms_);  // gains, turns as arcs
-  const double least = kLeastGain * steps_.norm() / std::sqrt(steps_.size());
+  const double least = tune::kLeastGain * steps_.norm() / std::sqrt(steps_.size());
   steps_ = length * steps_.cwiseMax(least).cwiseProduct(arms_).cwiseInverse();
 }
 
@@ -132,7 +129,7 @@ void StartSelection::FindDofSteps(const VectorXd& at, double length) {
 void StartSelection::MarkDofsOfSomeContact(const VectorXd& q, Random& random) {
   const SceneTables& tables = problem_.tables;
   const mjModel& m = *tables.model;
-  const double reach = kTouching * problem_.tolerances.user;
+  const double reach = tune::kTouching * problem_.tolerances.user;
   touching_.clear();
   work_.finder.Pose(q);
   for (const NearPair& near :
@@ -184,7 +181,7 @@ void StartSelection::ContactHop(const VectorXd& best, double sigma, Hop hop, Ran
                                 VectorXd& start) {
   const SceneTables& tables = problem_.tables;
   MarkDofsOfSomeContact(best, random);
-  const double spread = kHopSpreads[random.Bits() % std::size(kHopSpreads)];
+  const double spread = tune::kHopSpreads[random.Bits() % std::size(tune::kHopSpreads)];
   FindDofSteps(problem_.q_in, spread * std::sqrt(sigma / tables.n));
   const double share = random.Uniform() < 0.5 ? 0.5 : 1.0;
   Difference(tables, problem_.q_in, best, dq_);
@@ -221,14 +218,14 @@ bool StartSelection::RayEnds(const VectorXd& center, int ray, double before, dou
   if (work_.Spent() || work_.norm.Sigma(trial_) > largest_sigma) return true;
   if (!work_.Free(trial_)) return false;
   double overlapping = before;
-  for (int halvings = 0; halvings < kRayHalvings; ++halvings) {
+  for (int halvings = 0; halvings < tune::kRayHalvings; ++halvings) {
     const double middle = 0.5 * (t + overlapping);
     MoveTo(center, rays_[ray], middle, trial_);
     (work_.Free(trial_) ? t : overlapping) = middle;
   }
   MoveTo(center, rays_[ray], t, trial_);
   AddFound(trial_);
-  largest_sigma = std::min(largest_sigma, kWorthARay * found_[num_found_ - 1].sigma);
+  largest_sigma = std::min(largest_sigma, tune::kWorthARay * found_[num_found_ - 1].sigma);
   return true;
 }
 
@@ -243,7 +240,8 @@ std::span<const FreeOnRay> StartSelection::FirstFree(const VectorXd& center,
   }
   num_found_ = 0;
   double before = 0.0;
-  for (double t = kFirstOnRay; before < 1.0 && !open_.empty(); t = std::min(1.0, kNextOnRay * t)) {
+  for (double t = tune::kFirstOnRay; before < 1.0 && !open_.empty();
+       t = std::min(1.0, tune::kNextOnRay * t)) {
     std::erase_if(open_, [&](int ray) { return RayEnds(center, ray, before, t, largest_sigma); });
     before = t;
   }
@@ -263,7 +261,7 @@ void StartSelection::Uniform(const VectorXd& center, Random& random, VectorXd& s
   auto between = [&random](double low, double high) {
     return low + (high - low) * random.Uniform();
   };
-  const double reach = 10.0 * problem_.size;
+  const double reach = tune::kUniformReach * problem_.size;
   dq_.resize(problem_.tables.n);
   for (const JointEntry& joint : problem_.tables.joints) {
     const bool scalar = joint.type == mjJNT_HINGE || joint.type == mjJNT_SLIDE;

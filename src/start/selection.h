@@ -14,10 +14,10 @@
 
 namespace mjcf_pdg {
 
-// `best` of ContactHop, a configuration in contact, gets one contact decided anew: the joints
-// between its two bodies (all of them, or about half) move, the others stay as they are. A model
-// that overlaps in many places has as many choices to make, and a fresh start seldom makes all of
-// them well.
+// How ContactHop moves joints. It takes a configuration `best` with contacts, picks one of them and
+// decides it anew: the joints between the two bodies (all of them, or about half) move, all others
+// stay. A model that overlaps in many places has a choice to make at each, and a start that draws
+// all joints anew seldom makes all choices well.
 enum class Hop {
   kFromBest,   // noise about `best`
   kFromInput,  // noise about q_in
@@ -29,12 +29,13 @@ struct FreeOnRay {
   double sigma = 0.0;  // [m²]
 };
 
-// Keeps its memory between calls. What `start` was is ignored; it must not be an argument, too.
+// Each function writes the configuration that it makes to `start`, which must not be one of its
+// other arguments. Calls do not depend on earlier ones; only memory is kept.
 class StartSelection {
  public:
   explicit StartSelection(Workspace& work);
 
-  // q_in moved as far to the other side as q lies on this one: q_in ⊖ (q ⊖ q_in).
+  // The mirror image of q about q_in: q_in ⊖ (q ⊖ q_in).
   void Mirrored(const VectorXd& q, VectorXd& start);
 
   // `center` moved by normal noise, each dof by about `spread` · √(sigma / n) of the object norm.
@@ -49,7 +50,7 @@ class StartSelection {
   // slides and free bodies within ten Problem::size about `center`.
   void Uniform(const VectorXd& center, Random& random, VectorXd& start);
 
-  // On the way from `center` through `q`, `times` as far.
+  // The configuration on the straight way from `center` through `q`, `times` as far as q.
   void Beyond(const VectorXd& center, const VectorXd& q, double times, VectorXd& start);
 
   // Eq. 20: the tree that overlaps most is carried off along its base's free directions, away from
@@ -60,9 +61,9 @@ class StartSelection {
   std::span<const VectorXd> ConstrainedTranslation(const std::vector<NearPair>& overlaps,
                                                    const VectorXd& from);
 
-  // Straight from `center` towards each of `far`, all at one pace: the first free configuration
-  // found on each way, the least σ first. Ways on which σ would be more than `largest_sigma` [m²],
-  // or more than twice the least found, are given up. Valid until the next call.
+  // Goes straight from `center` towards each of `far`, on all ways at once, and returns the first
+  // free configuration found on each, by σ ascending. A way is left where its σ exceeds
+  // `largest_sigma` [m²], or twice the least σ found on another. Valid until the next call.
   std::span<const FreeOnRay> FirstFree(const VectorXd& center, std::span<const VectorXd> far,
                                        double largest_sigma);
 
@@ -92,7 +93,7 @@ class StartSelection {
   std::vector<int> touching_;  // pairs
   std::vector<FreeDirection> free_;
   std::vector<int> own_, others_;  // geoms of a tree, and of what it overlaps
-  // Of these lists, which never shrink, the first so many are in use.
+  // These lists never shrink; of the first two, the entries up to the counts below are in use.
   std::vector<VectorXd> translations_, rays_;
   std::vector<FreeOnRay> found_;
   int num_translations_ = 0, num_found_ = 0;

@@ -1,0 +1,212 @@
+// The numbers by which a solve is tuned: what each is for and its unit, all in one place.
+//
+// None of them decides whether an answer is right, which is the verifier's matter; they decide how
+// soon and how near an answer is found. How they were chosen: bench/sensitivity.py halves and
+// doubles each of them on random problems of several robots and tells what that changes in success,
+// σ and work (bench/README.md, Sensitivity); where more was measured, it stands beside the number.
+// How far a search goes at each effort stands in problem/effort.h. Accuracies that an algorithm
+// needs to be correct stand beside the algorithm.
+//
+// Units: [size] is the scene's size (Problem::size), [tolerance] the user's (Options::tolerance),
+// [1] a ratio. Lengths are never absolute, so that a scaled scene is solved alike.
+#ifndef MJCF_PDG_SRC_BASE_TUNING_H_
+#define MJCF_PDG_SRC_BASE_TUNING_H_
+
+namespace mjcf_pdg::tuning {
+
+// How accurate distances are taken to be (problem/workspace.cc, Tolerances).
+namespace accuracy {
+// Distances of convex geoms repeat up to this [size]: those to cylinders and ellipsoids, which come
+// from iterations, scattered by up to 5e-7 m in scenes of 0.1 m.
+inline constexpr double kDistanceJitter = 6e-6;
+// How much of the tolerance a descent leaves unused [tolerance]. MuJoCo's multi-contact finds
+// overlaps that are up to 0.6 tolerances deeper than the distance says: at 0.2 it disputed two of
+// 600 answers, at 0.5 none.
+inline constexpr double kAimInside = 0.5;
+// Exact meshes are kept this far apart [size]; of 1e-6 to 1e-5 the quickest.
+inline constexpr double kMeshGap = 2e-6;
+}  // namespace accuracy
+
+// One linearized step of the local optimization (optimize/linearized_step.cc).
+namespace step {
+inline constexpr int kContacts = 48;          // pairs that get rows: the nearest, if there are more
+inline constexpr double kSamePoint = 1e-3;    // witness points nearer than this are the same [size]
+inline constexpr double kLimitReach = 0.5;    // limits of turns farther than this get no row [rad]
+inline constexpr double kSlideReach = 5.0;    // ... limits of slides [size]
+inline constexpr double kLimitPenalty = 1e6;  // μ of joint limits: so stiff that none gives way [m]
+inline constexpr double kLargestTurn = 1.0;   // of a joint in a step; linear no farther [rad]
+inline constexpr int kLcpStepsPerVariable = 10;  // pivots of the LCP, per row and degree of freedom
+inline constexpr double kLcpTolerance = 0.01;    // violation of a row that counts as 0 [tolerance]
+}  // namespace step
+
+// The descent from a start to a local optimum (optimize/local_optimization.cc).
+namespace descent {
+// Steps of a descent from a usual start, from a start that only seeks another optimum, and of the
+// last descent that polishes an answer; the relative decrease of σ below which each has settled
+// [1]; the longest step of the first two and of the last [√σ, m, in scenes up to desk size]; and
+// steps without a lower σ after which exact meshes end it.
+inline constexpr int kSteps = 60, kCoarseSteps = 40, kPolishSteps = 15;
+inline constexpr double kConvergence = 1e-4, kCoarseConvergence = 1e-3, kPolishConvergence = 1e-6;
+inline constexpr double kTrustRadius = 0.3, kPolishRadius = 0.05;
+inline constexpr int kLastChances = 4, kPolishChances = 3;
+// μ, the penalty weight of contacts that cannot be held [m], in scenes up to desk size; it grows
+// with larger ones. It begins at the first value and is raised tenfold as long as an overlap
+// remains.
+inline constexpr double kFirstPenalty = 10.0, kHighestPenalty = 1e4;
+inline constexpr double kDeskSize = 0.1;      // the size of a scene on a desk [m]
+inline constexpr double kSizePerDepth = 0.1;  // a scene is taken as no smaller than this [overlap]
+// The penalty weight by which a step is judged, over the largest contact force [1]: by μ, far above
+// it, a micrometre of overlap would outweigh all that σ can gain.
+inline constexpr double kPenaltyOverForce = 3.0;
+
+// The trust region and the damping.
+inline constexpr double kFullStep = 0.9;      // a step this long may double the radius [radius]
+inline constexpr double kLeastRadius = 1e-6;  // the descent ends where the radius is less [size]
+// Levenberg-Marquardt damping of H [1], at first, the least above 0, and what it is at least when
+// it is raised again. A step that keeps more than kKept of the decrease of merit that it promised
+// divides it by ten, one that keeps less than kBroken multiplies it by ten.
+inline constexpr double kFirstDamping = 0.1, kLeastDamping = 1e-5, kRenewedDamping = 1e-4;
+inline constexpr double kKept = 0.75, kBroken = 0.25;
+
+// The distance within which pairs get rows [size]: at the start, and after a step 1.5 times its
+// length within these bounds.
+inline constexpr double kFirstMargin = 0.12, kLeastMargin = 0.01, kLargestMargin = 0.5;
+inline constexpr double kMarginPerStep = 1.5;
+
+// When a descent ends.
+inline constexpr double kSmallStep = 1e-6, kSmallShare = 1e-4;  // a small step [size] + [√σ]
+inline constexpr int kSettled = 2;  // steps in a row that hardly change σ, where it is free
+inline constexpr int kPatience =
+    7;  // steps without a better iterate; then it goes back to the best
+inline constexpr int kPatienceWithPlanes =
+    1;  // ... with exact meshes, where each step teaches planes
+// It is given up as hopeless after kHopeless steps in a row that predict a σ above
+// LocalOptions::give_up_sigma. A descent that still overlaps is judged from step kGiveUpFrom on.
+inline constexpr int kHopeless = 2, kGiveUpFrom = 4;
+// It ends near a known optimum: within this distance of it [√σ of the optimum], unless the step
+// predicts a σ below kBeatsKnown of its [1], for then it may lead elsewhere.
+inline constexpr double kNearKnown = 0.15, kBeatsKnown = 0.95;
+
+// Exact meshes.
+inline constexpr double kUnseenOverlap = 1e-3;  // counted for an overlap of unknown depth [size]
+// They keep a safety margin from the planes that bound a step, for curved surfaces meet before
+// their planes do: after a step into an overlap, this many times the overlap [1], at most this
+// share of the step's length [1]; after a free step this share of the margin is kept [1].
+inline constexpr double kSafetyMarginPerOverlap = 2.0, kSafetyMarginPerStep = 0.03;
+inline constexpr double kSafetyMarginKept = 0.25;
+// A step that ends in an overlap is made again, at this share of its length [1]: the first time a
+// long one, since what the overlap taught may suffice, then the shorter one.
+inline constexpr double kFirstRetreat = 0.7, kRetreat = 0.15;
+}  // namespace descent
+
+// The starts of a search (start/selection.cc, search/varied_starts.cc, search/trials.cc).
+namespace starts {
+// Spreads of the noisy starts in turn, since how far the basin of the nearest answer reaches is not
+// known [√σ of the best answer].
+inline constexpr double kNoise[] = {5.0, 2.0, 3.0, 8.0};
+inline constexpr double kHopSpreads[] = {3.0, 7.5, 1.5};  // ... of contact hops, one at random
+inline constexpr double kLeastNoise = 0.01;               // √σ that noise assumes at least [size]
+inline constexpr double kWiderWhenBlind = 0.5;  // spread added with every try while nothing is free
+inline constexpr double kLeastGain =
+    1e-3;                            // dofs that the norm hardly sees count as this [rms gain]
+inline constexpr int kHopEvery = 3;  // every third of the varied starts is a hop
+inline constexpr double kTouching = 20.0;  // a pair nearer than this may be hopped over [tolerance]
+inline constexpr double kUniformReach = 10.0;  // how far a start anywhere slides from q_in [size]
+// Motion coherence: frames that are kept, since longer motions seldom come back to where they were,
+// and the nearest of them that a start looks at.
+inline constexpr int kFramesKept = 64, kFramesTried = 8;
+// A start that predicts a σ this many times the best one's is given up [1].
+inline constexpr double kGiveUp = 1.15;
+
+// The first free configuration on a ray from q_in is sought at growing shares of the way [1], then
+// by halving.
+inline constexpr double kFirstOnRay = 1.0 / 256.0, kNextOnRay = 1.2;
+inline constexpr int kRayHalvings = 2;
+inline constexpr double kRayEnd = 4.0;         // a ray ends this many times as far as its start [1]
+inline constexpr double kWorthARay = 2.0;      // σ at which a ray is left, over the least found [1]
+inline constexpr double kWorthADescent = 5.0;  // ... over the best answer's σ [1]
+}  // namespace starts
+
+// Starts for meshes as triangles (search/exact_mesh_starts.cc, start/pair_by_pair.cc).
+namespace exact_meshes {
+// A trajectory's last answer is followed while √σ is below this many times what the nearest can
+// have at least [1], for this many frames in a row.
+inline constexpr double kFollowed = 2.0;
+inline constexpr int kFramesFollowed = 5;
+// Answers this far, over the depth to which meshes overlap at q_in [1], may well have a nearer one.
+inline constexpr double kFar = 2.5, kVeryFar = 10.0;
+// Then the short way out of the overlap is tried with patience: tries, steps of a try, and the
+// noise about q_in with which a try begins [depth].
+inline constexpr int kWaysOut = 5, kPatientSteps = 120;
+inline constexpr double kNudge = 0.2;
+inline constexpr int kHintChances = 2;  // LocalOptions::last_chances of a start near its answer
+
+// Pair by pair: rounds over all pairs, since parting one may bring others together; the reach that
+// is tried first and then doubled, and the largest [size]; halvings back to the first free.
+inline constexpr int kRounds = 3, kBisections = 3;
+inline constexpr double kFirstReach = 0.02, kLargestReach = 4.0;
+}  // namespace exact_meshes
+
+// When a search ends (search/stopping_rule.cc).
+namespace stopping {
+inline constexpr double kSameAnswer = 1.01;  // two answers are the same up to this ratio of their σ
+// Few starts need to agree where σ is at most this many times its lower bound [1]. Chosen with the
+// numbers of effort.h: bench/README.md, Agreement.
+inline constexpr double kNearProven = 5.0;
+// Estimated time of a query, of a pair distance and of an LCP step per degree of freedom, the
+// latter two over the distances at q_in but no fewer than kFewDistances [evaluations]: a regression
+// over the solves of nine robots on one machine. It only bounds a search that found no agreement.
+inline constexpr double kPerQuery = 0.3, kPerDistance = 0.8, kPerStepAndDof = 0.03;
+inline constexpr int kFewDistances = 4;
+}  // namespace stopping
+
+// How a budget in seconds is shared out (problem/budget.h, bound/lower_bound_pair.h).
+namespace budget {
+inline constexpr double kLeastSearch = 0.5;  // searches keep this share, however long steps take
+inline constexpr double kBound = 0.25;       // the lower bound takes at most this share
+// The longest step and verification so far are remembered, and fade by this factor each time, so
+// that one that was interrupted by the system is forgotten [1].
+inline constexpr double kForgetting = 0.99;
+}  // namespace budget
+
+// What becomes of candidates that the verifier refuses (solve/acceptance.cc): they are moved on, by
+// this share of their way from q_in, doubled up to the last one [1]; a candidate that is proven
+// free but that MuJoCo's contacts dispute is moved no farther than kBeyondDisputed.
+namespace acceptance {
+inline constexpr double kFirstBeyond = 1e-4, kLastBeyond = 0.1, kBeyondDisputed = 0.01;
+}  // namespace acceptance
+
+// Continuous collision detection (ccd/ccdg.cc, ccd/pair_proof.cc).
+namespace bisection {
+inline constexpr double kNearestSplit = 0.25;  // no split is nearer to an end [interval]
+// Where the proofs from both ends of an interval meet is known up to the curvature of the motion.
+// It is split at this share of the way [1], if that is more than kWorthAsking times what the first
+// proof covers [1]. On the motions that method paper makes on the sets of ablation_bench a share of
+// 0.8 takes 9 % more poses, 1.0 takes 1 % more, and splitting only where proofs end (conservative
+// advancement) a third more.
+inline constexpr double kMeetShare = 0.97, kWorthAsking = 1.1;
+// Motion bounds grow with the horizon: it is tried on the whole interval, then on this many times
+// what that proved, at least kSmallestShrink of it [1]. The second horizon saves 1 % of the poses
+// of usual motions, the third is for turns far away or along a long slide; a fourth would save less
+// than a thousandth.
+inline constexpr int kHorizons = 3;
+inline constexpr double kHorizonPerReach = 4.0, kSmallestShrink = 1.0 / 16.0;
+}  // namespace bisection
+
+// The paper's method (paper/).
+namespace paper {
+inline constexpr int kIterations = 100;     // of contact-space projection
+inline constexpr int kCorrections = 6;      // contacts at the minimizer that join those at q_c
+inline constexpr int kReverseSamples = 16;  // of the motion that reverse projection goes back on
+inline constexpr double kTouchingBand =
+    10.0;                                // pairs this near at q_c are contacts [the CCD's gap]
+inline constexpr int kTranslations = 4;  // trees carried off one after the other
+inline constexpr int kKeyframes = 32;    // keyframes looked at
+// Maximally clear configurations: this many clearances, each twice the one before, with this many
+// random configurations for each.
+inline constexpr int kClearLevels = 8, kClearSamples = 16;
+}  // namespace paper
+
+}  // namespace mjcf_pdg::tuning
+
+#endif  // MJCF_PDG_SRC_BASE_TUNING_H_

@@ -1,0 +1,149 @@
+#include "optimize/linearized_step.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/grow.h"
+#include "base/tuning.h"
+
+namespace mjcf_pdg {
+
+namespace tune = tuning::step;
+
+// Rooms for the most rows there can be, so that no later step needs more.
+LinearizedStep::LinearizedStep(Workspace& work) : problem_(work.problem()), work_(work) {
+  const SceneTables& tables = problem_.tables;
+  const int n = tables.n, limits = 2 * static_cast<int>(tables.joints.size());
+  const int rows = tune::kContacts * (1 + WitnessMemory::kPerPair) + limits;
+  rows_.Reserve(rows, n);
+  lcp_.Reserve(n, rows);
+  GrowTo(n, rows, G_);
+  for (VectorXd* per_row : {&lambda_, &b_, &bounds_, &slack_}) GrowTo(rows, *per_row);
+  nearest_.reserve(tables.pairs.size());
+  moved_.resize(work.norm.rows());
+}
+
+void LinearizedStep::Linearize(const VectorXd& q, const std::vector<NearPair>& near,
+                               const RowOptions& options) {
+  const SceneTables& tables = problem_.tables;
+  nearest_.clear();
+  for (const NearPair& pair : near) nearest_.push_back(&pair);
+  if (nearest_.size() > tune::kContacts) {
+    const auto slack = [this](const NearPair* pair) {
+      return pair->distance - problem_.required[pair->pair];
+    };
+    std::nth_element(nearest_.begin(), nearest_.begin() + tune::kContacts, nearest_.end(),
+                     [&](const NearPair* a, const NearPair* b) { return slack(a) < slack(b); });
+    nearest_.resize(tune::kContacts);
+  }
+  rows_.Clear(tables.n);
+  for (const NearPair* pair : nearest_) AppendContactRows(*pair, options);
+  contact_rows_ = rows_.m;
+  AppendLimitRows(tables, q, {tune::kLimitReach, tune::kSlideReach * problem_.size, problem_.size},
+                  rows_);
+  work_.norm.Linearize(q, r_, J_);
+}
+
+// The row of the pair's witness points, then those of witness points that it had at earlier steps.
+void LinearizedStep::AppendContactRows(const NearPair& near, const RowOptions& options) {
+  const SceneTables& tables = problem_.tables;
+  const PosedModel& posed = work_.finder.posed();
+  const double merge = tune::kSamePoint * problem_.size;
+  double offset = options.aim - problem_.required[near.pair];
+  if (near.local) offset -= options.safety_margin;
+  const int row = rows_.Append(near.distance + offset);
+  ContactRow(tables, posed, near.pair, near.p1_W, near.p2_W, near.n_W, rows_.C.row(row));
+  // Of exact meshes every feature nearby is a NearPair of its own.
+  if (near.local || !problem_.Uses(Component::kWitnessMemory)) return;
+  const auto append_remembered = [&](const Vector3d& p1_W, const Vector3d& p2_W) {
+    const double distance = near.n_W.dot(p2_W - p1_W);
+    if (distance > options.margin + problem_.options.clearance) return;
+    const int extra = rows_.Append(distance + offset);
+    ContactRow(tables, posed, near.pair, p1_W, p2_W, near.n_W, rows_.C.row(extra));
+  };
+  memory_.ForEach(tables, posed, near, merge, append_remembered);
+  memory_.Add(tables, posed, near, merge);
+}
+
+double LinearizedStep::Solve(const StepOptions& options) {
+  // H = JᵀJ = L Lᵀ; z = Lᵀ dq; y = L⁻¹ Jᵀ r; G = L⁻¹ Cᵀ.
+  work_.norm.InnerProduct(J_, H_);
+  if (problem_.Uses(Component::kDamping)) AddDamping(options.damping);
+  whitening_.Factor(H_, work_.norm.blocks());
+  y_.noalias() = J_.transpose() * r_;
+  whitening_.SolveLower(y_);
+  SolveLcp(options);
+  dq_ = z_;
+  whitening_.SolveUpper(dq_);
+  moved_.noalias() = J_ * dq_;
+  uncut_sigma_ = (r_ + moved_).squaredNorm();
+  const double length = moved_.norm();
+  const double cut =
+      std::min({1.0, options.trust_radius / length, tune::kLargestTurn / LargestTurn()});
+  dq_ *= cut;
+  moved_ *= cut;
+  Predict();
+  return cut * length;
+}
+
+// The norm hardly sees light links: without damping, small gains turn them far and the
+// linearization is lost. Rotations count as translations of the scene's size.
+void LinearizedStep::AddDamping(double damping) {
+  const double rotation = damping * problem_.size * problem_.size;
+  for (const JointEntry& joint : problem_.tables.joints) {
+    for (int k = 0; k < joint.ndof; ++k) {
+      H_(joint.col + k, joint.col + k) += joint.Slides(k) ? damping : rotation;
+    }
+  }
+}
+
+// λ and the whitened step z = G λ - y.
+void LinearizedStep::SolveLcp(const StepOptions& options) {
+  const int n = problem_.tables.n, m = rows_.m;
+  GrowTo(n, m, G_);
+  for (VectorXd* per_row : {&lambda_, &b_, &bounds_}) GrowTo(m, *per_row);
+  auto G = G_.leftCols(m);
+  auto lambda = lambda_.head(m), b = b_.head(m), bounds = bounds_.head(m);
+  G = rows_.C.topRows(m).transpose();
+  whitening_.SolveLower(G);
+  b = -rows_.gap.head(m);
+  b.noalias() += G.transpose() * y_;
+  bounds.setConstant(options.penalty);
+  bounds.tail(m - contact_rows_).setConstant(tune::kLimitPenalty * options.scale);
+  LcpOptions lcp;
+  lcp.max_steps = tune::kLcpStepsPerVariable * (n + m);
+  lcp.tolerance = tune::kLcpTolerance * problem_.tolerances.user;
+  lcp_steps_ += lcp_.Solve(G, b, bounds, lcp, lambda).steps;
+  z_ = -y_;
+  z_.noalias() += G * lambda;
+}
+
+double LinearizedStep::LargestTurn() const {
+  double largest = 0.0;
+  for (const JointEntry& joint : problem_.tables.joints) {
+    for (int k = 0; k < joint.ndof; ++k) {
+      if (!joint.Slides(k)) largest = std::max(largest, std::abs(dq_[joint.col + k]));
+    }
+  }
+  return largest;
+}
+
+void LinearizedStep::Predict() {
+  sigma_ = (r_ + moved_).squaredNorm();
+  GrowTo(contact_rows_, slack_);
+  auto slack = slack_.head(contact_rows_);
+  slack = rows_.gap.head(contact_rows_);
+  slack.noalias() += rows_.C.topRows(contact_rows_) * dq_;
+  violation_ = -slack.cwiseMin(0.0).sum();
+}
+
+double LinearizedStep::LargestForce() const {
+  return contact_rows_ == 0 ? 0.0 : lambda_.head(contact_rows_).maxCoeff();
+}
+
+double LinearizedStep::SquaredLength(const VectorXd& dq) {
+  moved_.noalias() = J_ * dq;
+  return moved_.squaredNorm();
+}
+
+}  // namespace mjcf_pdg

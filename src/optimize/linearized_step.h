@@ -1,0 +1,93 @@
+// One step of the local optimization: the contacts and the object norm linearized at a
+// configuration, and the dq that minimizes the norm there.
+//
+// Source: Tang & Kim, Sec. 5.3: minimize ½‖r + J dq‖² subject to C dq + gap >= 0 (Eq. 24-30).
+// Differs from it:
+//   1. Rows are elastic: a contact that cannot be held costs `penalty` per metre, so that contacts
+//      in conflict have an answer. Joint limits are far stiffer.
+//   2. Witness points of earlier steps add rows (witness_memory.h).
+//   3. Levenberg-Marquardt damping, and a trust radius in the units of the object norm.
+#ifndef MJCF_PDG_SRC_OPTIMIZE_LINEARIZED_STEP_H_
+#define MJCF_PDG_SRC_OPTIMIZE_LINEARIZED_STEP_H_
+
+#include <cstdint>
+#include <vector>
+
+#include "base/block_cholesky.h"
+#include "optimize/contact_matrix.h"
+#include "optimize/lcp.h"
+#include "optimize/witness_memory.h"
+#include "problem/workspace.h"
+
+namespace mjcf_pdg {
+
+// Which rows a linearization gets, and what they ask for.
+struct RowOptions {
+  double margin = 0.0;         // remembered witness points farther apart than this get no row [m]
+  double aim = 0.0;            // overlap that every row still allows [m]
+  double safety_margin = 0.0;  // kept beyond that in rows of exact meshes [m]
+};
+
+// How a step is held back.
+struct StepOptions {
+  double scale = 1.0;         // of the lengths of a large scene, see Descent in local_optimization
+  double penalty = 0.0;       // μ, of contacts [m]
+  double damping = 0.0;       // added to H: so much for a slide; nothing where it is left out
+  double trust_radius = 0.0;  // largest ‖J dq‖ [m]
+};
+
+class LinearizedStep {
+ public:
+  explicit LinearizedStep(Workspace& work);
+
+  // Forgets the witness points of earlier steps.
+  void Clear() { memory_.Clear(problem_.tables.pairs.size()); }
+
+  // The rows of `near`, the pairs close to q, of joint limits, and the norm's Jacobian. The finder
+  // must be posed at q.
+  void Linearize(const VectorXd& q, const std::vector<NearPair>& near, const RowOptions& options);
+
+  // Solves for dq at the present linearization; returns its length ‖J dq‖ [m].
+  double Solve(const StepOptions& options);
+
+  const VectorXd& dq() const { return dq_; }
+  // What the linearization says of where dq leads: σ [m²], and Σ over the contact rows of the
+  // overlap beyond the aim [m].
+  double sigma() const { return sigma_; }
+  double violation() const { return violation_; }
+  // The same σ before the step was cut to its trust radius.
+  double uncut_sigma() const { return uncut_sigma_; }
+  // The largest λ of a contact [m]; 0 without contacts.
+  double LargestForce() const;
+  // ‖J dq‖² of any dq: what it costs by the linearized norm [m²].
+  double SquaredLength(const VectorXd& dq);
+
+  std::int64_t lcp_steps() const { return lcp_steps_; }
+
+ private:
+  void AppendContactRows(const NearPair& near, const RowOptions& options);
+  void AddDamping(double damping);
+  void SolveLcp(const StepOptions& options);
+  double LargestTurn() const;  // of dq [rad]
+  void Predict();
+
+  const Problem& problem_;
+  Workspace& work_;
+  WitnessMemory memory_;
+  ContactRows rows_;
+  int contact_rows_ = 0;  // rows_ begins with these; the rows after them are joint limits
+  ActiveSetLcp lcp_;
+  std::int64_t lcp_steps_ = 0;
+  double sigma_ = 0.0, violation_ = 0.0, uncut_sigma_ = 0.0;
+
+  // Scratch. Of what has an entry or a column per row, those past the rows in use mean nothing.
+  std::vector<const NearPair*> nearest_;
+  VectorXd moved_, r_, z_, dq_, y_;
+  VectorXd lambda_, b_, bounds_, slack_;  // per row
+  MatrixXd J_, H_, G_;
+  BlockCholesky whitening_;
+};
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_OPTIMIZE_LINEARIZED_STEP_H_
