@@ -26,6 +26,7 @@ struct Arguments {
   std::vector<std::string> efforts = {"default"};
   int seeds = 1;
   int persistence = 3;
+  std::string method = "auto";
 };
 
 Effort ParseEffort(const std::string& name) {
@@ -42,6 +43,7 @@ Series MeasureEffort(const Scene& scene, const ProblemSet& set, const std::strin
                      const Arguments& arguments) {
   Options options;
   options.effort = ParseEffort(effort);
+  options.method = arguments.method == "paper" ? Method::kPaper : Method::kAuto;
   options.tolerance = arguments.sets.tolerance;
   Series series = Measure(scene, set, options, {0, arguments.seeds});
   series.label = effort;
@@ -92,6 +94,7 @@ void WriteJson(const ProblemSet& set, const Series& series, const std::vector<do
                            {"iterations", r.stats.iterations},
                            {"starts", r.stats.starts},
                            {"collision_queries", r.stats.collision_queries},
+                           {"lcp_sweeps", r.stats.lcp_sweeps},
                            {"evaluations", solve.seconds / u},
                            {"qpos_in", problem.q_in},
                            {"qpos", r.q}};
@@ -157,6 +160,8 @@ int Main(int argc, char** argv) {
   app.add_option("--effort", arguments.efforts, "fast, default, max; several with commas")
       ->delimiter(',')
       ->check(CLI::IsMember({"fast", "default", "max"}));
+  app.add_option("--method", arguments.method, "auto or paper; the lower σ is sought by auto")
+      ->check(CLI::IsMember({"auto", "paper"}));
   app.add_option("--json", arguments.json, "write every solve to this file, as JSON Lines");
   return RunProgram(app, argc, argv, [&] { Run(arguments); });
 }
