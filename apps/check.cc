@@ -1,6 +1,5 @@
 // mjcf-pdg check: which pairs penetrate and which joint limits are exceeded, and by how much; with
 // --motion, how far the way from one configuration to another is free.
-#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,8 +7,10 @@
 #include "apps/check_motion.h"
 #include "apps/cli.h"
 #include "apps/configurations.h"
+#include "apps/interrupt.h"
 #include "apps/options.h"
 #include "apps/output_files.h"
+#include "apps/progress.h"
 #include "apps/report.h"
 #include "apps/text.h"
 #include "mjcf_pdg/pdg.h"
@@ -18,7 +19,8 @@ namespace mjcf_pdg::app {
 namespace {
 
 struct CheckArguments {
-  SceneArguments scene;
+  SceneArguments scene;  // of the present model
+  std::vector<std::string> models;
   WhichArguments which;
   bool motion = false;
   EndsArguments ends;
@@ -26,26 +28,40 @@ struct CheckArguments {
   std::string json;
 };
 
-int RunCheck(const CheckArguments& arguments) {
-  const Scene scene = LoadScene(arguments.scene);
-  const std::vector<Configuration> rows = ReadConfigurations(scene, arguments.which);
+int RunCheck(CheckArguments& arguments) {
+  const bool several = arguments.models.size() > 1;
+  if (several && arguments.which.file == "-") {
+    throw Error("--qpos-file: stdin can be read for one model only");
+  }
   OutputFiles outputs;
-  outputs.Add("--json", arguments.json, {arguments.scene.model, arguments.which.file});
-  std::vector<Verdict> verdicts;
-  for (const Configuration& row : rows) {
+  std::vector<std::string> inputs = arguments.models;
+  inputs.push_back(arguments.which.file);
+  outputs.Add("--json", arguments.json, inputs);
+  outputs.Stream(arguments.json);
+  CheckTable table(several, arguments.options.tolerance);
+  CatchInterrupts();
+  for (const std::string& model : arguments.models) {
+    arguments.scene.model = model;
+    const Scene scene = LoadScene(arguments.scene);
+    RowSource rows(scene, arguments.which);
+    Progress progress("checking", rows.size());
     Options options = arguments.options;
-    options.mocap_pos = row.mocap_pos;
-    options.mocap_quat = row.mocap_quat;
-    verdicts.push_back(Verify(scene, row.q, options, &row.q));
+    RowName name{several ? model : "", 0};
+    for (Configuration row; !Interrupted() && rows.Next(row); ++name.index) {
+      options.mocap_pos = row.mocap_pos;
+      options.mocap_quat = row.mocap_quat;
+      const Verdict verdict = Verify(scene, row.q, options, &row.q);
+      if (!arguments.json.empty()) {
+        outputs.Append(arguments.json, CheckJson(scene, name, row, verdict));
+      }
+      table.Add(scene, name, row, verdict);
+      progress.Step();
+    }
   }
-  if (!arguments.json.empty()) outputs.Stage(arguments.json, CheckJson(scene, rows, verdicts));
+  if (const int signal = Interrupted()) return kExitSignal + signal;
   outputs.Commit();
-  if (!outputs.uses_stdout()) {
-    WriteStdout(CheckTable(scene, rows, verdicts, arguments.options.tolerance));
-  }
-  const bool all_free = std::all_of(verdicts.begin(), verdicts.end(),
-                                    [](const Verdict& verdict) { return verdict.free; });
-  return all_free ? kExitFree : kExitNotFree;
+  if (!outputs.uses_stdout()) WriteStdout(table.ToString());
+  return table.all_free() ? kExitFree : kExitNotFree;
 }
 
 // --motion with --from and --to, all three or none, instead of other configurations.
@@ -61,8 +77,10 @@ void AddMotion(CLI::App& command, CheckArguments& arguments) {
   }
 }
 
-int Run(const CheckArguments& arguments) {
+int Run(CheckArguments& arguments) {
   if (!arguments.motion) return RunCheck(arguments);
+  if (arguments.models.size() > 1) throw Error("--motion is for a single model");
+  arguments.scene.model = arguments.models.front();
   return RunCheckMotion(arguments.scene, arguments.ends, arguments.options, arguments.json);
 }
 
@@ -72,7 +90,7 @@ Verb AddCheckVerb(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "check", "Report penetrating pairs and their depths, or how far a motion is free");
   auto arguments = std::make_shared<CheckArguments>();
-  AddModel(*command, arguments->scene);
+  AddModels(*command, arguments->models);
   AddWhich(*command, arguments->which);
   AddMotion(*command, *arguments);
   AddMovable(*command, arguments->scene);

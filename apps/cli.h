@@ -11,6 +11,7 @@ inline constexpr int kExitFree = 0;      // every configuration or motion asked 
 inline constexpr int kExitFailure = 1;   // anything the other codes do not name
 inline constexpr int kExitBadInput = 2;  // usage or mjcf_pdg::Error; nothing was written
 inline constexpr int kExitNotFree = 3;   // finished, but some configuration or motion is not free
+inline constexpr int kExitSignal = 128;  // ... and the signal's number: interrupted
 
 struct Verb {
   CLI::App* command = nullptr;  // owned by the program it was added to

@@ -74,57 +74,22 @@ void CheckRow(const Scene& scene, const std::vector<double>& q, const std::strin
   }
 }
 
-std::vector<Configuration> FromNumbers(const Scene& scene, Rows rows,
-                                       const std::vector<std::string>& origin) {
-  std::vector<Configuration> configurations(rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    CheckRow(scene, rows[i], origin[i]);
+std::vector<Configuration> FromFlags(const Scene& scene, const std::vector<std::string>& texts) {
+  std::vector<Configuration> configurations(texts.size());
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    configurations[i].q = ParseNumbers(texts[i], "--qpos");
+    CheckRow(scene, configurations[i].q, "--qpos");
     configurations[i].label = "row" + std::to_string(i);
-    configurations[i].q = std::move(rows[i]);
   }
   return configurations;
 }
 
-std::vector<Configuration> FromFlags(const Scene& scene, const std::vector<std::string>& texts) {
-  Rows rows;
-  std::vector<std::string> origin;
-  for (const std::string& text : texts) {
-    rows.push_back(ParseNumbers(text, "--qpos"));
-    origin.emplace_back("--qpos");
-  }
-  return FromNumbers(scene, std::move(rows), origin);
-}
-
-}  // namespace
-
-void AddWhich(CLI::App& command, WhichArguments& arguments) {
-  CLI::Option* key = command
-                         .add_option("--key", arguments.keys,
-                                     "a keyframe; may be repeated (default: all, or qpos0)")
-                         ->type_name("NAME|INDEX");
-  CLI::Option* qpos =
-      command.add_option("--qpos", arguments.qpos, "nq numbers in quotes; may be repeated")
-          ->type_name("\"V V ...\"");
-  CLI::Option* file = AddPath(
-      command, "--qpos-file",
-      ".npy (floats, n x nq), .csv or .txt, one configuration a row; - is stdin", arguments.file);
-  file->type_name("FILE|-");
-  key->allow_extra_args(false);
-  qpos->allow_extra_args(false);
-  key->excludes(qpos)->excludes(file);
-  qpos->excludes(file);
-}
-
-std::vector<Configuration> ReadConfigurations(const Scene& scene, const WhichArguments& arguments) {
-  if (!arguments.qpos.empty()) return FromFlags(scene, arguments.qpos);
-  if (!arguments.file.empty()) {
-    QposFile file = ReadQposFile(arguments.file, static_cast<std::size_t>(scene.nq()));
-    return FromNumbers(scene, std::move(file.rows), file.origin);
-  }
+// The named keyframes; without names all of them, or qpos0 if there are none.
+std::vector<Configuration> FromKeys(const Scene& scene, const std::vector<std::string>& wanted) {
   const std::vector<std::string> names = scene.KeyNames();
   std::vector<int> keys;
-  for (const std::string& wanted : arguments.keys) keys.push_back(FindKey(names, wanted));
-  if (arguments.keys.empty()) {
+  for (const std::string& key : wanted) keys.push_back(FindKey(names, key));
+  if (wanted.empty()) {
     for (std::size_t k = 0; k < names.size(); ++k) keys.push_back(static_cast<int>(k));
   }
   std::vector<Configuration> configurations;
@@ -140,6 +105,53 @@ std::vector<Configuration> ReadConfigurations(const Scene& scene, const WhichArg
     CheckRow(scene, configuration.q, kind + "'" + configuration.label + "'");
   }
   return configurations;
+}
+
+}  // namespace
+
+void AddWhich(CLI::App& command, WhichArguments& arguments) {
+  CLI::Option* key = command
+                         .add_option("--key", arguments.keys,
+                                     "a keyframe; may be repeated (default: all, or qpos0)")
+                         ->type_name("NAME|INDEX");
+  CLI::Option* qpos =
+      command.add_option("--qpos", arguments.qpos, "nq numbers in quotes; may be repeated")
+          ->type_name("\"V V ...\"");
+  CLI::Option* file = AddPath(
+      command, "--qpos-file",
+      ".npy (floats, n x nq), .csv or .txt, one configuration a row, or .jsonl of ours; - is stdin",
+      arguments.file);
+  file->type_name("FILE|-");
+  key->allow_extra_args(false);
+  qpos->allow_extra_args(false);
+  key->excludes(qpos)->excludes(file);
+  qpos->excludes(file);
+}
+
+RowSource::RowSource(const Scene& scene, const WhichArguments& arguments) : scene_(scene) {
+  if (!arguments.qpos.empty()) {
+    listed_ = FromFlags(scene, arguments.qpos);
+  } else if (!arguments.file.empty()) {
+    file_ = std::make_unique<QposFile>(arguments.file, static_cast<std::size_t>(scene.nq()));
+  } else {
+    listed_ = FromKeys(scene, arguments.keys);
+  }
+}
+
+bool RowSource::Next(Configuration& row) {
+  if (!file_) {
+    if (next_ == listed_.size()) return false;
+    row = listed_[next_++];
+    return true;
+  }
+  if (!file_->Next(row.q, origin_)) return false;
+  CheckRow(scene_, row.q, origin_);
+  row.label = "row" + std::to_string(next_++);
+  return true;
+}
+
+std::optional<std::size_t> RowSource::size() const {
+  return file_ ? file_->size() : listed_.size();
 }
 
 std::vector<CLI::Option*> AddEnds(CLI::App& command, EndsArguments& arguments) {

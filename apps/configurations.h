@@ -3,9 +3,13 @@
 #define MJCF_PDG_APPS_CONFIGURATIONS_H_
 
 #include <CLI/CLI.hpp>
+#include <cstddef>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "apps/qpos_file.h"
 #include "mjcf_pdg/scene.h"
 
 namespace mjcf_pdg::app {
@@ -27,8 +31,26 @@ struct Configuration {
 
 void AddWhich(CLI::App& command, WhichArguments& arguments);  // --key, --qpos, --qpos-file
 
-// At least one; all valid (else Error names the keyframe, the file and line, or the flag).
-std::vector<Configuration> ReadConfigurations(const Scene& scene, const WhichArguments& arguments);
+// The configurations that were asked for, one after the other, at least one. Those of the command
+// line are checked at once, those of a file as they come: Error names the keyframe, the flag, or
+// the file and line.
+class RowSource {
+ public:
+  // Keeps a reference to the scene.
+  RowSource(const Scene& scene, const WhichArguments& arguments);
+
+  // False after the last one.
+  bool Next(Configuration& row);
+  // How many there are, where that is known before they are read.
+  std::optional<std::size_t> size() const;
+
+ private:
+  const Scene& scene_;
+  std::vector<Configuration> listed_;
+  std::unique_ptr<QposFile> file_;
+  std::string origin_;
+  std::size_t next_ = 0;
+};
 
 // From one configuration to another.
 struct EndsArguments {

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 #include <system_error>
+#include <utility>
 
 #include "apps/text.h"
 #include "mjcf_pdg/types.h"
@@ -20,28 +21,31 @@ constexpr std::string_view kMagic("\x93NUMPY", 6);
 // NumPy itself refuses longer headers when it reads untrusted files.
 constexpr std::size_t kMaxHeader = 65536;
 
-struct Header {
-  std::string_view text;   // a Python dict
-  std::size_t data_begin;  // offset of the first value
-};
-
-Header FindHeader(std::string_view bytes, const std::string& what) {
-  const std::size_t size_bytes = bytes.size() > 6 && bytes[6] == 1 ? 2 : 4;
-  if (bytes.size() < kMagic.size() + 2 + size_bytes) throw Error(what + ": truncated .npy header");
-  const int version = static_cast<unsigned char>(bytes[6]);
+// The dict of the header, the stream then at the first value.
+std::string ReadHeader(std::istream& stream, const std::string& what) {
+  const auto read = [&](std::size_t count) {
+    std::string bytes(count, '\0');
+    stream.read(bytes.data(), static_cast<std::streamsize>(count));
+    if (stream.gcount() != static_cast<std::streamsize>(count)) {
+      throw Error(what + ": truncated .npy header");
+    }
+    return bytes;
+  };
+  const std::string magic = read(kMagic.size());
+  if (magic != kMagic) throw Error(what + ": is not a .npy file");
+  const int version = static_cast<unsigned char>(read(2)[0]);
   if (version < 1 || version > 3) {
     throw Error(what + ": .npy version " + std::to_string(version) + " is not known");
   }
+  const std::string size = read(version == 1 ? 2 : 4);
   std::size_t length = 0;
-  for (std::size_t i = 0; i < size_bytes; ++i) {
-    length |= std::size_t{static_cast<unsigned char>(bytes[8 + i])} << (8 * i);
+  for (std::size_t i = 0; i < size.size(); ++i) {
+    length |= std::size_t{static_cast<unsigned char>(size[i])} << (8 * i);
   }
-  const std::size_t begin = 8 + size_bytes;
   if (length > kMaxHeader) {
     throw Error(what + ": .npy header of " + std::to_string(length) + " bytes is too long");
   }
-  if (bytes.size() - begin < length) throw Error(what + ": truncated .npy header");
-  return {bytes.substr(begin, length), begin + length};
+  return read(length);
 }
 
 // What follows 'key': in the header's dict, up to the next comma outside parentheses.
@@ -73,18 +77,6 @@ std::size_t SizeOf(std::string_view descr, const std::string& what) {
               " is neither '<f8' nor '<f4', little-endian floats");
 }
 
-template <typename Value>
-void CopyRows(const char* data, Rows& rows) {
-  for (std::vector<double>& row : rows) {
-    for (double& x : row) {
-      Value value;
-      std::memcpy(&value, data, sizeof(Value));
-      x = value;
-      data += sizeof(Value);
-    }
-  }
-}
-
 std::vector<std::size_t> ParseShape(std::string_view text, const std::string& what) {
   std::vector<std::size_t> shape;
   std::size_t i = 0;
@@ -107,54 +99,70 @@ std::vector<std::size_t> ParseShape(std::string_view text, const std::string& wh
   return shape;
 }
 
-}  // namespace
-
-bool IsNpy(std::string_view bytes) { return bytes.substr(0, kMagic.size()) == kMagic; }
-
-Rows ParseNpy(std::string_view bytes, const std::string& what) {
-  const Header header = FindHeader(bytes, what);
-  const std::size_t size = SizeOf(Field(header.text, "descr", what), what);
-  if (Field(header.text, "fortran_order", what).substr(0, 5) != "False") {
-    throw Error(what + ": .npy array in Fortran order (save numpy.ascontiguousarray of it)");
+template <typename Value>
+void Copy(const char* data, std::vector<double>& row) {
+  for (double& x : row) {
+    Value value;
+    std::memcpy(&value, data, sizeof(Value));
+    x = value;
+    data += sizeof(Value);
   }
-  const std::vector<std::size_t> shape = ParseShape(Field(header.text, "shape", what), what);
-  const std::size_t available = bytes.size() - header.data_begin;
-  const std::size_t rows = shape[0], width = shape[1];
-  // Divides instead of multiplying: the shape of a broken file may overflow.
-  const bool fits = rows == 0 || width <= available / size / rows;
-  if (!fits || available != rows * width * size) {
-    throw Error(what + ": " + std::to_string(available) +
-                " bytes of data, but the .npy header says " + std::to_string(rows) + " x " +
-                std::to_string(width) + (size == sizeof(double) ? " float64" : " float32"));
-  }
-  if (width == 0) throw Error(what + ": the rows are empty");
-  Rows result(rows, std::vector<double>(width));
-  const char* data = bytes.data() + header.data_begin;
-  if (size == sizeof(double)) {
-    CopyRows<double>(data, result);
-  } else {
-    CopyRows<float>(data, result);
-  }
-  return result;
 }
 
-std::string FormatNpy(const Rows& rows, std::size_t width) {
-  std::string dict = "{'descr': '<f8', 'fortran_order': False, 'shape': (" +
-                     std::to_string(rows.size()) + ", " + std::to_string(width) + "), }";
-  // The data begin at a multiple of 64, as NumPy writes them, after a line break.
+}  // namespace
+
+NpyReader::NpyReader(std::istream& stream, std::string what)
+    : stream_(stream), what_(std::move(what)) {
+  const std::string header = ReadHeader(stream, what_);
+  value_bytes_ = SizeOf(Field(header, "descr", what_), what_);
+  if (Field(header, "fortran_order", what_).substr(0, 5) != "False") {
+    throw Error(what_ + ": .npy array in Fortran order (save numpy.ascontiguousarray of it)");
+  }
+  const std::vector<std::size_t> shape = ParseShape(Field(header, "shape", what_), what_);
+  rows_ = shape[0];
+  width_ = shape[1];
+  if (width_ == 0) throw Error(what_ + ": the rows are empty");
+  // Divides instead of multiplying: the shape of a broken file may overflow.
+  const std::size_t most = std::numeric_limits<std::ptrdiff_t>::max();
+  if (rows_ > most / width_ / value_bytes_) throw Error(what_ + ": no array is " + Shape());
+  bytes_.resize(width_ * value_bytes_);
+}
+
+std::string NpyReader::Shape() const {
+  return std::to_string(rows_) + " x " + std::to_string(width_) +
+         (value_bytes_ == sizeof(double) ? " float64" : " float32");
+}
+
+bool NpyReader::Next(std::vector<double>& row) {
+  if (next_ == rows_) return false;
+  stream_.read(bytes_.data(), static_cast<std::streamsize>(bytes_.size()));
+  if (stream_.gcount() != static_cast<std::streamsize>(bytes_.size())) {
+    throw Error(what_ + ": ends in row " + std::to_string(next_) + ", but the .npy header says " +
+                Shape());
+  }
+  ++next_;
+  row.resize(width_);
+  if (value_bytes_ == sizeof(double)) {
+    Copy<double>(bytes_.data(), row);
+  } else {
+    Copy<float>(bytes_.data(), row);
+  }
+  return true;
+}
+
+std::string NpyHeader(std::size_t rows, std::size_t width) {
+  std::string dict = "{'descr': '<f8', 'fortran_order': False, 'shape': (" + std::to_string(rows) +
+                     ", " + std::to_string(width) + "), }";
+  // As NumPy writes them, headers end in a line break and fill a multiple of 64 bytes.
   const std::size_t preamble = kMagic.size() + 4;
-  dict.append(63 - (preamble + dict.size()) % 64, ' ');
+  dict.resize(kNpyHeaderBytes - preamble - 1, ' ');
   dict += '\n';
   std::string bytes(kMagic);
   bytes += '\x01';
   bytes += '\x00';
   bytes += static_cast<char>(dict.size() & 0xFF);
   bytes += static_cast<char>(dict.size() >> 8);
-  bytes += dict;
-  for (const std::vector<double>& row : rows) {
-    bytes.append(reinterpret_cast<const char*>(row.data()), width * sizeof(double));
-  }
-  return bytes;
+  return bytes + dict;
 }
 
 }  // namespace mjcf_pdg::app

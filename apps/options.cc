@@ -95,6 +95,20 @@ void AddModel(CLI::App& command, SceneArguments& arguments) {
   AddPath(command, "MODEL", "MJCF (.xml) or compiled model (.mjb)", arguments.model)->required();
 }
 
+void AddModels(CLI::App& command, std::vector<std::string>& models) {
+  auto set = [&models](const std::vector<std::string>& paths) {
+    for (const std::string& path : paths) {
+      if (path.empty()) throw Error("MODEL: empty file name");
+    }
+    models = paths;
+  };
+  command
+      .add_option_function<std::vector<std::string>>(
+          "MODEL", set, "MJCF (.xml) or compiled model (.mjb); one or several")
+      ->type_name("FILE")
+      ->required();
+}
+
 void AddMovable(CLI::App& command, SceneArguments& arguments) {
   auto split = [&arguments](const std::vector<std::string>& lists) {
     for (const std::string& list : lists) {

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "mjcf_pdg/scene.h"
 #include "mjcf_pdg/types.h"
@@ -41,16 +42,17 @@ CLI::Option* AddPath(CLI::App& command, const std::string& flag, const std::stri
 // The scene that was asked for; its warnings go to stderr.
 Scene LoadScene(const SceneArguments& arguments);
 
-void AddModel(CLI::App& command, SceneArguments& arguments);      // MODEL
-void AddMovable(CLI::App& command, SceneArguments& arguments);    // --movable
-void AddRoot(CLI::App& command, SceneArguments& arguments);       // --root
-void AddExactMesh(CLI::App& command, SceneArguments& arguments);  // --exact-mesh
-void AddMetric(CLI::App& command, Metric& metric);                // --metric
-void AddMethod(CLI::App& command, Method& method);                // --method
-void AddEffort(CLI::App& command, Effort& effort);                // --effort
-void AddTolerance(CLI::App& command, Options& options);           // --tolerance
-void AddRest(CLI::App& command, Options& options);                // --rest
-void AddJson(CLI::App& command, std::string& path);               // --json
+void AddModel(CLI::App& command, SceneArguments& arguments);          // MODEL
+void AddModels(CLI::App& command, std::vector<std::string>& models);  // MODEL...
+void AddMovable(CLI::App& command, SceneArguments& arguments);        // --movable
+void AddRoot(CLI::App& command, SceneArguments& arguments);           // --root
+void AddExactMesh(CLI::App& command, SceneArguments& arguments);      // --exact-mesh
+void AddMetric(CLI::App& command, Metric& metric);                    // --metric
+void AddMethod(CLI::App& command, Method& method);                    // --method
+void AddEffort(CLI::App& command, Effort& effort);                    // --effort
+void AddTolerance(CLI::App& command, Options& options);               // --tolerance
+void AddRest(CLI::App& command, Options& options);                    // --rest
+void AddJson(CLI::App& command, std::string& path);                   // --json
 
 }  // namespace mjcf_pdg::app
 

@@ -60,7 +60,7 @@ void TryWriting(const std::string& complaint, const std::string& hidden) {
 OutputFiles::~OutputFiles() {
   for (const Output& output : outputs_) {
     std::error_code ec;
-    if (!output.staged.empty()) fs::remove(output.staged, ec);
+    if (!output.staged.empty() && !output.rows) fs::remove(output.staged, ec);
   }
   for (const std::string& folder : new_folders_) {
     std::error_code ec;
@@ -84,7 +84,7 @@ void OutputFiles::AddFolder(const std::string& flag, const std::string& path) {
 void OutputFiles::Add(const std::string& flag, const std::string& path,
                       const std::vector<std::string>& inputs) {
   if (path.empty()) return;
-  Output output{flag, path, path, "", ""};
+  Output output{flag, path, path, "", "", nullptr};
   const std::string complaint = flag + ": " + path;
   const bool to_stdout = path == "-";
   for (const Output& other : outputs_) {
@@ -142,6 +142,27 @@ std::string OutputFiles::StagedName(const std::string& path) {
   return output.staged;
 }
 
+void OutputFiles::Stream(const std::string& path, std::size_t kept) {
+  if (path.empty() || path == "-") return;
+  Output& output = Find(path);
+  if (!output.staged.empty()) output.staged = PartName(output.target);
+  output.rows =
+      std::make_unique<RowFile>(output.staged.empty() ? output.target : output.staged, kept);
+}
+
+void OutputFiles::Append(const std::string& path, const std::string& row) {
+  if (path.empty()) return;
+  if (path == "-") {
+    WriteStdout(row);
+  } else {
+    Find(path).rows->Append(row);
+  }
+}
+
+void OutputFiles::Overwrite(const std::string& path, const std::string& begin) {
+  if (!path.empty() && path != "-") Find(path).rows->Overwrite(begin);
+}
+
 void OutputFiles::Commit() {
   for (Output& output : outputs_) {
     if (output.staged.empty()) continue;
@@ -151,7 +172,7 @@ void OutputFiles::Commit() {
   }
   for (const Output& output : outputs_) {
     if (output.path == "-") {
-      WriteStdout(output.stream_content);
+      if (!output.stream_content.empty()) WriteStdout(output.stream_content);
     } else if (!output.stream_content.empty()) {
       WriteFile(output.target, output.stream_content, "wb");
     }

@@ -5,13 +5,15 @@
 #include <chrono>
 #include <cstddef>
 #include <mutex>
+#include <optional>
 #include <string>
 
 namespace mjcf_pdg::app {
 
 class Progress {
  public:
-  Progress(std::string label, std::size_t total);
+  // `total` rows, where that is known, of which `done` are done.
+  Progress(std::string label, std::optional<std::size_t> total, std::size_t done = 0);
   ~Progress();  // wipes the bar
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -22,10 +24,10 @@ class Progress {
   void Draw();
 
   const std::string label_;
-  const std::size_t total_;
+  const std::optional<std::size_t> total_;
   const bool shown_;
   std::mutex mutex_;
-  std::size_t done_ = 0;
+  std::size_t done_;
   std::chrono::steady_clock::time_point last_draw_;
 };
 

@@ -4,9 +4,10 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
+#include <cstring>
 #include <filesystem>
-#include <memory>
+#include <iostream>
+#include <nlohmann/json.hpp>
 
 #include "apps/text.h"
 #include "mjcf_pdg/types.h"
@@ -16,8 +17,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Far above any use; keeps an endless stream from eating the machine.
-constexpr std::size_t kMaxBytes = std::size_t{1} << 31;
+// Far above any row; keeps a stream without line breaks from eating the machine.
+constexpr std::size_t kLongestLine = std::size_t{1} << 26;
+
+constexpr char kByteOrderMark[] = "\xEF\xBB\xBF";
 
 std::string Extension(const std::string& path) {
   std::string ending = fs::path(path).extension().string();
@@ -28,80 +31,117 @@ std::string Extension(const std::string& path) {
 
 bool IsText(const std::string& ending) { return ending == ".csv" || ending == ".txt"; }
 
-std::string ReadAll(std::FILE* file, const std::string& what) {
-  std::string bytes;
-  char buffer[65536];
-  while (const std::size_t n = std::fread(buffer, 1, sizeof buffer, file)) {
-    bytes.append(buffer, n);
-    if (bytes.size() > kMaxBytes) throw Error(what + ": larger than 2 GiB");
+// False at the end. The line break is not part of the line.
+bool ReadLine(std::istream& stream, const std::string& what, std::string& line) {
+  line.clear();
+  for (int c = stream.get(); c != std::istream::traits_type::eof(); c = stream.get()) {
+    if (c == '\n') return true;
+    if (c == '\0') throw Error(what + ": is binary, neither text nor .npy");
+    if (line.size() == kLongestLine) throw Error(what + ": a line of more than 64 MiB");
+    line += static_cast<char>(c);
   }
-  if (std::ferror(file)) throw Error(what + ": cannot be read");
-  return bytes;
+  if (stream.bad()) throw Error(what + ": cannot be read");
+  return !line.empty();
 }
 
-std::string ReadBytes(const std::string& path) {
-  if (path == "-") return ReadAll(stdin, "stdin");
+// `qpos` of a line that `solve` or `check` wrote.
+std::vector<double> QposOf(const std::string& line, const std::string& origin) {
+  const nlohmann::json json = nlohmann::json::parse(line, nullptr, false);
+  if (!json.is_object()) throw Error(origin + ": is not a JSON object");
+  const auto found = json.find("qpos");
+  if (found == json.end()) throw Error(origin + ": has no qpos");
+  std::vector<double> row;
+  for (const nlohmann::json& value : *found) {
+    if (!value.is_number()) throw Error(origin + ": qpos holds something that is no number");
+    row.push_back(value.get<double>());
+  }
+  return row;
+}
+
+void CheckRegularFile(const std::string& path) {
   std::error_code ec;
   const fs::file_status status = fs::status(path, ec);
   if (!fs::exists(status)) throw Error(path + ": no such file");
   if (fs::is_directory(status)) throw Error(path + ": is a directory");
   const std::string ending = Extension(path);
   // A pipe (/dev/fd/63) has no ending: its content tells.
-  if (fs::is_regular_file(status) && ending != ".npy" && !IsText(ending)) {
-    throw Error(path + ": a file of configurations must end in .npy, .csv or .txt");
+  if (fs::is_regular_file(status) && ending != ".npy" && ending != ".jsonl" && !IsText(ending)) {
+    throw Error(path + ": a file of configurations must end in .npy, .csv, .txt or .jsonl");
   }
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
-  if (!file) throw Error(path + ": cannot be opened");
-  return ReadAll(file.get(), path);
 }
 
-QposFile ParseText(std::string_view text, const std::string& what) {
-  if (text.find('\0') != std::string_view::npos) {
-    throw Error(what + ": is binary, neither text nor .npy");
+// A file on disk must hold what its header says, no less and no more.
+void CheckSize(const NpyReader& npy, const std::string& path, std::streamoff data_begin) {
+  std::error_code ec;
+  if (path == "-" || !fs::is_regular_file(path, ec)) return;
+  const std::size_t available = fs::file_size(path) - static_cast<std::size_t>(data_begin);
+  if (available != npy.data_bytes()) {
+    throw Error(path + ": " + std::to_string(available) +
+                " bytes of data, but the .npy header says " + npy.Shape());
   }
-  if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);  // byte order mark
-  QposFile file;
-  for (std::size_t line_number = 1; !text.empty(); ++line_number) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
-    if (line.substr(0, 1) == "#") continue;  // numpy.savetxt writes its header so
-    const std::string origin = what + " line " + std::to_string(line_number);
-    std::vector<double> row = ParseNumbers(line, origin);
-    if (row.empty()) continue;
-    file.rows.push_back(std::move(row));
-    file.origin.push_back(origin);
-  }
-  return file;
-}
-
-QposFile ParseBytes(const std::string& bytes, const std::string& path, const std::string& what) {
-  if (!IsNpy(bytes)) {
-    if (Extension(path) == ".npy") throw Error(what + ": is not a .npy file");
-    return ParseText(bytes, what);
-  }
-  QposFile file;
-  file.rows = ParseNpy(bytes, what);
-  for (std::size_t i = 0; i < file.rows.size(); ++i) {
-    file.origin.push_back(what + " row " + std::to_string(i));
-  }
-  return file;
 }
 
 }  // namespace
 
-QposFile ReadQposFile(const std::string& path, std::size_t width) {
-  const std::string what = path == "-" ? "stdin" : path;
-  const std::string bytes = ReadBytes(path);
-  if (bytes.empty()) throw Error(what + ": is empty");
-  QposFile file = ParseBytes(bytes, path, what);
-  if (file.rows.empty()) throw Error(what + ": holds no configuration");
-  for (std::size_t i = 0; i < file.rows.size(); ++i) {
-    if (file.rows[i].size() == width) continue;
-    throw Error(file.origin[i] + ": " + std::to_string(file.rows[i].size()) +
-                " values, the model needs " + std::to_string(width));
+QposFile::QposFile(const std::string& path, std::size_t width)
+    : what_(path == "-" ? "stdin" : path), width_(width), json_(Extension(path) == ".jsonl") {
+  if (path == "-") {
+    stream_ = &std::cin;
+  } else {
+    CheckRegularFile(path);
+    file_.open(path, std::ios::binary);
+    if (!file_) throw Error(path + ": cannot be opened");
+    stream_ = &file_;
   }
-  return file;
+  const int first = stream_->peek();
+  if (first == std::istream::traits_type::eof()) throw Error(what_ + ": is empty");
+  if (static_cast<char>(first) == kNpyBegin || Extension(path) == ".npy") {
+    npy_.emplace(*stream_, what_);
+    CheckSize(*npy_, path, stream_->tellg());
+    if (npy_->rows() > 0 && npy_->width() != width_) {
+      throw Error(what_ + " row 0: " + std::to_string(npy_->width()) + " values, the model needs " +
+                  std::to_string(width_));
+    }
+  }
+}
+
+std::optional<std::size_t> QposFile::size() const {
+  if (npy_) return npy_->rows();
+  return std::nullopt;
+}
+
+bool QposFile::Next(std::vector<double>& row, std::string& origin) {
+  if (npy_) {
+    origin = what_ + " row " + std::to_string(rows_);
+    if (!npy_->Next(row)) row.clear();
+  } else if (!NextLine(row, origin)) {
+    row.clear();
+  }
+  if (row.empty()) {
+    if (rows_ == 0) throw Error(what_ + ": holds no configuration");
+    return false;
+  }
+  ++rows_;
+  if (row.size() != width_) {
+    throw Error(origin + ": " + std::to_string(row.size()) + " values, the model needs " +
+                std::to_string(width_));
+  }
+  return true;
+}
+
+// The next line with something on it.
+bool QposFile::NextLine(std::vector<double>& row, std::string& origin) {
+  while (ReadLine(*stream_, what_, line_)) {
+    ++line_number_;
+    std::string_view text = line_;
+    if (line_number_ == 1 && text.starts_with(kByteOrderMark)) text.remove_prefix(3);
+    if (text.starts_with('#')) continue;  // numpy.savetxt writes its header so
+    origin = what_ + " line " + std::to_string(line_number_);
+    const bool json = json_ || text.starts_with('{');
+    row = json ? QposOf(std::string(text), origin) : ParseNumbers(text, origin);
+    if (!row.empty()) return true;
+  }
+  return false;
 }
 
 void CheckQposFileName(const std::string& flag, const std::string& path) {
@@ -112,22 +152,24 @@ void CheckQposFileName(const std::string& flag, const std::string& path) {
   }
 }
 
-std::string FormatQposFile(const Rows& rows, std::size_t width, const std::string& path) {
-  const std::string ending = Extension(path);
-  if (ending == ".npy") return FormatNpy(rows, width);
-  const char separator = ending == ".csv" ? ',' : ' ';
-  std::string text;
-  for (const std::vector<double>& row : rows) {
-    for (std::size_t i = 0; i < width; ++i) {
-      char number[32];
-      // The shortest digits that read back as the same number.
-      const auto [end, ec] = std::to_chars(number, number + sizeof number, row[i]);
-      if (i > 0) text += separator;
-      text.append(number, end);
-    }
-    text += '\n';
+bool IsNpyFile(const std::string& path) { return Extension(path) == ".npy"; }
+
+std::string FormatQposRow(const std::vector<double>& row, const std::string& path) {
+  if (IsNpyFile(path)) {
+    std::string bytes(row.size() * sizeof(double), '\0');
+    std::memcpy(bytes.data(), row.data(), bytes.size());
+    return bytes;
   }
-  return text;
+  const char separator = Extension(path) == ".csv" ? ',' : ' ';
+  std::string text;
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    char number[32];
+    // The shortest digits that read back as the same number.
+    const auto [end, ec] = std::to_chars(number, number + sizeof number, row[i]);
+    if (i > 0) text += separator;
+    text.append(number, end);
+  }
+  return text + '\n';
 }
 
 }  // namespace mjcf_pdg::app

@@ -1,17 +1,22 @@
 // mjcf-pdg solve: the nearest free configuration of every row.
-#include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/cli.h"
 #include "apps/configurations.h"
+#include "apps/interrupt.h"
+#include "apps/npy.h"
 #include "apps/options.h"
 #include "apps/output_files.h"
+#include "apps/progress.h"
 #include "apps/qpos_file.h"
 #include "apps/repaired_mjcf.h"
 #include "apps/report.h"
+#include "apps/resume.h"
 #include "apps/solve_rows.h"
 #include "apps/text.h"
 #include "mjcf_pdg/pdg.h"
@@ -25,17 +30,19 @@ namespace {
 constexpr double kReportedDistances = 1.0;  // of pairs that are apart [m]
 
 struct SolveArguments {
-  SceneArguments scene;
+  SceneArguments scene;  // of the present model
+  std::vector<std::string> models;
   WhichArguments which;
   Options options;
   double time_limit_ms = std::numeric_limits<double>::infinity();
   unsigned long long seed = 0;
   unsigned long long threads = 1;
+  bool resume = false;
   std::string json, out_qpos, out_mjcf, png;
 };
 
 void AddFlags(CLI::App& command, SolveArguments& arguments) {
-  AddModel(command, arguments.scene);
+  AddModels(command, arguments.models);
   AddWhich(command, arguments.which);
   command.add_flag("--trajectory", arguments.options.trajectory,
                    "rows are frames of one motion: each starts from earlier answers too");
@@ -61,6 +68,8 @@ void AddFlags(CLI::App& command, SolveArguments& arguments) {
           "write the configurations, one a row: .npy, .csv or .txt; - is stdout, as text",
           arguments.out_qpos)
       ->type_name("FILE|-");
+  command.add_flag("--resume", arguments.resume,
+                   "go on after an interruption, behind the rows in the .part of --json");
   AddPath(command, "--out-mjcf",
           "write the scene with a keyframe NAME_pdg for every row that is or became free",
           arguments.out_mjcf);
@@ -69,8 +78,27 @@ void AddFlags(CLI::App& command, SolveArguments& arguments) {
 #endif
 }
 
+// What goes with one model only, or not with rows of an earlier run.
+void CheckCombination(const SolveArguments& arguments) {
+  for (const auto& [flag, path] : {std::pair{"--out-qpos", &arguments.out_qpos},
+                                   {"--out-mjcf", &arguments.out_mjcf},
+                                   {"--png", &arguments.png}}) {
+    if (path->empty()) continue;
+    if (arguments.models.size() > 1) throw Error(std::string(flag) + " is for a single model");
+    if (arguments.resume && path != &arguments.out_qpos) {
+      throw Error("--resume goes with --json and --out-qpos, not with " + std::string(flag));
+    }
+  }
+  if (!arguments.resume) return;
+  if (arguments.json.empty() || arguments.json == "-") throw Error("--resume needs --json FILE");
+  if (arguments.out_qpos == "-") throw Error("--resume cannot go on with --out-qpos on stdout");
+  if (arguments.options.trajectory) {
+    throw Error("--resume: the frames of a --trajectory depend on those before");
+  }
+}
+
 void AddOutputs(const SolveArguments& arguments, OutputFiles& outputs) {
-  std::vector<std::string> inputs = {arguments.scene.model};
+  std::vector<std::string> inputs = arguments.models;
   if (!arguments.which.file.empty() && arguments.which.file != "-") {
     inputs.push_back(arguments.which.file);
   }
@@ -112,10 +140,151 @@ void StagePng(const Scene& scene, const std::vector<Configuration>& rows,
 }
 #endif
 
-Rows Configurations(const std::vector<Result>& results) {
-  Rows rows;
-  for (const Result& result : results) rows.push_back(result.q);
-  return rows;
+// One call of solve, over all of its models.
+class SolveRun {
+ public:
+  explicit SolveRun(SolveArguments& arguments)
+      : arguments_(arguments), several_(arguments.models.size() > 1), table_(several_) {}
+
+  int Run();
+
+ private:
+  void CheckModels();
+  void SolveModel(const std::string& model);
+  void BeginFiles(std::size_t skipped, int nq);
+  void Tell(const Scene& scene, const std::string& model, const Configuration& row,
+            const Result& result);
+  void WriteNpySize();
+  void StageScene(const Scene& scene);
+  int Interruption(int signal);
+  int ExitCode() const { return table_.all_free() ? kExitFree : kExitNotFree; }
+
+  SolveArguments& arguments_;
+  const bool several_;
+  OutputFiles outputs_;
+  SolveTable table_;
+  std::unique_ptr<LeftRows> left_;  // with --resume
+  std::unique_ptr<Progress> progress_;
+  std::size_t index_ = 0;    // of the present model's next row
+  std::size_t told_ = 0;     // rows written by this run
+  int nq_ = 0;               // of the present model
+  bool npy_header_ = false;  // comes before the next row
+  // Kept for --out-mjcf and --png alone.
+  std::vector<Configuration> rows_;
+  std::vector<Result> results_;
+};
+
+// Models that are bad are told before any work, so that nothing is written then.
+void SolveRun::CheckModels() {
+  if (several_ && arguments_.which.file == "-") {
+    throw Error("--qpos-file: stdin can be read for one model only");
+  }
+  for (const std::string& model : arguments_.models) {
+    if (!several_) return;  // the only one is loaded for its work at once
+    const Scene scene = Scene::FromFile(model, arguments_.scene.options);
+    const Solver solver(scene, arguments_.options);
+    const RowSource rows(scene, arguments_.which);
+  }
+}
+
+// Files go on behind `skipped` rows of an earlier run.
+void SolveRun::BeginFiles(std::size_t skipped, int nq) {
+  nq_ = nq;
+  if (told_ > 0) return;
+  outputs_.Stream(arguments_.json, left_ ? left_->bytes() : 0);
+  outputs_.Stream(arguments_.out_qpos,
+                  skipped == 0 ? 0 : QposBytes(arguments_.out_qpos, skipped, nq));
+  if (skipped == 0 && IsNpyFile(arguments_.out_qpos)) npy_header_ = true;
+}
+
+void SolveRun::Tell(const Scene& scene, const std::string& model, const Configuration& row,
+                    const Result& result) {
+  const RowName name{several_ ? model : "", index_++};
+  if (npy_header_) {
+    outputs_.Append(arguments_.out_qpos, NpyHeader(0, result.q.size()));
+    npy_header_ = false;
+  }
+  // The line of JSON comes last: with it, a row counts as done.
+  if (!arguments_.out_qpos.empty()) {
+    outputs_.Append(arguments_.out_qpos, FormatQposRow(result.q, arguments_.out_qpos));
+  }
+  if (!arguments_.json.empty()) {
+    outputs_.Append(arguments_.json, SolveJson(scene, name, row, result));
+  }
+  table_.Add(scene, name, row, result);
+  if (!arguments_.out_mjcf.empty() || !arguments_.png.empty()) {
+    rows_.push_back(row);
+    results_.push_back(result);
+  }
+  ++told_;
+  progress_->Step();
+}
+
+// A .npy says in front how many rows it has.
+void SolveRun::WriteNpySize() {
+  if (!IsNpyFile(arguments_.out_qpos)) return;
+  outputs_.Overwrite(arguments_.out_qpos, NpyHeader(table_.rows(), static_cast<std::size_t>(nq_)));
+}
+
+void SolveRun::SolveModel(const std::string& model) {
+  arguments_.scene.model = model;
+  const Scene scene = LoadScene(arguments_.scene);
+  RowSource rows(scene, arguments_.which);
+  index_ = left_ ? left_->Skip(several_ ? model : "", rows, table_) : 0;
+  BeginFiles(index_, scene.nq());
+  progress_ = std::make_unique<Progress>("solving", rows.size(), index_);
+  try {
+    SolveRows(
+        scene, arguments_.options, rows, arguments_.threads,
+        [&](const Configuration& row, const Result& result) { Tell(scene, model, row, result); });
+  } catch (...) {
+    WriteNpySize();
+    throw;
+  }
+  progress_.reset();
+  if (!Interrupted()) StageScene(scene);
+}
+
+void SolveRun::StageScene(const Scene& scene) {
+  if (!arguments_.out_mjcf.empty()) {
+    SpecPtr spec = ParseSpec(arguments_.scene.model);
+    StageMjcf(scene, rows_, results_, arguments_.out_mjcf, spec.get(), outputs_);
+  }
+#ifdef MJCF_PDG_HAVE_RENDER
+  if (!arguments_.png.empty()) StagePng(scene, rows_, results_, arguments_.png, outputs_);
+#endif
+}
+
+int SolveRun::Interruption(int signal) {
+  std::string words = "interrupted after " + std::to_string(table_.rows()) + " rows";
+  if (!arguments_.json.empty() && arguments_.json != "-") {
+    words += ", which are in " + OutputFiles::PartName(arguments_.json);
+    const bool resumes =
+        !arguments_.options.trajectory && arguments_.out_mjcf.empty() && arguments_.png.empty();
+    if (resumes) words += "; the same command with --resume goes on";
+  }
+  WriteWarning(words);
+  return kExitSignal + signal;
+}
+
+int SolveRun::Run() {
+  CheckCombination(arguments_);
+  AddOutputs(arguments_, outputs_);
+  CheckModels();
+  if (!arguments_.out_mjcf.empty()) ParseSpec(arguments_.models.front());  // told before any work
+  if (arguments_.resume) {
+    left_ = std::make_unique<LeftRows>(OutputFiles::PartName(arguments_.json));
+  }
+  CatchInterrupts();
+  for (const std::string& model : arguments_.models) {
+    SolveModel(model);
+    if (Interrupted()) break;
+  }
+  WriteNpySize();
+  if (const int signal = Interrupted()) return Interruption(signal);
+  outputs_.Commit();
+  if (!outputs_.uses_stdout()) WriteStdout(table_.ToString());
+  return ExitCode();
 }
 
 int RunSolve(SolveArguments& arguments) {
@@ -123,31 +292,7 @@ int RunSolve(SolveArguments& arguments) {
   arguments.options.seed = arguments.seed;
   arguments.options.report_contacts = true;
   arguments.options.report_distances_to = kReportedDistances;
-  const Scene scene = LoadScene(arguments.scene);
-  const std::vector<Configuration> rows = ReadConfigurations(scene, arguments.which);
-  OutputFiles outputs;
-  AddOutputs(arguments, outputs);
-  SpecPtr spec;
-  if (!arguments.out_mjcf.empty()) spec = ParseSpec(arguments.scene.model);
-
-  const std::vector<Result> results = SolveRows(scene, arguments.options, rows, arguments.threads);
-
-  const std::size_t width = static_cast<std::size_t>(scene.nq());
-  if (!arguments.json.empty()) outputs.Stage(arguments.json, SolveJson(scene, rows, results));
-  if (!arguments.out_qpos.empty()) {
-    outputs.Stage(arguments.out_qpos,
-                  FormatQposFile(Configurations(results), width, arguments.out_qpos));
-  }
-  if (spec) StageMjcf(scene, rows, results, arguments.out_mjcf, spec.get(), outputs);
-#ifdef MJCF_PDG_HAVE_RENDER
-  if (!arguments.png.empty()) StagePng(scene, rows, results, arguments.png, outputs);
-#endif
-  outputs.Commit();
-  if (!outputs.uses_stdout()) WriteStdout(SolveTable(scene, rows, results));
-  const bool all_free = std::none_of(results.begin(), results.end(), [](const Result& result) {
-    return result.status == Status::kUnsolved;
-  });
-  return all_free ? kExitFree : kExitNotFree;
+  return SolveRun(arguments).Run();
 }
 
 }  // namespace

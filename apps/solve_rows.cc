@@ -1,46 +1,37 @@
 #include "apps/solve_rows.h"
 
 #include <algorithm>
-#include <atomic>
-#include <exception>
-#include <memory>
-#include <mutex>
-#include <thread>
+#include <vector>
 
-#include "apps/progress.h"
+#include "apps/interrupt.h"
+#include "base/in_order.h"
 
 namespace mjcf_pdg::app {
+namespace {
 
-std::vector<Result> SolveRows(const Scene& scene, const Options& options,
-                              const std::vector<Configuration>& rows, std::size_t threads) {
-  std::vector<Result> results(rows.size());
-  Progress progress("solving", rows.size());
-  std::atomic<std::size_t> next{0};
-  std::mutex failure_mutex;
-  std::exception_ptr failure;
-  auto work = [&] {
-    try {
-      Solver solver(scene, options);
-      for (std::size_t i = next++; i < rows.size(); i = next++) {
-        solver.SetMocap(rows[i].mocap_pos, rows[i].mocap_quat);
-        results[i] = solver.Solve(rows[i].q);
-        progress.Step();
-      }
-    } catch (...) {
-      const std::lock_guard<std::mutex> lock(failure_mutex);
-      if (!failure) failure = std::current_exception();
-      next = rows.size();
-    }
-  };
-  {
-    std::vector<std::jthread> others;
-    // Frames of a trajectory follow each other.
-    const std::size_t count = options.trajectory ? 1 : std::min(threads, rows.size());
-    for (std::size_t t = 1; t < count; ++t) others.emplace_back(work);
-    work();
-  }
-  if (failure) std::rethrow_exception(failure);
-  return results;
+struct Item {
+  Configuration row;
+  Result result;
+};
+
+}  // namespace
+
+void SolveRows(const Scene& scene, const Options& options, RowSource& rows, std::size_t threads,
+               const std::function<void(const Configuration&, const Result&)>& tell) {
+  // Frames of a trajectory follow each other.
+  std::size_t count = options.trajectory ? 1 : threads;
+  if (rows.size()) count = std::clamp<std::size_t>(*rows.size(), 1, count);
+  std::vector<Solver> solvers;  // made here: what they refuse is told before any row
+  for (std::size_t t = 0; t < count; ++t) solvers.emplace_back(scene, options);
+  InOrder<Item>(count).Run([&](Item& item) { return !Interrupted() && rows.Next(item.row); },
+                           [&](std::size_t thread, Item& item) {
+                             solvers[thread].SetMocap(item.row.mocap_pos, item.row.mocap_quat);
+                             solvers[thread].Solve(item.row.q, item.result);
+                           },
+                           [&](std::size_t, const Item& item) {
+                             tell(item.row, item.result);
+                             return true;
+                           });
 }
 
 }  // namespace mjcf_pdg::app
