@@ -31,8 +31,8 @@ std::string ReadHeader(std::istream& stream, const std::string& what) {
     }
     return bytes;
   };
-  const std::string magic = read(kMagic.size());
-  if (magic != kMagic) throw Error(what + ": is not a .npy file");
+  const bool begins = static_cast<char>(stream.peek()) == kNpyBegin;
+  if (!begins || read(kMagic.size()) != kMagic) throw Error(what + ": is not a .npy file");
   const int version = static_cast<unsigned char>(read(2)[0]);
   if (version < 1 || version > 3) {
     throw Error(what + ": .npy version " + std::to_string(version) + " is not known");

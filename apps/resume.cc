@@ -14,8 +14,9 @@ namespace mjcf_pdg::app {
 namespace {
 
 Status StatusOf(const nlohmann::json& line, const std::string& origin) {
+  const nlohmann::json name = line.is_object() ? line.value("status", nlohmann::json()) : line;
   for (const Status status : {Status::kAlreadyFree, Status::kSolved, Status::kUnsolved}) {
-    if (line.value("status", "") == StatusName(status)) return status;
+    if (name == StatusName(status)) return status;
   }
   throw Error(origin + ": is not a line that solve wrote");
 }
@@ -38,11 +39,10 @@ std::size_t LeftRows::Skip(const std::string& model, RowSource& rows, SolveTable
   for (; !line_.empty(); ReadLine()) {
     const std::string origin = path_ + " line " + std::to_string(line_number_);
     const nlohmann::json line = nlohmann::json::parse(line_, nullptr, false);
-    if (!line.is_object()) throw Error(origin + ": is not a line that solve wrote");
     const Status status = StatusOf(line, origin);
-    if (line.value("model", "") != model) break;
+    if (line.value("model", nlohmann::json("")) != model) break;
     if (!rows.Next(row)) throw Error(origin + ": there are fewer configurations than rows");
-    if (line.value("qpos_in", std::vector<double>()) != row.q) {
+    if (line.value("qpos_in", nlohmann::json()) != nlohmann::json(row.q)) {
       throw Error(origin + ": is of another configuration than " + row.label);
     }
     table.Count(status);

@@ -132,7 +132,7 @@ TEST_F(CliInputTest, RefusesBadTextFiles) {
   refused("words.csv", "words.csv line 1: 'x' is not a number");
   refused("nan.txt", "nan.txt line 2");
   refused("binary.txt", "binary");
-  refused("rows.json", ".npy, .csv or .txt");
+  refused("rows.json", ".npy, .csv, .txt or .jsonl");
   refused("folder.csv", "is a directory");
   refused("", "empty file name");
   ExpectRefused({"solve", "scene.xml", "--qpos-file", "-"}, "stdin: is empty");
@@ -167,7 +167,7 @@ TEST_F(CliInputTest, RefusesBadNpyFiles) {
       {Npy(Dict("<f8", "False", "(1, 1, 2)"), {0, 0}), "dimensions"},
       {Npy(Dict("<f8", "False", "(0, 2)"), {}), "no configuration"},
       {Npy(Dict("<f8", "False", "(2, 0)"), {}), "empty"},
-      {Npy(Dict("<f8", "False", "(4294967296, 4294967296)"), {0}), "8 bytes of data"},
+      {Npy(Dict("<f8", "False", "(4294967296, 4294967296)"), {0}), "4294967296 x 4294967296"},
       {Npy(Dict("<f8", "False", "(x, 2)"), {0, 0}), "shape"},
       {Npy("{'descr': '<f8'}", {0, 0}), "fortran_order"},
       {Npy(Dict("<f8", "False", "(1, 2)"), {0, nan}), "row 0"},
