@@ -22,6 +22,7 @@ Verb AddSolveVerb(CLI::App& program);
 Verb AddNormVerb(CLI::App& program);
 Verb AddCheckVerb(CLI::App& program);
 Verb AddImportVerb(CLI::App& program);
+Verb AddRegressVerb(CLI::App& program);
 
 }  // namespace mjcf_pdg::app
 

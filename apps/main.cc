@@ -40,7 +40,7 @@ int Dispatch(int argc, char** argv) {
       "mjcf-pdg"};
   program.require_subcommand(1);
   std::vector<Verb> verbs = {AddSolveVerb(program), AddNormVerb(program), AddCheckVerb(program),
-                             AddImportVerb(program)};
+                             AddImportVerb(program), AddRegressVerb(program)};
   program.set_version_flag("--version", kVersion);
   for (Verb& verb : verbs) verb.command->set_version_flag("--version", kVersion);
   program.footer(

@@ -1,4 +1,5 @@
 // mjcf-pdg solve: the nearest free configuration of every row.
+#include <algorithm>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -234,8 +235,10 @@ void SolveRun::SolveModel(const std::string& model) {
   BeginFiles(index_, scene.nq());
   progress_ = std::make_unique<Progress>("solving", rows.size(), index_);
   try {
+    const std::size_t most = rows.size().value_or(arguments_.threads);
     SolveRows(
-        scene, arguments_.options, rows, arguments_.threads,
+        scene, arguments_.options, std::clamp<std::size_t>(most, 1, arguments_.threads),
+        [&](Configuration& row) { return rows.Next(row); },
         [&](const Configuration& row, const Result& result) { Tell(scene, model, row, result); });
   } catch (...) {
     WriteNpySize();

@@ -1,6 +1,5 @@
 #include "apps/solve_rows.h"
 
-#include <algorithm>
 #include <vector>
 
 #include "apps/interrupt.h"
@@ -16,14 +15,13 @@ struct Item {
 
 }  // namespace
 
-void SolveRows(const Scene& scene, const Options& options, RowSource& rows, std::size_t threads,
+void SolveRows(const Scene& scene, const Options& options, std::size_t threads, const NextRow& next,
                const std::function<void(const Configuration&, const Result&)>& tell) {
   // Frames of a trajectory follow each other.
-  std::size_t count = options.trajectory ? 1 : threads;
-  if (rows.size()) count = std::clamp<std::size_t>(*rows.size(), 1, count);
+  const std::size_t count = options.trajectory ? 1 : threads;
   std::vector<Solver> solvers;  // made here: what they refuse is told before any row
   for (std::size_t t = 0; t < count; ++t) solvers.emplace_back(scene, options);
-  InOrder<Item>(count).Run([&](Item& item) { return !Interrupted() && rows.Next(item.row); },
+  InOrder<Item>(count).Run([&](Item& item) { return !Interrupted() && next(item.row); },
                            [&](std::size_t thread, Item& item) {
                              solvers[thread].SetMocap(item.row.mocap_pos, item.row.mocap_quat);
                              solvers[thread].Solve(item.row.q, item.result);

@@ -10,10 +10,13 @@
 
 namespace mjcf_pdg::app {
 
-// What is left of `rows`, over `threads` solvers (one for frames of a trajectory). `tell` is called
-// in the order of the rows, by one thread at a time. Ends between two rows when interrupted, or
-// when `rows` throws: those before are told, then it is thrown on.
-void SolveRows(const Scene& scene, const Options& options, RowSource& rows, std::size_t threads,
+// Fills in the next row; false if there is none.
+using NextRow = std::function<bool(Configuration&)>;
+
+// Solves the rows that `next` gives, over `threads` solvers (one for frames of a trajectory).
+// `tell` is called in the order of the rows. Both are called by one thread at a time. Ends between
+// two rows when interrupted, or when `next` throws: rows before are told, then it is thrown on.
+void SolveRows(const Scene& scene, const Options& options, std::size_t threads, const NextRow& next,
                const std::function<void(const Configuration&, const Result&)>& tell);
 
 }  // namespace mjcf_pdg::app

@@ -74,17 +74,17 @@ def tunable(header):
 def build(like):
     """solve_bench with numbers from the environment."""
     folder = like / "sensitivity"
-    header = folder / "include" / TUNING
-    header.parent.mkdir(parents=True, exist_ok=True)
+    header = folder / TUNING.name
+    folder.mkdir(parents=True, exist_ok=True)
     text = tunable((ROOT / "src" / TUNING).read_text())
     if not header.exists() or header.read_text() != text:
         header.write_text(text)
     cache = (like / "CMakeCache.txt").read_text()
     kept = [f"-D{name}={value}" for name, value in
             re.findall(r"^(CMAKE_CXX_COMPILER|CMAKE_CXX_COMPILER_LAUNCHER|MJCF_PDG_CACHE_DIR):\w+=(.+)$", cache, flags=re.M)]
-    # A directory of the command line is searched before those of the targets.
+    # Included first, it keeps the tree's own header out by the include guard that both have.
     subprocess.run(["cmake", "-S", ROOT, "-B", folder, "-DCMAKE_BUILD_TYPE=Release", "-DMJCF_PDG_BUILD_BENCH=ON",
-                    f"-DCMAKE_CXX_FLAGS=-I{header.parents[1]}"] + kept, check=True, stdout=subprocess.DEVNULL)
+                    f"-DCMAKE_CXX_FLAGS=-include {header}"] + kept, check=True, stdout=subprocess.DEVNULL)
     subprocess.run(["cmake", "--build", folder, "--parallel", "--target", "solve_bench"], check=True, stdout=subprocess.DEVNULL)
     return folder / "bin" / "solve_bench"
 

@@ -39,6 +39,7 @@ class PaperMethod : public Strategy {
   PaperResult Run(const VectorXd* hint = nullptr);
 
   Outcome& Run(const StrategyInput& input) override;
+  bool UsesLowerBound() const override { return false; }
   // The paper's answers are final.
   bool Polish(Candidate&) override { return false; }
   bool Retreat(const Candidate& candidate, VectorXd& q) override {

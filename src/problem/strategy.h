@@ -17,7 +17,7 @@ namespace mjcf_pdg {
 struct StrategyInput {
   const std::vector<NearPair>& overlaps;  // pairs nearer than required at q_in
   int distances_at_input = 0;             // pair distances that the query for them took
-  double sigma_lower_bound = 0.0;         // no free configuration has a smaller σ [m²]
+  double sigma_lower_bound = 0.0;         // no free configuration has a smaller σ; 0: unknown [m²]
   const VectorXd* hint = nullptr;         // nq, a configuration that may be free; null: none
 };
 
@@ -70,6 +70,9 @@ class Strategy {
 
   // Searches from the workspace's q_in. The outcome is valid until the next call.
   virtual Outcome& Run(const StrategyInput& input) = 0;
+
+  // Whether the search ends sooner where StrategyInput::sigma_lower_bound is known.
+  virtual bool UsesLowerBound() const = 0;
 
   // After Run: descends from a free candidate to full precision. Returns true, and changes it, if
   // that is nearer.

@@ -1,5 +1,7 @@
 #include "search/auto_method.h"
 
+#include "problem/effort.h"
+
 namespace mjcf_pdg {
 
 AutoMethod::AutoMethod(Workspace& work) : problem_(work.problem()), work_(work), search_(work) {}
@@ -23,6 +25,9 @@ Outcome& AutoMethod::Run(const StrategyInput& given) {
   search_.Finish(input);
   return search_.trials().outcome();
 }
+
+// A search that ends with its first answer does not.
+bool AutoMethod::UsesLowerBound() const { return PlanFor(problem_.options.effort).agree > 1; }
 
 bool AutoMethod::Polish(Candidate& candidate) {
   return search_.WorthPolishing() && search_.trials().Polish(candidate);

@@ -17,6 +17,7 @@ class AutoMethod : public Strategy {
   explicit AutoMethod(Workspace& work);
 
   Outcome& Run(const StrategyInput& input) override;
+  bool UsesLowerBound() const override;
   bool Polish(Candidate& candidate) override;
   bool Retreat(const Candidate& candidate, VectorXd& q) override;
   std::int64_t lcp_steps() const override { return search_.trials().lcp_steps(); }

@@ -115,11 +115,15 @@ bool Solver::Impl::Search(Result& result) {
   StrategyInput input{.overlaps = work.OverlapsAtInput()};
   reporter.Overlaps(input.overlaps, result);
   input.distances_at_input = static_cast<int>(work.finder.distances() - distances_before);
-  input.sigma_lower_bound = bound.Sigma(work, input.overlaps, PlanFor(options.effort).bound_cells);
+  if (options.report_lower_bound || strategy->UsesLowerBound()) {
+    input.sigma_lower_bound =
+        bound.Sigma(work, input.overlaps, PlanFor(options.effort).bound_cells);
+  }
   result.sigma_lower_bound = input.sigma_lower_bound;
   if (hint.size() > 0 && work.problem().Uses(Component::kUserPose)) {
     q_hint = work.problem().q_in;
     SetMovable(scene.tables(), hint, q_hint);
+    ClampToLimits(scene.tables(), q_hint);
     input.hint = &q_hint;
   }
   const auto moves = [this](const NearPair& near) { return scene.tables().pairs[near.pair].moves; };

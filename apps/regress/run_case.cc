@@ -1,0 +1,110 @@
+#include "apps/regress/run_case.h"
+
+#include <algorithm>
+#include <exception>
+#include <set>
+
+#include "apps/configurations.h"
+#include "apps/random_configuration.h"
+#include "apps/solve_rows.h"
+#include "mjcf_pdg/pdg.h"
+
+namespace mjcf_pdg::app {
+namespace {
+
+// The rows of one entry of `configurations`, each with the name that golden results know it by.
+class NamedRows {
+ public:
+  NamedRows(const Scene& scene, const Suite& suite, const SuiteRows& rows)
+      : scene_(scene), rows_(rows), random_(rows.seed) {
+    WhichArguments which;
+    if (rows.kind == SuiteRows::Kind::kFile) which.file = (suite.folder / rows.file).string();
+    if (rows.kind == SuiteRows::Kind::kKeyframes || rows.kind == SuiteRows::Kind::kFile) {
+      source_ = std::make_unique<RowSource>(scene, which);
+    }
+  }
+
+  bool Next(Configuration& row) {
+    if (source_) {
+      if (!source_->Next(row)) return false;
+      if (rows_.kind == SuiteRows::Kind::kFile) row.label = rows_.file + " row " + Index();
+      if (row.key >= 0) row.label = "keyframe " + row.label;
+      return true;
+    }
+    const bool random = rows_.kind == SuiteRows::Kind::kRandom;
+    if (next_ == (random ? rows_.count : 1)) return false;
+    row = {};
+    row.q = random ? RandomConfiguration(scene_, random_) : scene_.DefaultQpos();
+    const std::string index = Index();
+    row.label = random ? "random seed " + std::to_string(rows_.seed) + " row " + index : "qpos0";
+    return true;
+  }
+
+ private:
+  std::string Index() { return std::to_string(next_++); }
+
+  const Scene& scene_;
+  const SuiteRows& rows_;
+  Random random_;
+  std::unique_ptr<RowSource> source_;
+  std::size_t next_ = 0;
+};
+
+const GoldenRow* Find(const std::vector<GoldenRow>& rows, const std::string& name) {
+  const auto found = std::find_if(rows.begin(), rows.end(),
+                                  [&](const GoldenRow& row) { return row.name == name; });
+  return found == rows.end() ? nullptr : &*found;
+}
+
+void RunRows(const Suite& suite, const SuiteCase& one, const std::vector<GoldenRow>& golden,
+             std::size_t threads, CaseReport& report) {
+  const Scene scene = Scene::FromFile((suite.folder / one.model).string(), one.scene);
+  const auto tell = [&](const Configuration& row, const Result& result) {
+    RowReport told;
+    told.now = {row.label, result.status, result.sigma, result.stats.collision_queries};
+    told.reason = result.reason;
+    told.seconds = result.stats.seconds;
+    const GoldenRow* before = Find(golden, row.label);
+    if (before) told.before = *before;
+    told.change = Compare(suite, one, before, told.now);
+    if (before) {
+      report.queries.before += before->queries;
+      report.queries.now += told.now.queries;
+    }
+    report.rows.push_back(std::move(told));
+  };
+  for (const SuiteRows& rows : one.rows) {
+    NamedRows named(scene, suite, rows);
+    SolveRows(
+        scene, one.options, threads, [&](Configuration& row) { return named.Next(row); }, tell);
+  }
+}
+
+}  // namespace
+
+bool CaseReport::Failed() const {
+  return !error.empty() || more_queries ||
+         std::any_of(rows.begin(), rows.end(),
+                     [](const RowReport& row) { return IsRegression(row.change); });
+}
+
+CaseReport RunCase(const Suite& suite, const SuiteCase& one, const std::vector<GoldenRow>& golden,
+                   std::size_t threads) {
+  CaseReport report;
+  report.model = one.model;
+  try {
+    RunRows(suite, one, golden, threads, report);
+  } catch (const std::exception& e) {
+    report.error = e.what();
+    return report;
+  }
+  std::set<std::string> names;
+  for (const RowReport& row : report.rows) names.insert(row.now.name);
+  for (const GoldenRow& row : golden) {
+    if (!names.contains(row.name)) report.gone.push_back(row.name);
+  }
+  report.more_queries = report.queries.Regressed(suite);
+  return report;
+}
+
+}  // namespace mjcf_pdg::app

@@ -1,0 +1,39 @@
+// Solves the rows of one case of a suite and compares them with their golden results.
+#ifndef MJCF_PDG_APPS_REGRESS_RUN_CASE_H_
+#define MJCF_PDG_APPS_REGRESS_RUN_CASE_H_
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/regress/golden.h"
+
+namespace mjcf_pdg::app {
+
+struct RowReport {
+  GoldenRow now;
+  std::optional<GoldenRow> before;  // none: there is no golden result
+  Change change = Change::kNone;
+  std::string reason;  // of an unsolved row
+  double seconds = 0.0;
+};
+
+struct CaseReport {
+  std::string model;
+  std::string error;  // why it could not be run: the model does not load, a file is missing
+  std::vector<RowReport> rows;
+  std::vector<std::string> gone;  // rows that the golden results alone have
+  Queries queries;
+  bool more_queries = false;  // than tolerated
+
+  bool Failed() const;
+};
+
+// Never throws for what is wrong with the case: that is its report. `golden`: its model's rows.
+CaseReport RunCase(const Suite& suite, const SuiteCase& one, const std::vector<GoldenRow>& golden,
+                   std::size_t threads);
+
+}  // namespace mjcf_pdg::app
+
+#endif  // MJCF_PDG_APPS_REGRESS_RUN_CASE_H_
