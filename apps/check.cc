@@ -1,5 +1,5 @@
-// mjcf-pdg check: which pairs penetrate and which joint limits are exceeded, and by how much; with
-// --motion, how far the way from one configuration to another is free.
+// mjcf-pdg check: which pairs penetrate and which joint limits are exceeded, and by how much. With
+// --motion: how far the straight motion from one configuration to another is free.
 #include <algorithm>
 #include <memory>
 #include <string>
@@ -48,7 +48,8 @@ int RunCheck(const CheckArguments& arguments) {
   return all_free ? kExitFree : kExitNotFree;
 }
 
-// --motion with --from and --to, all three or none, instead of other configurations.
+// Adds --motion, --from and --to, which are given all three or not at all, and exclude the flags of
+// other configurations.
 void AddMotion(CLI::App& command, CheckArguments& arguments) {
   CLI::Option* motion = command.add_flag("--motion", arguments.motion,
                                          "how far is the motion between two configurations free?");

@@ -1,4 +1,4 @@
-// A progress bar on stderr, if that is a terminal; nothing otherwise.
+// A progress bar on stderr, shown if stderr is a terminal and there is more than one step.
 #ifndef MJCF_PDG_APPS_PROGRESS_H_
 #define MJCF_PDG_APPS_PROGRESS_H_
 
@@ -11,12 +11,12 @@ namespace mjcf_pdg::app {
 
 class Progress {
  public:
-  Progress(std::string label, std::size_t total);
-  ~Progress();  // wipes the bar
+  Progress(std::string label, std::size_t total);  // `total`: number of steps
+  ~Progress();                                     // removes the bar
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void Step();  // thread-safe
+  void Step();  // one more step is done; thread-safe
 
  private:
   void Draw();

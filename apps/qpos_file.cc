@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Far above any use; keeps an endless stream from eating the machine.
+// Largest input [bytes]: far above any use, so that an endless stream does not fill the memory.
 constexpr std::size_t kMaxBytes = std::size_t{1} << 31;
 
 std::string Extension(const std::string& path) {
@@ -46,7 +46,7 @@ std::string ReadBytes(const std::string& path) {
   if (!fs::exists(status)) throw Error(path + ": no such file");
   if (fs::is_directory(status)) throw Error(path + ": is a directory");
   const std::string ending = Extension(path);
-  // A pipe (/dev/fd/63) has no ending: its content tells.
+  // A pipe (/dev/fd/63) has no ending; its content shows the format.
   if (fs::is_regular_file(status) && ending != ".npy" && !IsText(ending)) {
     throw Error(path + ": a file of configurations must end in .npy, .csv or .txt");
   }
@@ -65,7 +65,7 @@ QposFile ParseText(std::string_view text, const std::string& what) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     const std::string_view line = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
-    if (line.substr(0, 1) == "#") continue;  // numpy.savetxt writes its header so
+    if (line.substr(0, 1) == "#") continue;  // as numpy.savetxt begins header lines
     const std::string origin = what + " line " + std::to_string(line_number);
     std::vector<double> row = ParseNumbers(line, origin);
     if (row.empty()) continue;

@@ -1,4 +1,5 @@
-// Files of configurations, one per row: .npy, or text (.csv, .txt) with commas or blanks.
+// Files of configurations, one per row: .npy, or text (.csv, .txt) with numbers separated by commas
+// or blanks.
 #ifndef MJCF_PDG_APPS_QPOS_FILE_H_
 #define MJCF_PDG_APPS_QPOS_FILE_H_
 
@@ -14,11 +15,15 @@ struct QposFile {
   std::vector<std::string> origin;
 };
 
-// "-" reads stdin. Throws Error unless every row has `width` finite numbers and there is one.
+// Reads a file; "-" is stdin. Throws Error unless there is at least one row and each has `width`
+// numbers; text must be finite numbers, .npy values are not checked.
 QposFile ReadQposFile(const std::string& path, std::size_t width);
 
-// Throws Error if the ending of `path` is none that can be written ("-" is text).
+// Throws Error, which names the flag, unless `path` is empty, "-", or ends in .npy, .csv or .txt.
 void CheckQposFileName(const std::string& flag, const std::string& path);
+
+// The content of a file with these rows in the format that the ending of `path` says; without an
+// ending, text with blanks. Numbers keep all digits.
 std::string FormatQposFile(const Rows& rows, std::size_t width, const std::string& path);
 
 }  // namespace mjcf_pdg::app

@@ -25,7 +25,8 @@ const char* StatusName(Status status) {
   return "unsolved";
 }
 
-// Within this ratio of its lower bound an answer counts as proven.
+// An answer counts as proven to be the nearest if its σ is at most this multiple of the lower
+// bound.
 constexpr double kProvenRatio = 1.01;
 
 const char* CauseName(Cause cause) {
@@ -47,7 +48,7 @@ const char* CauseName(Cause cause) {
   return "not_found";
 }
 
-// What meshes collide as.
+// The JSON name of what meshes collide as.
 const char* GeometryName(const Scene& scene) { return scene.HasExactMeshes() ? "exact" : "hull"; }
 
 Json ContactsJson(const Scene& scene, const std::vector<Contact>& contacts) {
@@ -87,7 +88,6 @@ Json ResultJson(const Scene& scene, std::size_t index, const Configuration& row,
   json["contacts"] = ContactsJson(scene, result.contacts);
   json["certified"] = result.certified;
   json["geometry"] = GeometryName(scene);
-  // Within 1 %, so that nobody needs to search on.
   json["proven"] =
       result.status != Status::kUnsolved && result.sigma <= kProvenRatio * result.sigma_lower_bound;
   if (result.status == Status::kUnsolved) {
@@ -103,7 +103,7 @@ std::string GeometryNote(const Scene& scene) {
 
 std::string Thousandths(double value) { return Short(value * 1e3); }
 
-// Below a picometre there is only noise.
+// A length in mm; lengths below a picometre are noise and shown as 0.
 std::string Millimetres(double metres) {
   return Thousandths(std::abs(metres) < 1e-12 ? 0.0 : metres);
 }

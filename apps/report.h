@@ -1,4 +1,4 @@
-// What `solve` and `check` tell: JSON Lines for programs, tables for people.
+// The output of `solve` and `check`: JSON Lines for programs, tables for people.
 #ifndef MJCF_PDG_APPS_REPORT_H_
 #define MJCF_PDG_APPS_REPORT_H_
 
@@ -11,13 +11,16 @@
 
 namespace mjcf_pdg::app {
 
-// One line, line break included; numbers at full precision. A name that is not UTF-8 does not
-// throw.
+// Returns one line with its line break, numbers at full precision. Bytes that are not UTF-8 are
+// replaced.
 std::string JsonLine(const nlohmann::ordered_json& value);
 
-// A name is a string, the id of a geom without one a number: a geom may be called "3".
+// The geom's name as a string, or, if it has none, its id as a number, because a geom may be called
+// "3".
 nlohmann::ordered_json GeomJson(const Scene& scene, int geom);
 
+// The texts of all rows: one JSON line a row, or a table with a line of totals. `results` and
+// `verdicts` are in the order of `rows`.
 std::string SolveJson(const Scene& scene, const std::vector<Configuration>& rows,
                       const std::vector<Result>& results);
 std::string SolveTable(const Scene& scene, const std::vector<Configuration>& rows,
@@ -25,7 +28,7 @@ std::string SolveTable(const Scene& scene, const std::vector<Configuration>& row
 
 std::string CheckJson(const Scene& scene, const std::vector<Configuration>& rows,
                       const std::vector<Verdict>& verdicts);
-// Lists pairs that overlap by more than `tolerance` [m].
+// Also lists the pairs that overlap by more than `tolerance` [m].
 std::string CheckTable(const Scene& scene, const std::vector<Configuration>& rows,
                        const std::vector<Verdict>& verdicts, double tolerance);
 

@@ -34,7 +34,7 @@ std::vector<Result> SolveRows(const Scene& scene, const Options& options,
   };
   {
     std::vector<std::jthread> others;
-    // Frames of a trajectory follow each other.
+    // The frames of a trajectory have to be solved one after the other, by one solver.
     const std::size_t count = options.trajectory ? 1 : std::min(threads, rows.size());
     for (std::size_t t = 1; t < count; ++t) others.emplace_back(work);
     work();

@@ -10,8 +10,9 @@
 
 namespace mjcf_pdg::app {
 
-// Results in the order of `rows`; the number of threads changes nothing but the time. Shows a
-// progress bar if stderr is a terminal. Throws what a solver throws.
+// Returns the results in the order of `rows`. The number of threads changes nothing but the time; a
+// trajectory is solved by one. Shows a progress bar if stderr is a terminal. Throws what a solver
+// throws.
 std::vector<Result> SolveRows(const Scene& scene, const Options& options,
                               const std::vector<Configuration>& rows, std::size_t threads);
 
