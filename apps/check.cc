@@ -64,7 +64,8 @@ int RunCheck(CheckArguments& arguments) {
   return table.all_free() ? kExitFree : kExitNotFree;
 }
 
-// --motion with --from and --to, all three or none, instead of other configurations.
+// Adds --motion, --from and --to, which are given all three or not at all, and exclude the flags of
+// other configurations.
 void AddMotion(CLI::App& command, CheckArguments& arguments) {
   CLI::Option* motion = command.add_flag("--motion", arguments.motion,
                                          "how far is the motion between two configurations free?");

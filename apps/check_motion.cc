@@ -41,7 +41,7 @@ std::string MotionJson(const Scene& scene, const Motion& motion) {
   return JsonLine(json);
 }
 
-// What ends it, in words.
+// Says in words how far the motion is free and what ends it.
 std::string Sentence(const Scene& scene, const Motion& motion) {
   const std::string at = "free up to t = " + Short(motion.t) + ": ";
   switch (motion.outcome) {

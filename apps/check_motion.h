@@ -1,4 +1,4 @@
-// mjcf-pdg check --motion: how far the way from one configuration to another is free.
+// mjcf-pdg check --motion: how far the straight motion from one configuration to another is free.
 #ifndef MJCF_PDG_APPS_CHECK_MOTION_H_
 #define MJCF_PDG_APPS_CHECK_MOTION_H_
 
@@ -9,7 +9,8 @@
 
 namespace mjcf_pdg::app {
 
-// `json`: a file, "-" for stdout, or empty. Returns the exit code; bad input throws Error.
+// Checks the motion and writes the outcome to stdout, or as JSON to `json`: a file, "-" for stdout,
+// or empty for none. Returns the exit code (cli.h); throws Error for bad input.
 int RunCheckMotion(const SceneArguments& scene, const EndsArguments& ends, const Options& options,
                    const std::string& json);
 

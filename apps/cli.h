@@ -1,4 +1,4 @@
-// What main.cc and the verbs share: exit codes, and how a verb is made known.
+// What main.cc and the verbs (subcommands) share: exit codes, and how a verb is registered.
 #ifndef MJCF_PDG_APPS_CLI_H_
 #define MJCF_PDG_APPS_CLI_H_
 
@@ -8,7 +8,7 @@
 namespace mjcf_pdg::app {
 
 inline constexpr int kExitFree = 0;      // every configuration or motion asked about is free
-inline constexpr int kExitFailure = 1;   // anything the other codes do not name
+inline constexpr int kExitFailure = 1;   // any other failure
 inline constexpr int kExitBadInput = 2;  // usage or mjcf_pdg::Error; nothing was written
 inline constexpr int kExitNotFree = 3;   // finished, but some configuration or motion is not free
 inline constexpr int kExitSignal = 128;  // ... and the signal's number: interrupted
@@ -18,6 +18,7 @@ struct Verb {
   std::function<int()> run;     // returns the exit code; bad input throws mjcf_pdg::Error
 };
 
+// Each adds its verb with its options to the program.
 Verb AddSolveVerb(CLI::App& program);
 Verb AddNormVerb(CLI::App& program);
 Verb AddCheckVerb(CLI::App& program);

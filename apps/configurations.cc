@@ -28,7 +28,8 @@ std::string ValidKeys(const std::vector<std::string>& names) {
   return "keyframes: " + list;
 }
 
-// A name comes first, so that a keyframe called "2" can be asked for.
+// The index of a keyframe by its name or else its index. Names come first, so that a keyframe
+// called "2" can be asked for. Throws Error if there is none.
 int FindKey(const std::vector<std::string>& names, const std::string& wanted) {
   for (std::size_t k = 0; k < names.size(); ++k) {
     if (!wanted.empty() && names[k] == wanted) return static_cast<int>(k);
@@ -41,7 +42,8 @@ int FindKey(const std::vector<std::string>& names, const std::string& wanted) {
   throw Error("--key: no keyframe '" + wanted + "' (" + ValidKeys(names) + ")");
 }
 
-// Labels name keyframes of the output, so an unnamed key must not take the name of another.
+// A label for an unnamed keyframe. Labels become names of keyframes in the output, so it must not
+// be the name of another keyframe.
 std::string UnnamedKeyLabel(const std::vector<std::string>& names, int key) {
   std::string label = "key" + std::to_string(key);
   while (std::find(names.begin(), names.end(), label) != names.end()) label += '_';

@@ -1,4 +1,4 @@
-// Which configurations a verb is asked about: keyframes, numbers on the command line, a file.
+// The configurations that a verb is asked about: keyframes, numbers on the command line, or a file.
 #ifndef MJCF_PDG_APPS_CONFIGURATIONS_H_
 #define MJCF_PDG_APPS_CONFIGURATIONS_H_
 
@@ -16,20 +16,21 @@ namespace mjcf_pdg::app {
 
 struct WhichArguments {
   std::vector<std::string> keys;  // names or indices
-  std::vector<std::string> qpos;  // one configuration each
+  std::vector<std::string> qpos;  // each the nq numbers of a configuration
   std::string file;               // "-" is stdin
 };
 
 struct Configuration {
   std::string label;  // never empty: the keyframe's name, "key3", "qpos0", "row7"
-  std::string name;   // of the keyframe, if it has one
+  std::string name;   // the keyframe's name; empty: no keyframe, or one without a name
   int key = -1;       // index of the keyframe; -1: not from a keyframe
   std::vector<double> q;
-  // Where the keyframe puts the mocap bodies; empty: as in the model.
+  // The keyframe's poses of the mocap bodies, as in Options; empty: as in the model.
   std::vector<double> mocap_pos, mocap_quat;
 };
 
-void AddWhich(CLI::App& command, WhichArguments& arguments);  // --key, --qpos, --qpos-file
+// Adds the options --key, --qpos and --qpos-file, of which one kind may be given.
+void AddWhich(CLI::App& command, WhichArguments& arguments);
 
 // The configurations that were asked for, one after the other, at least one. Those of the command
 // line are checked at once, those of a file as they come: Error names the keyframe, the flag, or
@@ -52,19 +53,20 @@ class RowSource {
   std::size_t next_ = 0;
 };
 
-// From one configuration to another.
+// The two ends of a change of configuration, as text.
 struct EndsArguments {
   std::string from, to;  // nq numbers each
 };
 
 struct Ends {
-  std::vector<double> from, to;
+  std::vector<double> from, to;  // nq values each
 };
 
-// --from, --to: both options, to make them required or to tie them to another.
+// Adds --from and --to. Returns both options, so that the caller can make them required or tie them
+// to another one.
 std::vector<CLI::Option*> AddEnds(CLI::App& command, EndsArguments& arguments);
 
-// Both valid (else Error names the flag).
+// Parses both ends. Throws Error, which names the flag, unless both are valid.
 Ends ReadEnds(const Scene& scene, const EndsArguments& arguments);
 
 }  // namespace mjcf_pdg::app

@@ -1,4 +1,4 @@
-// Pairs of pictures side by side on one sheet, written as a PNG file.
+// A sheet of pairs of pictures, each pair side by side, written as a PNG file.
 #ifndef MJCF_PDG_APPS_CONTACT_SHEET_H_
 #define MJCF_PDG_APPS_CONTACT_SHEET_H_
 
@@ -8,26 +8,29 @@
 
 namespace mjcf_pdg::app {
 
-using Bytes = std::vector<std::uint8_t>;  // Red, green and blue of one pixel after the other.
+using Bytes = std::vector<std::uint8_t>;  // Red, green and blue, pixel after pixel.
 
 class ContactSheet {
  public:
-  // As many pairs a line as give the sheet about the shape of a picture.
+  // A sheet for `num_pairs` pairs of pictures of this size [pixels], with as many pairs a line as
+  // give the sheet about the shape of a picture.
   ContactSheet(int num_pairs, int picture_width, int picture_height);
 
-  // `side`: 0 is left, 1 is right. `picture` has its lowest line first, as in OpenGL.
+  // Puts a picture on the left (`side` 0) or right (1) of a pair. `picture` has its lowest line
+  // first, as in OpenGL.
   void Paste(int pair, int side, const Bytes& picture);
 
-  // Throws std::runtime_error with a one-line reason, and then leaves no file.
+  // Writes the file. If that fails, throws std::runtime_error with a one-line reason and leaves no
+  // file.
   void Write(const std::string& png_path) const;
 
  private:
   int picture_width_;
   int picture_height_;
-  int columns_;  // Of pairs.
-  int width_;
+  int columns_;  // Pairs in a line.
+  int width_;    // Of the sheet [pixels].
   int height_;
-  Bytes rgb_;  // Highest line first.
+  Bytes rgb_;  // Of the sheet, highest line first.
 };
 
 }  // namespace mjcf_pdg::app

@@ -9,7 +9,8 @@
 namespace mjcf_pdg::app {
 namespace {
 
-// First without any window system (Mesa), then whatever is there.
+// Returns a display without any window system if Mesa offers it, else the default display. Throws
+// std::runtime_error if there is none.
 EGLDisplay InitializedDisplay() {
   const auto get_platform_display = reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(
       eglGetProcAddress("eglGetPlatformDisplayEXT"));

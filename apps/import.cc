@@ -94,7 +94,7 @@ int RunImport(const ImportArguments& arguments) {
     return (scene_path.parent_path() / name).string();
   };
   outputs.AddFolder("-o", fs::path(beside_scene(files.back().name)).parent_path().string());
-  // The scene last: once it is there, so are its meshes.
+  // The scene is added last, so that it appears only after its meshes.
   for (auto file = files.rbegin(); file != files.rend(); ++file) {
     outputs.Add("-o", beside_scene(file->name), arguments.meshes);
     outputs.Stage(beside_scene(file->name), file->content);

@@ -14,7 +14,7 @@ namespace mjcf_pdg::app {
 namespace {
 
 constexpr int kErrorSize = 2000;
-constexpr double kAnyDensity = 1000.0;
+constexpr double kAnyDensity = 1000.0;  // [kg/m³], for scenes that are only compiled
 constexpr char kFreeColour[] = "0.85 0.35 0.25 1", kStandingColour[] = "0.6 0.65 0.7 1";
 
 std::string Escaped(const std::string& text) {
@@ -37,7 +37,7 @@ std::string Escaped(const std::string& text) {
   return escaped;
 }
 
-// The shortest text that reads back as the same number.
+// Appends the shortest text that reads back as the same number.
 template <typename T>
 void AppendNumber(T value, std::string* text) {
   char buffer[32];
@@ -94,7 +94,8 @@ std::string MjcfText(const std::string& scene_name, const std::string& mesh_fold
          "  </keyframe>\n</mujoco>\n";
 }
 
-// Empty if it compiles. Without the place, which is in a file that will never be written.
+// Compiles the scene in memory. Returns an empty string, or MuJoCo's error without the place in the
+// file, because that file is never written.
 std::string MujocosComplaint(const std::vector<SceneFile>& files) {
   mjVFS vfs;
   mj_defaultVFS(&vfs);

@@ -1,4 +1,4 @@
-// The scene that `import` writes: MJCF and OBJ text.
+// Makes the scene that `import` writes: MJCF and OBJ text.
 #ifndef MJCF_PDG_APPS_IMPORT_SCENE_H_
 #define MJCF_PDG_APPS_IMPORT_SCENE_H_
 
@@ -14,13 +14,14 @@ struct SceneFile {
   std::string content;
 };
 
-// The MJCF first, then a mesh file for each mesh. The first mesh is a free body, the others stand;
-// body frames are the origin of the files' coordinates, so that the free body's qpos is the motion
-// of its file's coordinates. Density in kg/m³.
+// Returns the MJCF file and then an OBJ file for each mesh. The first mesh becomes a free body, the
+// others are fixed. Body frames are those of the files' coordinates, so that the free body's qpos
+// is the motion of its file's coordinates. `density` is in kg/m³.
 std::vector<SceneFile> MakeScene(const std::string& scene_name,
                                  const std::vector<ImportedMesh>& meshes, double density);
 
-// Throws Error if MuJoCo does not compile it, which names the mesh file if it is that.
+// Throws Error if MuJoCo does not compile the scene. The Error names the mesh file that is to
+// blame, if one is.
 void CheckScene(const std::vector<SceneFile>& files, const std::vector<ImportedMesh>& meshes);
 
 }  // namespace mjcf_pdg::app

@@ -11,8 +11,8 @@
 namespace mjcf_pdg::app {
 namespace {
 
-constexpr double kUnlikelySize = 100.0;  // [m]; a file in millimetres, most likely
-constexpr double kCoarse = 1e-5;         // rounding that is worth a word, of a mesh's size
+constexpr double kUnlikelySize = 100.0;  // [m]; a larger mesh is probably in millimetres
+constexpr double kCoarse = 1e-5;         // rounding that is reported, as a share of the mesh's size
 
 std::string UniqueName(const std::string& path, const std::vector<ImportedMesh>& taken) {
   std::string stem = std::filesystem::path(path).stem().string();
@@ -109,7 +109,7 @@ ImportedMesh ImportMesh(const std::string& path, double scale,
   imported.solid = FindSolidProperties(imported.mesh);
   imported.box.extend(imported.mesh.vertices.rowwise().minCoeff());
   imported.box.extend(imported.mesh.vertices.rowwise().maxCoeff());
-  // What is left of rounding when a flat surface is closed upon itself.
+  // Rounding error of the volume, which is all that a flat surface closed upon itself has.
   const double nothing = 1e-9 * imported.box.sizes().maxCoeff() * SurfaceArea(imported.mesh);
   imported.is_solid = imported.topology.open_edges == 0 && imported.solid.volume > nothing;
   return imported;

@@ -1,4 +1,4 @@
-// One mesh file on its way into a scene: read, repaired, measured, and what is to be said about it.
+// One mesh file for `import`: read, repaired and measured, and what has to be said about it.
 #ifndef MJCF_PDG_APPS_IMPORTED_MESH_H_
 #define MJCF_PDG_APPS_IMPORTED_MESH_H_
 
@@ -12,24 +12,26 @@
 namespace mjcf_pdg::app {
 
 struct ImportedMesh {
-  std::string file;
-  std::string name;   // of mesh, geom, body and OBJ file: letters, digits and _ - . only
+  std::string file;   // path as given
+  std::string name;   // of the mesh, geom, body and OBJ file; letters, digits, '_', '-' and '.'
   TriangleMesh mesh;  // repaired
   MeshRepairs repairs;
   MeshTopology topology;
-  SolidProperties solid;    // means something if is_solid
-  bool is_solid = false;    // closed, and with a volume: exact inertia, exact collisions
-  Eigen::AlignedBox3d box;  // [m]
+  SolidProperties solid;    // meaningful if is_solid
+  bool is_solid = false;    // closed and with a volume: gets exact inertia and exact collisions
+  Eigen::AlignedBox3d box;  // bounding box of the vertices [m]
 };
 
-// Throws Error if nothing can be made of the file. Names differ from those in `taken`.
+// Reads a mesh file whose unit is `scale` metres. Its name differs from those in `taken`. Throws
+// Error if the file cannot be read or has only degenerate triangles.
 ImportedMesh ImportMesh(const std::string& path, double scale,
                         const std::vector<ImportedMesh>& taken);
 
 struct Flaw {
-  std::string label;  // for the table
+  std::string label;  // one or two words, for the table
   std::string words;  // what is wrong and what was done about it
 };
+// The repaired flaws, those that remain, and a size or place that suggests a wrong unit.
 std::vector<Flaw> FindFlaws(const ImportedMesh& mesh);
 
 }  // namespace mjcf_pdg::app

@@ -21,7 +21,8 @@ int Fail(const std::string& message, int exit_code) {
   return exit_code;
 }
 
-// CLI11's own words for an unknown verb do not say which ones there are.
+// Throws Error unless the first argument is a verb or an option. CLI11's own message for an unknown
+// verb does not say which verbs there are.
 void CheckVerb(const std::vector<Verb>& verbs, int argc, char** argv) {
   if (argc > 1 && argv[1][0] == '-') return;
   std::string names;
@@ -66,7 +67,8 @@ int Dispatch(int argc, char** argv) {
 }
 
 int Run(int argc, char** argv) {
-  // A closed pipe shall end in an error line and exit code 1, not in silence.
+  // Without this, writing to a closed pipe would end the program silently instead of with an error
+  // line and exit code 1.
   std::signal(SIGPIPE, SIG_IGN);
   InstallMujocoLog();
   try {

@@ -12,7 +12,8 @@
 namespace mjcf_pdg::app {
 namespace {
 
-// MuJoCo's handler is a plain function without user data, so this has to be global.
+// The collected warnings. They are global because MuJoCo's handler is a plain function without user
+// data.
 struct Warnings {
   std::mutex mutex;
   std::vector<std::string> lines;
@@ -23,7 +24,7 @@ Warnings& CollectedWarnings() {
   return warnings;
 }
 
-// Workers repeat each other; a list without end helps nobody.
+// Most warnings that are kept.
 constexpr std::size_t kMaxWarnings = 5;
 
 void HandleMessage(const mjLogMessage* message) {

@@ -1,5 +1,5 @@
-// MuJoCo's messages, kept off the disk: by default it appends to MUJOCO_LOG.TXT in the current
-// folder and calls exit(1) on an error.
+// Handles MuJoCo's messages. By default MuJoCo appends them to MUJOCO_LOG.TXT in the current folder
+// and calls exit(1) after an error.
 #ifndef MJCF_PDG_APPS_MUJOCO_LOG_H_
 #define MJCF_PDG_APPS_MUJOCO_LOG_H_
 
@@ -8,11 +8,13 @@
 
 namespace mjcf_pdg::app {
 
-// From here on an error inside MuJoCo is a std::runtime_error thrown through its C frames (they
-// carry unwind tables), warnings are collected, and the rest is dropped.
+// Installs a handler for the rest of the program. It throws an error inside MuJoCo as a
+// std::runtime_error, through MuJoCo's C frames (they have unwind tables), collects warnings, and
+// drops all other messages. Nothing is written to the console or to disk.
 void InstallMujocoLog();
 
-// The different warnings since the last call, one line each, in order of first appearance.
+// Returns the distinct warnings since the last call, at most five, one line each, in order of first
+// appearance.
 std::vector<std::string> TakeMujocoWarnings();
 
 }  // namespace mjcf_pdg::app

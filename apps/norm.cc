@@ -1,4 +1,4 @@
-// mjcf-pdg norm: the object norm between two configurations, and each joint's part of it.
+// mjcf-pdg norm: the object norm σ between two configurations, and each joint's part of it.
 #include <cmath>
 #include <memory>
 #include <string>

@@ -68,7 +68,7 @@ std::string_view Field(std::string_view header, std::string_view key, const std:
   throw Error(what + ": .npy header has no '" + std::string(key) + "'");
 }
 
-// Of a value [bytes].
+// Bytes of a value; throws Error for types that are not read.
 std::size_t SizeOf(std::string_view descr, const std::string& what) {
   if (descr.size() == 5 && descr.substr(1, 3) == "<f8") return sizeof(double);
   if (descr.size() == 5 && descr.substr(1, 3) == "<f4") return sizeof(float);

@@ -13,33 +13,35 @@
 namespace mjcf_pdg::app {
 
 struct SceneArguments {
-  std::string model;
+  std::string model;  // path of the model
   SceneOptions options;
 };
 
+// The numbers that a flag accepts: from `low` to `high`.
 struct NumberRange {
   double low = 0.0;
-  bool above_low = false;  // low itself is not allowed
+  bool above_low = false;  // `low` itself is not accepted
   double high = std::numeric_limits<double>::max();
 };
 
 struct NumberFlag {
   const char* flag;
-  const char* unit;
+  const char* unit;  // shown by --help
   const char* help;
   NumberRange range;
 };
 
-// Set `target` when the flag is given; its value before that is the default that --help shows.
-// A value that is no number or out of range throws Error while the command line is parsed.
+// Adds a flag with a number, which sets `target` if it is given. The value that `target` has now is
+// the default that --help shows. Parsing the command line throws Error for a value that is no
+// number or out of range. `target` must outlive the parsing.
 CLI::Option* AddNumber(CLI::App& command, const NumberFlag& flag, double& target);
 CLI::Option* AddInteger(CLI::App& command, const NumberFlag& flag, unsigned long long& target);
 
-// A file name; an empty one is refused.
+// Adds a flag with a file name. Parsing throws Error for an empty one.
 CLI::Option* AddPath(CLI::App& command, const std::string& flag, const std::string& help,
                      std::string& target);
 
-// The scene that was asked for; its warnings go to stderr.
+// Loads the scene that was asked for and writes its warnings to stderr. Throws Error as Scene does.
 Scene LoadScene(const SceneArguments& arguments);
 
 void AddModel(CLI::App& command, SceneArguments& arguments);          // MODEL

@@ -24,7 +24,7 @@ void WriteFile(const std::string& path, const std::string& content, const char* 
   if (!good) throw std::runtime_error(path + ": cannot be written");
 }
 
-// The file that is meant, also when it does not exist yet.
+// The absolute path without symbolic links, also of a file that does not exist yet.
 fs::path Resolve(const std::string& path) {
   std::error_code ec;
   const fs::path absolute = fs::absolute(path, ec);
@@ -37,14 +37,15 @@ bool SameFile(const std::string& a, const std::string& b) {
   return fs::equivalent(a, b, ec) || Resolve(a) == Resolve(b);
 }
 
-// Beside the target, so that renaming does not cross file systems and relative paths stay right.
+// The name of a hidden file beside the target: there, renaming does not cross file systems, and
+// relative paths inside the file stay right.
 std::string HiddenName(const fs::path& target) {
   const std::string name = "." + target.stem().string() + "." + std::to_string(::getpid()) +
                            ".tmp" + target.extension().string();
   return (target.parent_path() / name).string();
 }
 
-// The only sure way to know that a file can be made here.
+// Throws Error if the hidden file cannot be made. Trying is the only sure way to know.
 void TryWriting(const std::string& complaint, const std::string& hidden) {
   try {
     WriteFile(hidden, "", "wxb");
@@ -105,7 +106,7 @@ void OutputFiles::Add(const std::string& flag, const std::string& path,
       throw Error(complaint + ": cannot be written");
     }
     output.target = target.string();
-    // Renaming onto /dev/null or a pipe would replace it.
+    // A device or a pipe is written directly, because renaming a file to it would replace it.
     if (!fs::exists(status) || fs::is_regular_file(status)) {
       output.staged = HiddenName(target);
       TryWriting(complaint, output.staged);

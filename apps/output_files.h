@@ -12,8 +12,8 @@
 
 namespace mjcf_pdg::app {
 
-// Use: Add every output, stage its content into a hidden file beside it, then Commit renames all.
-// What was staged and not committed is removed.
+// The outputs of one run. Add every output, Stage its content into a hidden file beside its target,
+// then Commit, which renames all of them. The destructor removes what was staged but not committed.
 class OutputFiles {
  public:
   OutputFiles() = default;
@@ -21,18 +21,21 @@ class OutputFiles {
   OutputFiles(const OutputFiles&) = delete;
   OutputFiles& operator=(const OutputFiles&) = delete;
 
-  // For outputs that are added later. Made if there is none, and then gone again without Commit.
+  // Makes the folder `path` for outputs that are added later, unless it exists. Without Commit a
+  // folder that was made is removed again. Throws Error if it cannot be made.
   void AddFolder(const std::string& flag, const std::string& path);
-  // Throws Error if `path` cannot be written, is one of `inputs`, or was added before. An empty
-  // path is ignored. "-" is stdout.
+  // Adds the output of a flag; "-" is stdout, and an empty path is ignored. Throws Error if `path`
+  // cannot be written, is one of the files `inputs`, or was added before.
   void Add(const std::string& flag, const std::string& path,
            const std::vector<std::string>& inputs);
   bool uses_stdout() const;
 
-  // No-op for an empty path. Throws std::runtime_error when the disk does not take it.
+  // Keeps the content of an output that was added, for Commit; does nothing if `path` is empty.
+  // Throws std::runtime_error if the disk does not take it.
   void Stage(const std::string& path, const std::string& content);
-  // For writers that want a file name: the hidden file's, in the folder of the output and with its
-  // ending. The caller creates it.
+  // The name of the output's hidden file, for writers that need a file name: it is in the folder of
+  // the output and has its ending. The caller creates the file. Throws Error if the output is a
+  // stream.
   std::string StagedName(const std::string& path);
 
   // The output gets its content row by row: in PATH.part, of which `kept` bytes stay, or at once if
@@ -59,7 +62,7 @@ class OutputFiles {
   Output& Find(const std::string& path);
 
   std::vector<Output> outputs_;
-  std::vector<std::string> new_folders_;  // absolute
+  std::vector<std::string> new_folders_;  // folders that AddFolder has made, absolute paths
 };
 
 }  // namespace mjcf_pdg::app

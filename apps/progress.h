@@ -1,4 +1,4 @@
-// A progress bar on stderr, if that is a terminal; nothing otherwise.
+// A progress bar on stderr, shown if stderr is a terminal and there is more than one step.
 #ifndef MJCF_PDG_APPS_PROGRESS_H_
 #define MJCF_PDG_APPS_PROGRESS_H_
 
@@ -18,7 +18,7 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void Step();  // thread-safe
+  void Step();  // one more step is done; thread-safe
 
  private:
   void Draw();

@@ -43,7 +43,7 @@ class QposFile {
   std::size_t line_number_ = 0, rows_ = 0;
 };
 
-// Throws Error if the ending of `path` is none that can be written ("-" is text).
+// Throws Error, which names the flag, unless `path` is empty, "-", or ends in .npy, .csv or .txt.
 void CheckQposFileName(const std::string& flag, const std::string& path);
 bool IsNpyFile(const std::string& path);
 // A row as it is written to `path`: bytes of a .npy, or a line.

@@ -23,7 +23,7 @@ struct DataDeleter {
 
 constexpr int kErrorSize = 2000;
 
-// Of the keyframe of each row. A keyframe that was asked for again comes out again, numbered.
+// The name of each row's new keyframe. If a label occurs again, its keyframes are numbered.
 std::vector<std::string> KeyNames(const std::vector<Configuration>& rows) {
   std::vector<std::string> names;
   std::map<std::string, int> asked;
@@ -37,7 +37,7 @@ std::vector<std::string> KeyNames(const std::vector<Configuration>& rows) {
 // ---- Controls ----
 
 // Index in ctrl of the actuator's position setpoint; -1 if it has none. (An intvelocity actuator
-// has the gains of one, but its setpoint is an activation.)
+// has the gains of a position actuator, but its setpoint is an activation.)
 int PositionControl(const mjModel& m, int actuator) {
   const int gain = m.actuator_gaintype[actuator], dynamics = m.actuator_dyntype[actuator];
   const double* gainprm = m.actuator_gainprm + std::ptrdiff_t{mjNGAIN} * actuator;
@@ -66,8 +66,9 @@ std::vector<double> ActuatorLengths(const mjModel& m, const Configuration& row,
   return {d->actuator_length, d->actuator_length + m.nout};
 }
 
-// A servo that was off its setpoint stays off by as much: the scene shall behave as its author had
-// it, only without the overlap.
+// Moves the setpoint of each position actuator by the change of the actuator's length from the
+// row's q to `q`, within its control range. A servo that was off its setpoint stays off by as much,
+// so that the scene behaves as its author meant it, without the overlap.
 void MoveControls(const mjModel& m, const Configuration& row, const std::vector<double>& q,
                   mjData* d, std::vector<double>& ctrl) {
   const std::vector<double> before = ActuatorLengths(m, row, row.q, d);
@@ -89,7 +90,7 @@ void SetVector(mjDoubleVec* target, const double* values, mjtSize n) {
   if (n > 0) mjs_setDouble(target, values, static_cast<int>(n));
 }
 
-// Zeros are the default and stay unwritten.
+// Sets `target` unless all values are zero, which is the default.
 void SetUnlessZero(mjDoubleVec* target, const double* values, mjtSize n) {
   if (std::any_of(values, values + n, [](double v) { return v != 0.0; })) {
     SetVector(target, values, n);
@@ -123,8 +124,8 @@ void FillKey(const mjModel& m, const Configuration& row, const std::vector<doubl
 
 // ---- Asset files ----
 
-// Where MuJoCo finds `file` now, then the same seen from `folder`. An attached model brings its own
-// folders, so a single meshdir would not do for all.
+// The name of an asset file relative to `folder`, for the file that MuJoCo finds under the name
+// `file`. An attached model has folders of its own, so a single meshdir would not do.
 std::string Relocated(mjSpec* spec, mjsElement* element, const char* file, bool texture,
                       const fs::path& folder) {
   const mjsCompiler* compiler = mjs_getCompiler(element);
@@ -135,11 +136,11 @@ std::string Relocated(mjSpec* spec, mjsElement* element, const char* file, bool 
     const fs::path found = fs::path(mjs_getString(owner->modelfiledir)) / assets / name;
     std::error_code ec;
     if (!fs::exists(found, ec)) continue;
-    // Canonical on both sides: a ".." behind a symbolic link leads elsewhere.
+    // fs::relative makes both paths canonical, since a ".." after a symbolic link leads elsewhere.
     const fs::path relative = fs::relative(found, folder, ec);
     return ec || relative.empty() ? fs::canonical(found).string() : relative.string();
   }
-  return name.string();  // not a plain file; CheckMjcf has the last word
+  return name.string();  // not a plain file; CheckMjcf finds out whether it loads
 }
 
 template <typename Visit>
@@ -183,7 +184,7 @@ SpecPtr ParseSpec(const std::string& path) {
   std::string error(kErrorSize, '\0');
   SpecPtr spec(mj_parse(path.c_str(), nullptr, nullptr, error.data(), kErrorSize));
   if (!spec) throw Error(path + ": " + OneLine(error.c_str()));
-  // Keyframes of attached models become part of the whole only now.
+  // Only compiling makes keyframes of attached models part of the whole model.
   const std::unique_ptr<mjModel, ModelDeleter> model(mj_compile(spec.get(), nullptr));
   if (!model) throw Error(path + ": " + OneLine(mjs_getError(spec.get())));
   return spec;
@@ -203,8 +204,8 @@ void AddRepairedKeys(const Scene& scene, const std::vector<Configuration>& rows,
 
 std::string FormatMjcf(mjSpec* spec, const std::string& folder) {
   RelocateAssets(spec, folder);
-  // As written, not as compiled: compiled values are saved with six digits, which moves geoms by up
-  // to micrometres and keyframes back into contact.
+  // Saves the values as written. Compiled values would be saved with six digits, which moves geoms
+  // by up to micrometres and puts keyframes back into contact.
   spec->compiler.savecompiled = 0;
   spec->compiler.savecanonical = 0;
   std::string error(kErrorSize, '\0');

@@ -1,5 +1,5 @@
-// The scene as MJCF again, with a keyframe NAME_pdg for every configuration that is or became free
-// (NAME_pdg_2 and so on for a keyframe that is asked for again).
+// Writes the scene as MJCF with a keyframe LABEL_pdg for every configuration that is or became free
+// (LABEL_pdg_2 and so on if a label occurs again). For `solve --out-mjcf`.
 #ifndef MJCF_PDG_APPS_REPAIRED_MJCF_H_
 #define MJCF_PDG_APPS_REPAIRED_MJCF_H_
 
@@ -19,20 +19,23 @@ struct SpecDeleter {
 };
 using SpecPtr = std::unique_ptr<mjSpec, SpecDeleter>;
 
-// Throws Error if `path` is no MJCF (a .mjb has lost its source).
+// Parses and compiles an MJCF file. Throws Error if that fails, or for a .mjb file, from which MJCF
+// cannot be written.
 SpecPtr ParseSpec(const std::string& path);
 
-// Adds to `spec` a keyframe LABEL_pdg per row that is not unsolved, in place of one of that name:
-// qpos repaired; ctrl of position actuators moved by as much as their length; the rest as in the
-// row's keyframe (or the model's defaults).
+// Adds to `spec` a keyframe for each row whose result is not unsolved, and removes an old one of
+// that name. Its qpos is the result's. The ctrl of position actuators changes by as much as the
+// actuator's length. All else is as in the row's keyframe, or, for a row without one, as the
+// model's defaults.
 void AddRepairedKeys(const Scene& scene, const std::vector<Configuration>& rows,
                      const std::vector<Result>& results, mjSpec* spec);
 
-// The text of `spec`, exact to the last digit, with asset files relative to `folder`, where it is
-// going to live. Changes the file names inside `spec`.
+// Returns the MJCF text of `spec`, with all digits and with asset files relative to `folder`, the
+// folder that the text will be written to. Changes the file names in `spec`.
 std::string FormatMjcf(mjSpec* spec, const std::string& folder);
 
-// Loads `path` and throws std::runtime_error unless its keyframes LABEL_pdg are the repaired ones.
+// Loads the written file `path`. Throws std::runtime_error unless it loads and its keyframes have
+// the qpos of the results.
 void CheckMjcf(const std::string& path, const std::vector<Configuration>& rows,
                const std::vector<Result>& results);
 

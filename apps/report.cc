@@ -35,7 +35,7 @@ const char* CauseName(Cause cause) {
   return "not_found";
 }
 
-// What meshes collide as.
+// The JSON name of what meshes collide as.
 const char* GeometryName(const Scene& scene) { return scene.HasExactMeshes() ? "exact" : "hull"; }
 
 Json ContactsJson(const Scene& scene, const std::vector<Contact>& contacts) {
@@ -148,7 +148,6 @@ std::string SolveJson(const Scene& scene, const RowName& name, const Configurati
   json["contacts"] = ContactsJson(scene, result.contacts);
   json["certified"] = result.certified;
   json["geometry"] = GeometryName(scene);
-  // Within 1 %, so that nobody needs to search on.
   json["proven"] =
       result.status != Status::kUnsolved && result.sigma <= kProvenRatio * result.sigma_lower_bound;
   if (result.status == Status::kUnsolved) {

@@ -1,4 +1,4 @@
-// What `solve` and `check` tell: JSON Lines for programs, tables for people.
+// The output of `solve` and `check`: JSON Lines for programs, tables for people.
 #ifndef MJCF_PDG_APPS_REPORT_H_
 #define MJCF_PDG_APPS_REPORT_H_
 
@@ -12,11 +12,12 @@
 
 namespace mjcf_pdg::app {
 
-// One line, line break included; numbers at full precision. A name that is not UTF-8 does not
-// throw.
+// Returns one line with its line break, numbers at full precision. Bytes that are not UTF-8 are
+// replaced.
 std::string JsonLine(const nlohmann::ordered_json& value);
 
-// A name is a string, the id of a geom without one a number: a geom may be called "3".
+// The geom's name as a string, or, if it has none, its id as a number, because a geom may be called
+// "3".
 nlohmann::ordered_json GeomJson(const Scene& scene, int geom);
 
 // Which row a report is about.

@@ -1,4 +1,4 @@
-// mjcf-pdg solve: the nearest free configuration of every row.
+// mjcf-pdg solve: finds the nearest free configuration for every configuration (row) asked about.
 #include <algorithm>
 #include <filesystem>
 #include <limits>
@@ -28,7 +28,7 @@
 namespace mjcf_pdg::app {
 namespace {
 
-constexpr double kReportedDistances = 1.0;  // of pairs that are apart [m]
+constexpr double kReportedDistances = 1.0;  // Options::report_distances_to [m]
 
 struct SolveArguments {
   SceneArguments scene;  // of the present model
@@ -108,7 +108,8 @@ void AddOutputs(const SolveArguments& arguments, OutputFiles& outputs) {
   outputs.Add("--out-qpos", arguments.out_qpos, inputs);
   outputs.Add("--out-mjcf", arguments.out_mjcf, inputs);
   outputs.Add("--png", arguments.png, inputs);
-  // Relative paths inside and MuJoCo's and the renderer's writers need a file, not a stream.
+  // Throws Error if one of these is a stream: relative paths in the MJCF and the writer of the PNG
+  // need a file.
   for (const std::string& path : {arguments.out_mjcf, arguments.png}) {
     if (!path.empty()) outputs.StagedName(path);
   }

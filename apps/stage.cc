@@ -10,7 +10,8 @@ namespace {
 constexpr float kBackdrop[3] = {0.72f, 0.77f, 0.83f};
 constexpr std::size_t kMaxTitle = 56;  // Characters.
 
-// In shades, so that one can tell apart two guilty bodies which touch.
+// Reds and greens of guilty geoms. Each has several shades, so that two guilty bodies that touch
+// can be told apart.
 constexpr int kNumShades = 3;
 constexpr float kShades[2][kNumShades][3] = {
     {{0.85f, 0.05f, 0.05f}, {1.00f, 0.27f, 0.16f}, {0.55f, 0.02f, 0.06f}},
@@ -31,12 +32,12 @@ void SetQuality(mjModel* model) {
   // Coarse balls and capsules shine through each other where they coincide.
   model->vis.quality.numslices = std::max(model->vis.quality.numslices, 40);
   model->vis.quality.numstacks = std::max(model->vis.quality.numstacks, 20);
-  // Many models are made for other renderers, and dark in this one.
+  // Many models are made for other renderers and would be too dark in this one.
   model->vis.headlight.active = 1;
   for (float& ambient : model->vis.headlight.ambient) ambient = std::max(ambient, 0.45f);
 }
 
-// What the font has.
+// The title in the characters that the font has, cut to kMaxTitle of them.
 std::string Ascii(const std::string& title) {
   std::string text;
   for (const char c : title) {
@@ -57,7 +58,7 @@ Stage::Stage(const mjModel* model) : source_(model), model_(mj_copyModel(nullptr
   if (canvas_.currentBuffer != mjFB_OFFSCREEN) {
     throw std::runtime_error("cannot render: no offscreen buffer");
   }
-  // Room for everything, and twice, since a scene which overflows is a warning and lacks geoms.
+  // Twice the room for all objects: a scene that overflows lacks geoms and gives a warning.
   const auto num_objects = model_->ngeom + model_->nsite + model_->ntendon + model_->nwrap;
   mjv_makeScene(model_.get(), &scene_, static_cast<int>(2 * num_objects) + 1000);
   mjv_defaultOption(&option_);
@@ -110,7 +111,8 @@ void Stage::SetPose(const std::vector<double>& qpos) {
 }
 
 void Stage::UpdateScene(mjvCamera& camera) {
-  // The clipping planes are multiples of the extent; come close to small things in large worlds.
+  // The near clipping plane is a share of the model's extent; a smaller extent lets the camera come
+  // close to small things in large worlds.
   if (camera.type != mjCAMERA_USER) model_->stat.extent = source_->stat.extent;
   if (camera.type == mjCAMERA_FREE) {
     model_->stat.extent = std::min(source_->stat.extent, camera.distance);
@@ -139,7 +141,7 @@ void Stage::TintScene(Tint tint) {
     if (geom.objtype != mjOBJ_GEOM || geom.objid < 0 || !IsGuilty(geom.objid)) continue;
     const float* const shade = kShades[tint == Tint::kGreen][shade_[geom.objid] - 1];
     const bool unbounded = IsUnbounded(geom.objid);
-    const float weight = unbounded ? 0.35f : 1.0f;  // A floor all red would drown the rest.
+    const float weight = unbounded ? 0.35f : 1.0f;  // A floor that is all red would hide the rest.
     for (int k = 0; k < 3; ++k) geom.rgba[k] += weight * (shade[k] - geom.rgba[k]);
     if (unbounded) continue;
     for (float& size : geom.size) size *= 1.003f;  // In front where surfaces coincide.
@@ -151,14 +153,15 @@ void Stage::TintScene(Tint tint) {
   }
 }
 
-// A bright hollow ball around everything: without a sky box the background would be black.
+// Adds a bright ball around everything, seen from inside, because without a sky box the background
+// would be black.
 void Stage::AddBackdrop() {
   if (std::count(model_->tex_type, model_->tex_type + model_->ntex, mjTEXTURE_SKYBOX) > 0) return;
   const mjvGLCamera camera = mjv_averageCamera(&scene_.camera[0], &scene_.camera[1]);
   const mjtNum center[3] = {camera.pos[0], camera.pos[1], camera.pos[2]};
   mjvGeom* const ball = AddBall(center, -0.9 * camera.frustum_far);  // Inside out.
   if (ball == nullptr) return;
-  // Nearly black to the lights, and bright by itself.
+  // The ball's colour hardly reflects light; its emission makes it bright.
   ball->emission = 100;
   for (int i = 0; i < 3; ++i) ball->rgba[i] = kBackdrop[i] / ball->emission;
   ball->specular = 0;
@@ -181,7 +184,7 @@ Bytes Stage::Draw(mjvCamera& camera, Tint tint, const std::string& title, const 
 
 std::vector<int> Stage::CountPixels(mjvCamera camera, const std::vector<Marker>& markers) {
   UpdateScene(camera);
-  // MuJoCo paints each thing in the colour segid + 1, and nothing where segid is -1.
+  // MuJoCo draws each object in the colour segid + 1, and does not draw it if segid is -1.
   const int num_geoms = static_cast<int>(model_->ngeom);
   const int num_ids = num_geoms + static_cast<int>(markers.size());
   for (int i = 0; i < scene_.ngeom; ++i) {

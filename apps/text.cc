@@ -16,7 +16,7 @@ namespace {
 
 bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
-// Columns on a terminal: UTF-8 continuation bytes take none.
+// Columns that the text takes on a terminal; UTF-8 continuation bytes take none.
 std::size_t Width(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xC0) != 0x80;

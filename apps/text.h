@@ -8,31 +8,33 @@
 
 namespace mjcf_pdg::app {
 
-// Line breaks and other control characters become blanks.
+// The text in one line: line breaks and other control characters become blanks.
 std::string OneLine(std::string_view text);
 
-// Four significant digits for tables; JSON and files carry all of them.
+// The number with four significant digits, for tables; JSON and files have all digits.
 std::string Short(double value);
 
 // The numbers of one line, separated by blanks or single commas. Throws Error, which begins with
 // `what`, for anything that is not a finite number.
 std::vector<double> ParseNumbers(std::string_view line, const std::string& what);
 
-// Rows of cells, the first row the heading; columns padded to equal width, numbers to the right.
+// A table of text with a heading. Columns are padded to equal width; columns of numbers are aligned
+// to the right.
 class Table {
  public:
   explicit Table(std::vector<std::string> heading);
-  void AddRow(std::vector<std::string> cells);
+  void AddRow(std::vector<std::string> cells);  // as many cells as the heading has
   std::string ToString() const;
 
  private:
   std::vector<std::vector<std::string>> rows_;
 };
 
-// Throws std::runtime_error when stdout does not take it all (a closed pipe, a full disk).
+// Writes and flushes. Throws std::runtime_error if stdout does not take all (a closed pipe, a full
+// disk).
 void WriteStdout(const std::string& text);
 
-// One line on stderr.
+// Writes one line "mjcf-pdg: warning: ..." to stderr.
 void WriteWarning(const std::string& text);
 
 }  // namespace mjcf_pdg::app

@@ -11,15 +11,16 @@
 namespace mjcf_pdg::app {
 namespace {
 
-// Of the picture, filled by guilty geoms: below the first the camera named "view" is given up,
-// below the second a free camera comes closer.
+// Shares of the picture that the guilty geoms fill. Below the first, the camera named "view" is not
+// used; below the second, a free camera comes closer.
 constexpr double kSmallShare = 0.03;
 constexpr double kTinyShare = 0.02;
-constexpr double kMarkerRadius = 0.025;  // Of the subject's.
+constexpr double kMarkerRadius = 0.025;  // Share of the subject's radius.
 constexpr double kDegree = std::numbers::pi / 180;
 
 using Point = std::array<double, 3>;
 
+// The axis-aligned bounding box of points, world frame [m].
 struct Box {
   explicit Box(const std::vector<Point>& points) : low(points.at(0)), high(points.at(0)) {
     for (const Point& point : points) {
@@ -38,7 +39,7 @@ struct Box {
 
 // ---- What should be in the picture ------------------------------------------
 
-// Corners of geoms.
+// Corners of the bounding boxes of geoms that should be in the picture, world frame [m].
 struct Subject {
   std::vector<Point> whole;
   std::vector<Point> guilty;  // A part of `whole`.
@@ -59,7 +60,7 @@ void AppendCorners(const Stage& stage, int geom, std::vector<Point>& points) {
   }
 }
 
-// What is below a guilty floor cannot be seen: lifts it there.
+// Lifts points that are below a guilty floor onto it, because nothing can be seen below it.
 void LiftOntoFloors(const Stage& stage, std::vector<Point>& points) {
   for (int geom = 0; geom < stage.model().ngeom; ++geom) {
     if (!stage.IsGuilty(geom) || stage.model().geom_type[geom] != mjGEOM_PLANE) continue;
@@ -73,8 +74,10 @@ void LiftOntoFloors(const Stage& stage, std::vector<Point>& points) {
   }
 }
 
-// Adds what counts at the present pose: the trees of the guilty geoms (all trees, if none of them
-// moves), and fixed bodies with guilty geoms, or at least these, as long as they are no larger.
+// Adds the geoms that should be in the picture at the stage's pose: the shown geoms of the
+// kinematic trees with guilty geoms (of all trees, if no guilty geom can move), and fixed bodies
+// with guilty geoms. Of a fixed body that is larger than the trees only its guilty geoms are added,
+// and of these only those that are no larger.
 void AppendPose(const Stage& stage, Subject& subject) {
   const mjModel& model = stage.model();
   std::vector<bool> guilty_tree(model.nbody, false);
@@ -111,6 +114,7 @@ void AppendPose(const Stage& stage, Subject& subject) {
   LiftOntoFloors(stage, subject.guilty);
 }
 
+// A marker at each contact of two guilty geoms, larger than `radius` by half the overlap [m].
 std::vector<Marker> MarkOverlaps(const Stage& stage, double radius) {
   std::vector<Marker> markers;
   for (int i = 0; i < stage.data().ncon; ++i) {
@@ -125,7 +129,7 @@ std::vector<Marker> MarkOverlaps(const Stage& stage, double radius) {
 
 // ---- Cameras ----------------------------------------------------------------
 
-// A free camera which looks in the given direction (degrees), as near as it can be with all points
+// A free camera that looks in the given direction (degrees), as near as it can be with all points
 // in its picture.
 mjvCamera FittedCamera(const mjModel& model, const std::vector<Point>& points, double azimuth,
                        double elevation) {
@@ -135,8 +139,9 @@ mjvCamera FittedCamera(const mjModel& model, const std::vector<Point>& points, d
   const double tan_up = 0.9 * std::tan(model.vis.global.fovy * kDegree / 2);  // With a margin.
   const double tangents[2] = {tan_up * Stage::kWidth / Stage::kHeight, tan_up};
 
-  // In the camera's axes (right, up, forward) each point confines the camera's place (x, y, z):
-  //   p_x - t (p_z - z) <= x <= p_x + t (p_z - z), and so for y.
+  // In the camera's axes (right, up, forward) each point p confines the camera's place (x, y, z):
+  //   p_x - t (p_z - z) <= x <= p_x + t (p_z - z),
+  // where t is the tangent of half the field of view; likewise for y.
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   double low[2] = {-kInfinity, -kInfinity}, high[2] = {kInfinity, kInfinity};
   double nearest = kInfinity, farthest = -kInfinity;
@@ -167,10 +172,11 @@ mjvCamera FittedCamera(const mjModel& model, const std::vector<Point>& points, d
 
 struct View {
   mjvCamera camera;
-  double share = 0;   // Of the picture, filled by guilty geoms.
-  double score = -1;  // How well one sees them, and above all where they overlap.
+  double share = 0;   // Share of the picture that guilty geoms fill.
+  double score = -1;  // How well guilty geoms, and above all their overlaps, are seen.
 };
 
+// Rates a camera by a small picture from it.
 View Judge(Stage& stage, const mjvCamera& camera, const std::vector<Marker>& markers) {
   View view = {camera, 0, 0};
   const std::vector<int> counts = stage.CountPixels(camera, markers);
@@ -178,11 +184,11 @@ View Judge(Stage& stage, const mjvCamera& camera, const std::vector<Marker>& mar
   for (int geom = 0; geom < num_geoms; ++geom) {
     if (!stage.IsGuilty(geom) || stage.IsUnbounded(geom)) continue;
     view.share += counts[geom] / double{Stage::kProbeWidth * Stage::kProbeHeight};
-    // By the root, a geom seen a little counts for more than much of another one.
+    // With the square root, a little of another geom counts more than much of the same one.
     view.score += std::sqrt(counts[geom]);
   }
   if (markers.empty()) return view;
-  // How much is seen of each marker: its disk would be this large, were nothing before it.
+  // The seen share of each marker: its pixels over those of its whole disk.
   const double picture_height =
       2 * camera.distance * std::tan(stage.model().vis.global.fovy * kDegree / 2);
   double seen = 0;
@@ -208,7 +214,8 @@ View BestFreeView(Stage& stage, const Subject& subject, const std::vector<Marker
   return best;
 }
 
-// The model's own camera, turned to the subject and as near as it can be.
+// A free camera that looks in the direction of the model's camera, as near to the points as it can
+// be.
 mjvCamera Approached(const Stage& stage, int camera, const std::vector<Point>& points) {
   const mjtNum* const rotation = &stage.data().cam_xmat[9 * camera];
   const Point forward = {-rotation[2], -rotation[5], -rotation[8]};
@@ -216,7 +223,7 @@ mjvCamera Approached(const Stage& stage, int camera, const std::vector<Point>& p
                       std::asin(std::clamp(forward[2], -1.0, 1.0)) / kDegree);
 }
 
-// The whole, drawn in towards the guilty geoms.
+// The points of the whole subject, drawn in towards the guilty geoms by the factor `zoom` < 1.
 std::vector<Point> Zoomed(const Subject& subject, double zoom) {
   const Point middle = Box(subject.guilty).Middle();
   std::vector<Point> points = subject.guilty;

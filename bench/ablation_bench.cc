@@ -1,5 +1,6 @@
-// What is each start and step worth? Every component off in turn (Options::without), against
-// everything on. README.md beside this file says what the columns mean.
+// What each start and step of a method is worth: every component is left out in turn
+// (Options::without) and compared with leaving out nothing. README.md beside this file says what
+// the columns mean.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -16,12 +17,12 @@
 namespace mjcf_pdg::bench {
 namespace {
 
-constexpr double kWorse = 1.01;   // of σ
-constexpr double kSlower = 1.05;  // of evaluations
-constexpr double kChance = 0.05;  // of harm by luck alone: what is below counts as needed
+constexpr double kWorse = 1.01;   // a σ counts as worse from this ratio on
+constexpr double kSlower = 1.05;  // a time counts as longer from this ratio on
+constexpr double kChance = 0.05;  // a component is needed if its harm has less chance to be luck
 constexpr char kEverything[] = "everything on";
-constexpr char kLuck[] = "(other seeds)";  // everything on: what a change of luck alone does
-constexpr std::uint64_t kOtherSeeds = 500;
+constexpr char kLuck[] = "(other seeds)";   // everything on: what other random numbers change
+constexpr std::uint64_t kOtherSeeds = 500;  // the first seed of that row
 
 struct Arguments {
   SetArguments sets;
@@ -30,7 +31,7 @@ struct Arguments {
   std::vector<std::string> methods = {"auto", "paper"};
 };
 
-// Sets that share the rows of a table.
+// The problem sets whose solves are added up in the rows of one table.
 struct Group {
   std::string name;
   std::vector<Workload> workloads;
@@ -39,7 +40,9 @@ struct Group {
 // One row over all workloads of a group, in their order.
 using Row = std::vector<Series>;
 
-// Of a row, against everything on; the same problem and seed each.
+// A row compared with the row with everything on, each solve with that of the same problem and
+// seed. `lost` and `gained` count problems that are solved only with, or only without, the
+// component; queries and evaluations are sums over all solves.
 struct Comparison {
   int solves = 0, same = 0, lost = 0, worse = 0, gained = 0, better = 0;
   double queries = 0, queries_on = 0, evaluations = 0, evaluations_on = 0;
@@ -68,11 +71,11 @@ struct Comparison {
   }
 };
 
-// One method's rows: everything on, other seeds, each component off.
+// The rows of one method: everything on, other seeds, and each component off.
 struct Ablation {
   Method method = Method::kAuto;
   std::vector<std::string> labels;
-  std::vector<std::vector<Row>> rows;  // per group, per label
+  std::vector<std::vector<Row>> rows;  // by group, then by label
 };
 
 Workload AsTrajectory(const std::string& folder, const Trajectory& trajectory, int frames) {
@@ -84,7 +87,7 @@ Workload AsTrajectory(const std::string& folder, const Trajectory& trajectory, i
   return workload;
 }
 
-// The same problems, each with the model's first free keyframe as a hint.
+// The workload's problems, each with the model's first free keyframe as a hint.
 Workload Hinted(Workload workload) {
   const Scene& scene = *workload.scene;
   const std::vector<BenchProblem> keys = Keyframes(scene, workload.set.model_path).problems;
@@ -108,7 +111,8 @@ std::vector<Group> LoadGroups(const Arguments& arguments) {
   return {std::move(alone), std::move(hinted), std::move(frames)};
 }
 
-// A group's rows of one method. The paper's method draws only in its last resort: one seed.
+// The rows of one method for a group. The paper's method uses random numbers only as a last resort,
+// so it gets one seed.
 std::vector<Row> MeasureRows(const Group& group, const Ablation& ablation,
                              const Arguments& arguments) {
   std::vector<Row> rows;
@@ -146,8 +150,8 @@ void PrintGroup(const std::string& title, const Ablation& ablation, const std::v
   std::fflush(stdout);
 }
 
-// Sign test: the chance that of harm + help solves that change, `harm` or more change for the worse
-// if either is as likely.
+// Sign test: the probability that, of harm + help solves that change, `harm` or more change for the
+// worse if worse and better are equally likely.
 double ChanceOf(int harm, int help) {
   const int n = harm + help;
   double chance = 0.0;
@@ -171,7 +175,7 @@ std::string Verdict(const Comparison& c) {
   return verdict;
 }
 
-// Over all groups.
+// Prints a line for each component with its comparison over all groups.
 void PrintVerdicts(const Ablation& ablation) {
   std::printf("\n%-26s %7s %7s %5s %5s %6s %6s %9s %8s  %s\n", "without", "solves", "changed",
               "lost", "worse", "gained", "better", "queries x", "evals x", "verdict");

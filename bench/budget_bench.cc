@@ -1,6 +1,6 @@
-// Does a time budget hold, and is what is returned within it free? One row per model and budget: a
-// solver has a free hint, as a control loop has, and solves random problems within the budget.
-// README.md beside this file says what the columns mean.
+// Whether a solve keeps its time budget, and whether what it returns is free. There is one row per
+// model and budget: a solver gets a free hint, as it would in a control loop, and solves random
+// problems within the budget. README.md beside this file says what the columns mean.
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -16,10 +16,11 @@ namespace {
 struct Arguments {
   SetArguments sets;
   std::vector<double> budgets = {0.2, 0.5, 1.0};  // [ms]
-  int laps = 1;
+  int laps = 1;                                   // how often the problems are solved
 };
 
-// The answer to the first problem that has one: free, as every hint should be.
+// A free configuration: the answer of the first problem that is solved or free already. Throws
+// Error if there is none.
 std::vector<double> SomeFree(const Scene& scene, const ProblemSet& set) {
   Solver solver(scene);
   for (const BenchProblem& problem : set.problems) {
@@ -35,7 +36,7 @@ void PrintRow(const Scene& scene, const ProblemSet& set, double budget_ms, const
   std::vector<double> times_ms, seconds_of_evaluation;
   Result result;
   int free = 0, by_hint = 0;
-  for (int lap = 0; lap <= a.laps; ++lap) {  // the first warms up
+  for (int lap = 0; lap <= a.laps; ++lap) {  // the first has no budget and is not counted
     solver.SetBudget({.queries = 0, .seconds = lap == 0 ? 0.0 : 1e-3 * budget_ms});
     for (const BenchProblem& problem : set.problems) {
       solver.Solve(problem.q_in, result);

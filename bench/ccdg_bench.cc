@@ -1,5 +1,6 @@
-// Continuous collision detection: poses and pair distances of a motion, split where proofs are
-// expected to meet and halved. README.md beside this file says which motions.
+// What continuous collision detection of a motion costs in poses and pair distances, with intervals
+// split where proofs are expected to meet (our way) and with intervals halved (the paper's way).
+// README.md beside this file says which motions are used.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -16,11 +17,12 @@
 namespace mjcf_pdg::bench {
 namespace {
 
+// One way of splitting intervals.
 struct Row {
   std::string name;
   CcdOptions options;
-  std::vector<double> poses, queries;  // per motion
-  double seconds = 0.0;
+  std::vector<double> poses, queries;  // by motion
+  double seconds = 0.0;                // processor time of all motions [s]
 };
 
 struct Table {
@@ -39,7 +41,7 @@ VectorXd AsEigen(const std::vector<double>& q) {
   return Eigen::Map<const VectorXd>(q.data(), static_cast<Eigen::Index>(q.size()));
 }
 
-// Both ways; where the first stops.
+// Checks a motion both ways and returns where the first way stops.
 VectorXd Move(Ccdg& ccdg, const VectorXd& q, const VectorXd& dq, Table& table) {
   VectorXd stop;
   for (Row& row : table.rows) {
@@ -56,7 +58,8 @@ VectorXd Move(Ccdg& ccdg, const VectorXd& q, const VectorXd& dq, Table& table) {
   return stop;
 }
 
-// As Alg. 2 does from a free configuration: all joints at once, then one after the other.
+// The motions of Alg. 2 from the free configuration q towards q_in: all joints at once, then one
+// joint after the other.
 void Project(const SceneTables& tables, Ccdg& ccdg, VectorXd q, const VectorXd& q_in,
              Table& table) {
   VectorXd dq;
@@ -83,7 +86,7 @@ void Print(const std::string& title, const Table& table) {
   }
 }
 
-// From the model's first free keyframe to each of `targets`.
+// Adds the motions from the model's first free keyframe to each of `targets`.
 void Append(const Scene& scene, const std::string& model_path, const ProblemSet& targets,
             Table& table) {
   const std::vector<BenchProblem> keys = Keyframes(scene, model_path).problems;

@@ -11,7 +11,8 @@
 namespace mjcf_pdg::bench {
 namespace {
 
-// Uniform in the ball {σ <= sigma} about q_in, to first order.
+// A configuration from the ball {σ <= sigma} about q_in, uniform to first order, moved inside the
+// joint limits. `to_tangent` is the pseudo-inverse of ∂r/∂dq at q_in.
 VectorXd DrawInBall(Workspace& work, double sigma, const MatrixXd& to_tangent, Random& random) {
   const int n = work.problem().tables.n;
   VectorXd z(n), q;

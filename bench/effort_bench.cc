@@ -1,5 +1,6 @@
-// σ against effort: what more queries buy. Rows: efforts, and the best of several seeds, whose
-// queries add up. README.md beside this file says what the columns mean.
+// σ against effort: what more queries gain. There is a row for each effort and number of seeds; of
+// several seeds the best σ counts and the queries add up. README.md beside this file says what the
+// columns mean.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <limits>
@@ -16,7 +17,7 @@ namespace {
 struct Level {
   const char* name;
   Effort effort;
-  int seeds;  // the largest number that is combined; powers of two below it are too
+  int seeds;  // largest number of seeds that is combined; smaller powers of two are, too
 };
 
 constexpr Level kLevels[] = {
@@ -25,16 +26,16 @@ constexpr Level kLevels[] = {
 // All workloads at one effort.
 struct Measurement {
   Level level;
-  std::vector<Series> series;
+  std::vector<Series> series;  // one per workload
 };
 
-// A problem with `combined` seeds: their best σ, all their queries.
+// One problem solved with several seeds: their best σ [m²] and the sum of their queries.
 struct Point {
   double sigma = std::numeric_limits<double>::infinity();
   int queries = 0;
 };
 
-// The solves of consecutive `combined` seeds from `first` on, per problem that is not free already.
+// Combines the solves of `combined` seeds from index `first` on. Returns one point per problem.
 std::vector<Point> Combine(const Series& series, std::size_t problems, int first, int combined) {
   std::vector<Point> points(problems);
   for (int s = first; s < first + combined; ++s) {

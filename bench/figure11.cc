@@ -23,7 +23,8 @@ void Replace(std::string& text, const std::string& from, const std::string& to) 
   text.replace(at, from.size(), to);
 }
 
-// The model with two slides and a hinge at the centre of mass in place of the free joint.
+// The scene of the spoon and the box, with two slides and a hinge at the spoon's centre of mass in
+// place of its free joint.
 Scene PlanarScene() {
   const std::string path = std::string(kFolder) + "/spoon_box.xml";
   const Scene free = Scene::FromFile(path);
@@ -47,9 +48,10 @@ Scene PlanarScene() {
   return Scene::FromString(xml, options);
 }
 
+// The errors of one effort against brute force.
 struct Sums {
-  double all = 0.0, worse = 0.0, worst = 0.0;
-  int beaten = 0, better = 0, unsolved = 0;
+  double all = 0.0, worse = 0.0, worst = 0.0;  // sum, sum where ours is worse, largest of these
+  int beaten = 0, better = 0, unsolved = 0;    // frames: ours is worse; ours is lower; no answer
 
   void Add(const Result& ours, double sigma) {
     if (ours.status != Status::kSolved) {

@@ -1,6 +1,6 @@
-// Our own collision code and LCP beside the libraries that could stand in for them: time on the
-// same inputs as a ratio to ours, what they disagree by, and what they fail at. README.md beside
-// this file says what the columns mean.
+// Our own collision code and LCP compared with the libraries that could replace them: the time on
+// the same inputs as a ratio to ours, the differences of the answers, and what each fails at.
+// README.md beside this file says what the columns mean.
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -57,7 +57,7 @@ void Run(const SetArguments& arguments) {
               infeasible);
 }
 
-// Says which of the libraries that may be there are not.
+// Prints which of the optional libraries this program was built without.
 void ReportMissing() {
 #ifndef MJCF_PDG_HAVE_COAL
   std::printf("no Coal: built without it (README.md)\n");
@@ -84,6 +84,7 @@ int Main(int argc, char** argv) {
 int main(int argc, char** argv) {
   const int status = mjcf_pdg::bench::Main(argc, argv);
   std::fflush(nullptr);
-  // Without static destructors: FCL and Coal bring two versions of OctoMap, and both free one map.
+  // Skips static destructors, because FCL and Coal bring two versions of OctoMap that would both
+  // free the same map.
   std::quick_exit(status);
 }

@@ -13,9 +13,9 @@ namespace mjcf_pdg::bench {
 namespace {
 
 constexpr int kBatch = 5;                // solves between two timings of an evaluation
-constexpr double kTimingSeconds = 2e-3;  // least duration of one timing
+constexpr double kTimingSeconds = 2e-3;  // least duration of one timing [s]
 
-// Times plain MuJoCo on the configurations of a set.
+// Times evaluations at the configurations of a set.
 class EvaluationTimer {
  public:
   EvaluationTimer(const Scene& scene, const ProblemSet& set)

@@ -1,4 +1,4 @@
-// Answers of solves under CGAL's eyes (tests/mesh_oracle.h), counted.
+// Counts how many free answers of a solver CGAL (tests/support/mesh_oracle.h) confirms.
 #ifndef MJCF_PDG_BENCH_ORACLE_TALLY_H_
 #define MJCF_PDG_BENCH_ORACLE_TALLY_H_
 
@@ -12,9 +12,10 @@ namespace mjcf_pdg::bench {
 
 class OracleTally {
  public:
+  // The scene must outlive this object. An overlap deeper than `tolerance` [m] is a failure.
   OracleTally(const Scene& scene, double tolerance) : oracle_(scene), tolerance_(tolerance) {}
 
-  // Asks about every answer that claims to be free.
+  // Asks CGAL about an answer, unless it is unsolved.
   void Ask(const Result& result) {
     if (result.status == Status::kUnsolved) return;
     ++asked_;
@@ -39,7 +40,7 @@ class OracleTally {
   test::MeshOracle oracle_;
   double tolerance_;
   int asked_ = 0, failed_ = 0, touching_ = 0;
-  double deepest_ = 0.0;
+  double deepest_ = 0.0;  // [m]
 };
 
 }  // namespace mjcf_pdg::bench

@@ -1,11 +1,12 @@
-// The paper's figures for articulated models, ours beside them: Fig. 13 and Table III.
+// The paper's results for articulated models with ours beside them: Fig. 13 and Table III.
 //
-// Fig. 13: two links over the ground, σ against the analytic optimum (Eq. 32, by fine search).
-// Table III: trajectories of 200 frames made up after the paper's words (Puma1, Puma2, Hand), each
-// with motion coherence (the frames follow each other) and without. Only frames that penetrate
-// count. The paper's times are from an Intel i5 of 2.4 GHz, with exact triangle meshes.
+// Fig. 13: two links over the ground, σ compared with the optimum of Eq. 32, found by a fine
+// search. Table III: trajectories of 200 frames made after the paper's description
+// (trajectories.h), each with motion coherence (the frames follow each other) and without. Only
+// frames that penetrate count. The paper's times are from an Intel i5 of 2.4 GHz, with exact
+// triangle meshes.
 //
-// Run: mjcf_pdg_paper_tables [MODELS]      (the folder models/ of the project)
+// Run: paper_tables_bench [MODELS], where MODELS is the folder models/ of the project.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -51,7 +52,7 @@ double Mean(const std::vector<double>& values) {
   return values.empty() ? 0.0 : sum / values.size();
 }
 
-// All frames by one solver, in order.
+// Solves all frames in order with one solver.
 std::vector<Result> Solve(const Scene& scene, const std::vector<std::vector<double>>& frames,
                           Method method, bool coherence) {
   Options options;
@@ -64,7 +65,7 @@ std::vector<Result> Solve(const Scene& scene, const std::vector<std::vector<doub
   return results;
 }
 
-// `best`: per frame, the lowest σ of all the series.
+// Prints one row. `best` has the lowest σ of all series for each frame [m²].
 void PrintSeries(const char* label, const std::vector<Result>& results,
                  const std::vector<double>& best) {
   std::vector<double> ms, iterations, ratios;
@@ -129,5 +130,4 @@ int PaperTablesMain(int argc, char** argv) {
 
 }  // namespace mjcf_pdg::bench
 
-// Not where all of bench/ is linked into one program.
 int main(int argc, char** argv) { return mjcf_pdg::bench::PaperTablesMain(argc, argv); }

@@ -7,14 +7,14 @@
 namespace mjcf_pdg::bench {
 namespace {
 
-constexpr int kSamples = 300;  // of the angle and of the direction, as in the paper
-constexpr int kAlong = 24;     // steps of a shift in which the first free one is sought
-constexpr int kBisections = 30;
-constexpr int kRefinements = 8;  // each grid a tenth of the one before
-constexpr int kRefined = 20;     // samples of a finer grid, each way
-constexpr double kSettled = 1e-3;
+constexpr int kSamples = 300;      // samples of the angle, and of the direction, as in the paper
+constexpr int kAlong = 24;         // steps along a shift in which the first free pose is sought
+constexpr int kBisections = 30;    // most bisections between the last colliding and that pose
+constexpr int kRefinements = 8;    // most finer grids, each with a fifth of the step before
+constexpr int kRefined = 20;       // steps of a finer grid in each of its two dimensions
+constexpr double kSettled = 1e-3;  // relative fall of σ at which the grids are fine enough
 
-// σ as a function of the angle and the direction of the shift.
+// The least σ of a free pose as a function of the angle and of the direction of the shift.
 class Shifts {
  public:
   explicit Shifts(Workspace& work) : work_(work) {}
@@ -24,7 +24,7 @@ class Shifts {
     angle_ = angle;
     const double turned = SigmaAt(direction, 0.0);
     if (turned >= best) return std::numeric_limits<double>::infinity();
-    const double farthest = std::sqrt(best - turned);  // σ of a shift is its square
+    const double farthest = std::sqrt(best - turned);  // σ of a shift is its square [m]
     double low = 0.0, high = -1.0;
     for (int k = 0; k <= kAlong && high < 0.0; ++k) {
       const double shift = farthest * k / kAlong;
@@ -71,7 +71,7 @@ PlanarOptimum BruteForcePlanar(Workspace& work) {
     angle = a;
     direction = d;
   };
-  // From small angles to large ones: most of the large ones cost more than the best by themselves.
+  // Small angles come first, because most large angles alone cost more than the best σ then known.
   for (int i = 0; i < kSamples; ++i) {
     const double a = (i % 2 ? 1 : -1) * ((i + 1) / 2) * 2.0 * mjPI / kSamples;
     for (int k = 0; k < kSamples; ++k) ask(a, 2.0 * mjPI * k / kSamples);

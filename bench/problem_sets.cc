@@ -16,16 +16,18 @@
 namespace mjcf_pdg::bench {
 namespace {
 
-constexpr int kTriesPerProblem = 200;
-constexpr double kReach =
-    0.8;  // how far a thrown geom lands from its target, in sums of their radii
+constexpr int kTriesPerProblem = 200;  // random configurations drawn per problem, at most
+// Largest offset, along each axis, of a thrown geom from its target, as a share of the sum of their
+// bounding radii.
+constexpr double kReach = 0.8;
 
 struct DeleteData {
   void operator()(mjData* d) const { mj_deleteData(d); }
 };
 using DataPtr = std::unique_ptr<mjData, DeleteData>;
 
-// The standard fixes the engine's output, but not that of its distributions.
+// Random numbers. The standard fixes the output of the engine, but not that of distributions, so
+// these are written out.
 class Draw {
  public:
   explicit Draw(std::uint64_t seed) : engine_(seed) {}
@@ -58,6 +60,7 @@ class Draw {
   std::mt19937_64 engine_;
 };
 
+// True if MuJoCo's filters let the geom collide with something.
 bool Collides(const mjModel& m, int geom) {
   if (m.geom_contype[geom] != 0 || m.geom_conaffinity[geom] != 0) return true;
   for (int k = 0; k < m.npair; ++k) {
@@ -90,8 +93,8 @@ void DrawJoint(const mjModel& m, int joint, Draw& draw, double* q) {
   }
 }
 
-// Moves the tree of the free joint so that one of its geoms lands near one that is not its own.
-// The data hold the pose of `q`.
+// Moves the tree of the free joint so that one of its geoms is near a geom of another tree, both
+// chosen at random. `d` must hold the pose of `q`.
 void Throw(const mjModel& m, const mjData& d, int free_joint, Draw& draw, double* q) {
   const int tree = m.body_rootid[m.jnt_bodyid[free_joint]];
   std::vector<int> own, others;
@@ -106,7 +109,7 @@ void Throw(const mjModel& m, const mjData& d, int free_joint, Draw& draw, double
   double to[3];
   mju_copy3(to, d.geom_xpos + 3 * target);
   if (m.geom_type[target] == mjGEOM_PLANE) {
-    // From the plane's centre anywhere near the tree's place; across it within the geom's radius.
+    // Along a plane the geom stays where it is; across it, it goes to within its radius.
     const double* frame = d.geom_xmat + 9 * target;
     const double normal[3] = {frame[2], frame[5], frame[8]};
     double off[3];
@@ -134,7 +137,7 @@ std::vector<double> DrawConfiguration(const Scene& scene, mjData& d, Draw& draw)
   return q;
 }
 
-// A model's name with its folder, as file names repeat.
+// A model's file name with its folder, because file names repeat.
 std::string ShortName(const std::string& model_path) {
   const std::filesystem::path path(model_path);
   const std::string folder = path.parent_path().filename().string();

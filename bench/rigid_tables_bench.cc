@@ -1,14 +1,14 @@
-// The paper's figures for rigid models, ours beside them: Table I, Table II, Fig. 11, and the cost
-// against the number of triangles.
+// The paper's results for rigid models with ours beside them: Table I, Table II, Fig. 11, and the
+// cost against the number of triangles.
 //
-// Table I: A is translated through B while its orientation changes, 200 frames; with motion
-// coherence (frames follow each other) and with centroid difference. Table II: against random
-// sampling on the contact space (contact_sampling.h) with ten times our time per frame. Fig. 11:
-// spoon into box against brute force (figure11.h). Only frames that penetrate count. The
-// paper's times are from an Intel i5 of 2.4 GHz.
+// Table I: A is translated through B in 200 frames while its orientation changes, once with motion
+// coherence (the frames follow each other) and once with centroid difference. Table II: compared
+// with random sampling on the contact space (contact_sampling.h), which gets ten times our time per
+// frame. Fig. 11: a spoon in a box compared with brute force (figure11.h). Only frames that
+// penetrate count. The paper's times are from an Intel i5 of 2.4 GHz.
 //
-// Run: rigid_tables_bench [--parts table1,table2,figure11,triangles] [--big FOLDER]
-// (FOLDER: of models/rigid/make_rigid.py FOLDER; made if missing)
+// Run: rigid_tables_bench [--parts table1,table2,figure11,triangles] [--big FOLDER] FOLDER is that
+// of the big models, which models/rigid/make_rigid.py writes there if they are missing.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -29,15 +29,15 @@
 namespace mjcf_pdg::bench {
 namespace {
 
-constexpr double kTolerance = 1e-5;
+constexpr double kTolerance = 1e-5;  // [m]
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// A straight path of the free body's frame, turning at a constant rate.
+// A straight path of the free body's frame, which turns at a constant rate.
 struct Path {
   const char* scene;
   Vector3d from, to;  // [m]
-  Vector3d axis;
-  double turns;  // of 2π, on the whole path
+  Vector3d axis;      // of the rotation, any length
+  double turns;       // full turns on the whole path
 };
 
 const Path kBunnyDragon = {"bunny_dragon", {-0.25, 0.02, 0.08}, {0.25, 0.0, 0.06}, {1, 2, 1}, 1.0};
@@ -67,7 +67,7 @@ Scene Load(const std::string& folder, const char* name) {
 }
 
 struct Solved {
-  bool asked = false;
+  bool asked = false;  // the frame was solved at all
   Result result;
   double ms = 0.0;
 };
@@ -82,13 +82,14 @@ std::vector<Solved> Solve(const Scene& scene, const std::vector<std::vector<doub
     all[k].ms = 1e3 * (CpuSeconds() - begin);
     all[k].asked = true;
   }
-  for (const Solved& solved : all) {  // not in between: it would leave the caches cold
+  for (const Solved& solved : all) {  // after all solves, whose caches CGAL would empty
     if (solved.asked) oracle.Ask(solved.result);
   }
   return all;
 }
 
-// Milliseconds of one distance query of the pair, from scratch, at the penetrating frames' answers.
+// The median time of one distance query of the pair from scratch at the answers of the penetrating
+// frames [ms].
 double QueryMs(const Scene& scene, const std::vector<Solved>& solves) {
   ContactFinder finder(scene.tables());
   std::vector<double> ms;
@@ -132,7 +133,7 @@ void PrintTable1(const std::string& folder, const Path& path, const char* paper,
   OracleTally oracle(scene, kTolerance);
   std::vector<Row> rows;
   std::vector<double> best(frames.size(), kInfinity);
-  // Method paper follows the motions step by step, for seconds on big meshes: every tenth frame.
+  // Method paper takes seconds per frame on big meshes, so it gets every tenth frame only.
   auto add = [&](const char* label, Method method, Effort effort, bool coherence) {
     Options options;
     options.tolerance = kTolerance;

@@ -1,4 +1,4 @@
-// σ per iteration of the paper's method: how fast it falls, and how it ends.
+// σ per iteration of the paper's method: how fast it falls, and why the iterations end.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -15,12 +15,13 @@
 namespace mjcf_pdg::bench {
 namespace {
 
+// Iterations that get a row of the table.
 constexpr int kRows[] = {0, 1, 2, 3, 4, 5, 6, 8, 10, 15, 20, 30, 50, 99};
 
 struct Runs {
-  std::vector<std::vector<double>> sigmas;  // of runs that found a free configuration
-  std::map<IterationStatus, int> statuses;
-  int failures = 0;
+  std::vector<std::vector<double>> sigmas;  // by run that found something free, σ per iteration
+  std::map<IterationStatus, int> statuses;  // how the runs ended
+  int failures = 0;                         // runs that found nothing free
 };
 
 const char* Name(IterationStatus status) {
@@ -41,7 +42,8 @@ const char* Name(IterationStatus status) {
   return "";
 }
 
-// As the solver does, for the model's own obstacles and no clearance or rest.
+// Runs the paper's method on the workload's problems as Solver does, but without a verification of
+// the answer. Problems that are free already are left out.
 void Append(const Workload& workload, const Options& options, Runs& runs) {
   const SceneTables& tables = workload.scene->tables();
   Workspace work(tables, options);

@@ -1,4 +1,4 @@
-// How good and how fast are solves? One row per model, problem set and effort.
+// How good and how fast solves are. There is one row per model, problem set and effort.
 // README.md beside this file says what the columns mean.
 
 #include <CLI/CLI.hpp>
@@ -17,7 +17,7 @@
 namespace mjcf_pdg::bench {
 namespace {
 
-// Seeds of the runs that only look for a lower σ, away from those measured.
+// First seed of the runs that only look for a lower σ; it is far from the seeds that are measured.
 constexpr std::uint64_t kFirstPersistentSeed = 1000;
 
 struct Arguments {
@@ -128,7 +128,7 @@ void RunSet(const Scene& scene, const ProblemSet& set, const Arguments& argument
   }
 }
 
-// A scene that cannot be loaded or solved gets a row with the reason; the rest goes on.
+// A scene that cannot be loaded or solved gets a row with the reason, and the others go on.
 void Run(const Arguments& arguments) {
   std::ofstream json;
   if (!arguments.json.empty()) {

@@ -6,11 +6,11 @@ namespace mjcf_pdg::bench {
 
 const std::vector<Trajectory>& Trajectories() {
   static const std::vector<Trajectory> all = {
-      // Past the car's side, the forearm stretched out into it.
+      // The arm moves past the car's side with its forearm stretched into the car.
       {"Puma1", "puma/puma_car.xml", "arm_through_door", {1}, {-2.2}, {2.2}, 27.9, 3.1},
       // The upper arm comes down onto the robot's own cart, which stands in the running board.
       {"Puma2", "puma/puma_car.xml", "own_cart_and_running_board", {4}, {0.6}, {-0.75}, 14.9, 2.3},
-      // From above the cap down to the shoulder of the bottle.
+      // The hand moves from above the cap down to the shoulder of the bottle.
       {"Hand", "hand/hand_bottle.xml", "hand_down_to_shoulder", {2}, {0.27}, {0.13}, 71.6, 1.9},
   };
   return all;

@@ -18,14 +18,14 @@
 namespace mjcf_pdg::bench {
 namespace {
 
-constexpr int kPoses = 30;
-constexpr double kSize = 0.1;                // of the knots [m]
-constexpr double kNear = 1e-4, kFar = 0.05;  // distances of the queries [m]
-constexpr double kBeside = 1e-3;             // a warm query follows one this far away [m]
-constexpr double kDeep = -0.005;             // overlap of the queries and solves, about
-constexpr double kMargin = 0.005;            // of the features asked near contact
+constexpr int kPoses = 30;                   // poses of each kind
+constexpr double kSize = 0.1;                // size of the knots [m]
+constexpr double kNear = 1e-4, kFar = 0.05;  // distances at which queries are timed [m]
+constexpr double kBeside = 1e-3;             // a warm query follows a query this far away [m]
+constexpr double kDeep = -0.005;             // about the signed distance of overlaps [m]
+constexpr double kMargin = 0.005;            // features of the rows are at most this far apart [m]
 
-// Two knots of 2 · 8 nu² triangles each.
+// A scene of two torus knots, one on a free joint, of 16 nu² triangles each.
 Scene KnotScene(int nu) {
   const test::MeshShape knot = test::TorusKnot(kSize, 0.3 * kSize, 8 * nu, nu);
   const std::string xml = "<mujoco><asset>" + test::MeshXml("knot", knot, "inertia='exact'") +
@@ -42,14 +42,16 @@ std::vector<double> RandomPose(Random& random, double away) {
   return {way[0], way[1], way[2], turn[0], turn[1], turn[2], turn[3]};
 }
 
-// The distance of the pair; negative where it overlaps.
+// The signed distance of the two knots at q, at most 10 m.
 double Distance(ContactFinder& finder, const std::vector<double>& q) {
   finder.Pose(Eigen::Map<const VectorXd>(q.data(), 7));
   NearPair near;
   return finder.Distance(0, 10.0, near) ? near.distance : 10.0;
 }
 
-// Poses at this distance: from afar in a random direction, towards the middle.
+// Poses at this signed distance: the moving knot is turned at random, put far away in a random
+// direction, and moved towards the other one's centre; for an overlap, it is moved on from contact
+// by its depth.
 std::vector<std::vector<double>> PosesAt(const Scene& scene, double distance) {
   ContactFinder finder(scene.tables());
   Random random(7);
@@ -57,14 +59,14 @@ std::vector<std::vector<double>> PosesAt(const Scene& scene, double distance) {
   for (int k = 0; k < kPoses; ++k) {
     const std::vector<double> start = RandomPose(random, 6.0 * kSize);
     std::vector<double> q = start;
-    double share = 1.0;  // no step is longer than the distance
+    double share = 1.0;  // of the way back to `start`; no step is longer than the distance
     for (int step = 0; step < 200; ++step) {
       const double ahead = Distance(finder, q) - std::max(distance, kNear);
       if (ahead < 0.01 * kNear) break;
       share -= ahead / (6.0 * kSize);
       for (int i = 0; i < 3; ++i) q[i] = share * start[i];
     }
-    if (distance < 0.0) {  // then on, that far
+    if (distance < 0.0) {  // on from contact
       share += distance / (6.0 * kSize);
       for (int i = 0; i < 3; ++i) q[i] = share * start[i];
     }
@@ -73,8 +75,8 @@ std::vector<std::vector<double>> PosesAt(const Scene& scene, double distance) {
   return poses;
 }
 
-// Median microseconds of a query at the poses; the least of three times, each from scratch or after
-// one at a pose that is `before` away [m].
+// The median over the poses of the time of a query [µs], for each pose the least of three. A query
+// is from scratch, or, if `before` > 0, follows a query at a pose that is `before` away [m].
 double MedianUs(const Scene& scene, const std::vector<std::vector<double>>& poses,
                 const std::function<void(ContactFinder&)>& query, double before = 0.0) {
   ContactFinder finder(scene.tables());
@@ -101,9 +103,10 @@ double MedianUs(const Scene& scene, const std::vector<std::vector<double>>& pose
   return Quantile(us, 0.5);
 }
 
+// A row of the table.
 struct Cost {
-  double triangles = 0.0;
-  std::vector<double> entries;  // as kColumns
+  double triangles = 0.0;       // in each mesh
+  std::vector<double> entries;  // one per name in kColumns
   double verify_ms = 0.0;
 };
 
@@ -111,7 +114,8 @@ const char* const kColumns[] = {"far dist",  "... warm", "near dist",  "far free
                                 "near free", "overlap",  "rows",       "depth",
                                 "fast ms",   "queries",  "default ms", "queries"};
 
-// Appends the median milliseconds and collision queries of solves, each asked of CGAL, too.
+// Appends the median time [ms] and the median collision queries of solves to `entries`. CGAL is
+// asked about each answer.
 void AppendSolves(const Scene& scene, const std::vector<std::vector<double>>& poses,
                   const Options& options, OracleTally& oracle, std::vector<double>& entries) {
   Solver solver(scene, options);

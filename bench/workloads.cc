@@ -10,14 +10,15 @@
 namespace mjcf_pdg::bench {
 namespace {
 
-// A scene that cannot be loaded or solved gives one workload with the reason.
+// Adds the sets of a scene, or, if it cannot be loaded or Solver refuses it, one workload with the
+// reason.
 template <typename Sets>
 void Append(const std::string& path, bool exact_mesh, Sets sets, std::vector<Workload>& workloads) {
   try {
     SceneOptions options;
     options.exact_mesh = exact_mesh;
     const Scene scene = Scene::FromFile(path, options);
-    const Solver accepts(scene);  // or says why not
+    const Solver accepts(scene);  // throws if it does not accept the scene
     for (ProblemSet& set : sets(scene)) workloads.push_back({scene, std::move(set), {}});
   } catch (const std::exception& error) {
     workloads.push_back({std::nullopt, {path, path, {}}, error.what()});

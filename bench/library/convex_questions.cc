@@ -10,13 +10,15 @@ namespace mjcf_pdg::bench {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNear =
-    0.5;  // pairs whose spheres are farther apart are not asked [smaller radius]
-constexpr double kSmallMove =
-    1e-3;  // of each dof, between a question and the one before [rad or m]
+// Pairs are asked about if the gap of their bounding spheres is less than this, as a share of the
+// smaller sphere's radius.
+constexpr double kNear = 0.5;
+// Change of every degree of freedom between a warm question and the one before [rad or m].
+constexpr double kSmallMove = 1e-3;
 
-// -(h_1(n) + h_2(-n)): what a plane with normal n proves. The signed distance is the largest over
-// all n, so the best of several answers' normals tells which of them are short of it.
+// The gap that a plane with the normal n proves: -(h_1(n) + h_2(-n)), where h is the support
+// function. The signed distance is the largest gap over all n, so the best gap of several answers'
+// normals shows which answers are wrong.
 double ProvenBy(const Vector3d& n_W, const SceneTables& tables, const PosedModel& posed,
                 const KeptPair& pair) {
   double gap = 0.0;
@@ -31,6 +33,7 @@ double ProvenBy(const Vector3d& n_W, const SceneTables& tables, const PosedModel
   return gap;
 }
 
+// The signed distance by mj_geomDistance. Returns false if there is no answer.
 bool AskMujoco(const mjModel& m, mjData& d, const KeptPair& pair, SignedGap& gap) {
   mjtNum fromto[6];
   constexpr double kFar = 1e3;
@@ -115,7 +118,7 @@ class ConvexBench : public Questions {
     }
   }
 
-  // Each time from what was found at the configuration before.
+  // Asks our own code for a pair at q, each time after asking at the configuration `before`.
   void AskWarm(int pair, const VectorXd& before, const VectorXd& q) {
     Answer answer{.name = kOursWarm};
     answer.seconds = kInfinity;

@@ -1,4 +1,5 @@
-// FCL and its fork Coal have the same classes under other names: what both are asked, once.
+// FCL and its fork Coal have the same classes under different names. This template asks both in the
+// same way.
 #ifndef MJCF_PDG_BENCH_LIBRARY_FCL_FAMILY_H_
 #define MJCF_PDG_BENCH_LIBRARY_FCL_FAMILY_H_
 
@@ -13,11 +14,12 @@
 
 namespace mjcf_pdg::bench {
 
-// Traits: the library's types (Geometry, Sphere, Capsule, Ellipsoid, Cylinder, Box, Tree, Triangle,
-// DistanceRequest, DistanceResult, CollisionRequest, CollisionResult), kName, and
+// `Traits` has the library's types (Geometry, Sphere, Capsule, Ellipsoid, Cylinder, Box, Tree,
+// Triangle, DistanceRequest, DistanceResult, CollisionRequest, CollisionResult), its name kName,
+// and
 //   std::unique_ptr<Geometry> MakeHull(const MeshArrays&);
 //   Transform Pose(const mjData&, int geom);
-//   DistanceRequest SignedRequest();                        depths where geoms overlap
+//   DistanceRequest SignedRequest();                        with depths of overlaps
 //   Eigen::Vector3d Normal(const DistanceResult&);          from geom 1 to geom 2
 //   DistanceRequest TriangleRequest();
 //   CollisionRequest FirstContact();                        one contact is enough
@@ -46,7 +48,7 @@ class FclFamily : public Library {
   }
   double TriangleDistance(const mjData& d, int geom1, int geom2, double cutoff) override {
     typename Traits::DistanceResult nearest;
-    nearest.min_distance = cutoff;  // what is not nearer is passed over
+    nearest.min_distance = cutoff;  // triangles that are not nearer are skipped
     distance(trees_[geom1].get(), Traits::Pose(d, geom1), trees_[geom2].get(),
              Traits::Pose(d, geom2), Traits::TriangleRequest(), nearest);
     return nearest.min_distance;
@@ -92,8 +94,8 @@ class FclFamily : public Library {
     return tree;
   }
 
-  std::vector<std::unique_ptr<Geometry>> shapes_;  // per geom; null: not convex
-  std::vector<std::unique_ptr<Tree>> trees_;       // per geom; null: no mesh, or not asked for
+  std::vector<std::unique_ptr<Geometry>> shapes_;  // by geom; null if it is not convex
+  std::vector<std::unique_ptr<Tree>> trees_;       // by geom; null without a mesh or `triangles`
 };
 
 }  // namespace mjcf_pdg::bench

@@ -8,7 +8,8 @@
 namespace mjcf_pdg::bench {
 namespace {
 
-// Convex distances: its own tests of two primitives where it has them, else libccd's GJK and EPA.
+// FCL's types and requests. For convex distances FCL uses its own tests for some pairs of
+// primitives, and libccd's GJK and EPA for all others.
 struct FclTraits {
   using Geometry = fcl::CollisionGeometry<double>;
   using Sphere = fcl::Sphere<double>;

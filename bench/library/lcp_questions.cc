@@ -39,7 +39,7 @@ void AskLcp(const Scene& scene, const VectorXd& q, Table& table, int& infeasible
   whitening.SolveLower(y);
   MatrixXd G = rows.C.topRows(m).transpose();
   whitening.SolveLower(G);
-  // To first order nothing moves these two apart: then there is no answer that is not elastic.
+  // To first order no joint moves the two geoms of some row, so that only an elastic answer exists.
   const auto lengths = G.colwise().norm();
   if (lengths.minCoeff() < kImmovable * lengths.maxCoeff()) {
     ++infeasible;
@@ -60,7 +60,8 @@ void AskLcp(const Scene& scene, const VectorXd& q, Table& table, int& infeasible
   }
   const std::string kind = m < 20 ? "LCP, fewer than 20 rows" : "LCP, 20 rows and more";
   const VectorXd z = G * lambda - y;
-  // Objectives: the steps are unique, but rows may be dependent and multipliers not.
+  // Answers are compared by violation and objective: the step z is unique, but the multipliers of
+  // dependent rows are not.
   auto error = [&](const VectorXd& other) {
     const double violation = -(G.transpose() * other + gap).minCoeff();
     const double worse = (other + y).norm() - (z + y).norm();

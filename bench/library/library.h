@@ -1,4 +1,5 @@
-// A collision library beside our own code, on the geoms of a MuJoCo model. For library_bench alone.
+// The interface of a collision library that library_bench compares with our own code, on the geoms
+// of a MuJoCo model.
 #ifndef MJCF_PDG_BENCH_LIBRARY_LIBRARY_H_
 #define MJCF_PDG_BENCH_LIBRARY_LIBRARY_H_
 
@@ -19,30 +20,32 @@ class Library {
  public:
   virtual ~Library() = default;
   virtual const char* name() const = 0;
-  // Signed distance of two convex geoms (a mesh is its hull), posed as in `d`, with points and
-  // normal in world axes. False: no answer.
+  // Sets `gap` to the signed distance of two convex geoms (a mesh is its hull) at the poses in `d`,
+  // with witness points and normal in world axes. Returns false if the library has no answer.
   virtual bool Distance(const mjData& d, int geom1, int geom2, SignedGap& gap) = 0;
-  // Of two meshes as their triangles: below `cutoff` and apart, else the cutoff [m] ...
+  // The distance [m] of two meshes as their triangles, which do not cross; `cutoff` if it is not
+  // less.
   virtual double TriangleDistance(const mjData& d, int geom1, int geom2, double cutoff) = 0;
-  // ... and whether some of them cross.
+  // True if some triangles of two meshes cross.
   virtual bool TrianglesCross(const mjData& d, int geom1, int geom2) = 0;
 };
 
-// `triangles`: mesh geoms get trees over their triangles, too. Null where this program was built
-// without the library.
+// Make a library with the geoms of `m`; with `triangles`, mesh geoms also get trees over their
+// triangles. They return null if this program was built without the library.
 std::unique_ptr<Library> MakeFcl(const mjModel& m, bool triangles);
 std::unique_ptr<Library> MakeCoal(const mjModel& m, bool triangles);
 
-// One mesh's vertices and the corners of its triangles, or of its hull's.
+// The vertices and triangles of one mesh, or of its convex hull.
 struct MeshArrays {
   std::vector<Eigen::Vector3d> vertices;    // [m]
-  std::vector<std::array<int, 3>> corners;  // of each triangle
+  std::vector<std::array<int, 3>> corners;  // by triangle, indices of its vertices
 
   MeshArrays(const mjModel& m, int mesh, bool hull) {
     const std::optional<MeshHull> of = hull ? HullOf(m, mesh) : std::nullopt;
     const int* face = of ? of->faces.data() : m.mesh_face + 3 * m.mesh_faceadr[mesh];
     const int count = of ? static_cast<int>(of->faces.size()) / 3 : m.mesh_facenum[mesh];
-    std::vector<int> place(m.mesh_vertnum[mesh], -1);  // a hull leaves some vertices out
+    // New index of each vertex; -1: none yet. A hull leaves some vertices out.
+    std::vector<int> place(m.mesh_vertnum[mesh], -1);
     for (int t = 0; t < count; ++t) {
       std::array<int, 3>& triangle = corners.emplace_back();
       for (int k = 0; k < 3; ++k) {

@@ -14,7 +14,7 @@ QpOutcome SolveByDaqp(const Eigen::MatrixXd& G, const Eigen::VectorXd& y,
                       const Eigen::VectorXd& gap) {
   const int n = static_cast<int>(G.rows()), m = static_cast<int>(G.cols());
   Eigen::MatrixXd H = Eigen::MatrixXd::Identity(n, n);
-  Eigen::MatrixXd A = G;  // its columns are DAQP's rows, one after the other
+  Eigen::MatrixXd A = G;  // the columns of G are the rows of DAQP's matrix, which is row-major
   Eigen::VectorXd f = y, lower = -gap, upper = Eigen::VectorXd::Constant(m, 1e30);
   std::vector<int> sense(m, 0);
   DAQPProblem problem{};

@@ -9,7 +9,8 @@
 namespace mjcf_pdg::bench {
 namespace {
 
-constexpr double kWrong = 1e-3;  // a distance that is off by more is a failure [smaller radius]
+// An answer counts as wrong if its relative error (see Table::Add) is larger.
+constexpr double kWrong = 1e-3;
 
 }  // namespace
 

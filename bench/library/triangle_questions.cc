@@ -63,8 +63,8 @@ class TriangleBench : public Questions {
       exact_.Forget();
       ask();
     });
-    if (near && gap.distance <= 0.0) return;  // depths are not what these libraries tell
-    const double warm = Seconds(ask);  // from the triangles that it has just found: a best case
+    if (near && gap.distance <= 0.0) return;  // these libraries do not measure depths of meshes
+    const double warm = Seconds(ask);  // from the triangles just found, which is the best case
     const double own = near ? gap.distance : cutoff;
     const std::string kind = what + (near ? "" : ": beyond");
     table_.Add(kind, kOurs, cold, 0.0);

@@ -1,4 +1,4 @@
-// The front door: generalized penetration depth PDg of a configuration.
+// The header that most programs include: generalized penetration depth PDg of a configuration.
 //
 //   mjcf_pdg::Scene scene = mjcf_pdg::Scene::FromFile("robot.xml");
 //   mjcf_pdg::Solver solver(scene);
@@ -29,55 +29,58 @@ typedef struct mjData_ mjData;
 
 namespace mjcf_pdg {
 
-// What Options::without can name and Result::start may say: the method's starts, then its other
-// steps.
+// The names that Options::without accepts: the method's starts, which Result::start may name, then
+// its other steps.
 MJCF_PDG_API std::vector<std::string> Components(Method method);
 
-// One per thread; has MuJoCo data of its own and never writes to the user's model or data.
+// Finds nearest free configurations of one scene. Use one solver per thread; it has MuJoCo data of
+// its own and never writes to the user's model or data.
 class MJCF_PDG_API Solver {
  public:
-  // Throws Error if an option is out of range, Options::without has an unknown name, the scene an
-  // active equality constraint, or the libmujoco of this process is not the 4.0.x that we were
-  // built for.
+  // Throws Error if an option is out of range, if Options::without has an unknown name, if the
+  // scene has an active equality constraint, or if the libmujoco of this process is not the 4.0.x
+  // that this library was built for.
   explicit Solver(const Scene& scene, const Options& options = {});
   ~Solver();
   Solver(Solver&&) noexcept;
   Solver& operator=(Solver&&) noexcept;
 
-  // The free configuration nearest to q_in (nq). A hard case never throws: see Result::status.
-  // Throws Error for a bad q_in (size, NaN, zero quaternion), and where the user's model has
-  // changed its sizes since the scene was made.
+  // Returns the nearest free configuration to q_in (nq entries) that the search finds. Not finding
+  // any is no error: see Result::status. Throws Error for a bad q_in (size, NaN, zero quaternion),
+  // and if the user's model has changed its sizes since the scene was made.
   Result Solve(std::span<const double> q_in);
-  // Refills `result`, whose status it returns; q_in may be result.q. Once solver and result have
-  // seen problems of this size it allocates nothing on the heap, exact meshes and MuJoCo's own
-  // arena excepted.
+  // Writes the result to `result` and returns its status; q_in may be result.q. Once solver and
+  // result have seen problems of this size, the call allocates nothing on the heap, except for
+  // exact meshes and MuJoCo's own arena.
   Status Solve(std::span<const double> q_in, Result& result);
-  // The same at `data`'s qpos, with its mocap poses, which stay set (SetMocap). `data` belongs to
-  // the scene's model and is only read. Throws Error if it is null, or an equality constraint
-  // active in it.
+  // Solves for the qpos of `data`, after SetMocap with its mocap poses, which stay set. `data` must
+  // belong to the scene's model and is only read. Also throws Error if `data` is null or an
+  // equality constraint is active in it.
   Status Solve(const mjData* data, Result& result);
-  // `free_hint` counts for this solve alone, beside what SetHint has set: see there.
+  // Solves for q_in with `free_hint` as a hint for this call alone, beside the one of SetHint.
   Result Solve(const std::vector<double>& q_in,
                const std::optional<std::vector<double>>& free_hint = std::nullopt);
 
-  // Is q (nq) free, by the verifier's word? Nothing else is computed. Throws as Solve does.
+  // True if the verifier finds q (nq entries) free. Nothing else is computed. Throws as Solve does.
   bool IsFree(std::span<const double> q);
 
-  // A configuration (nq) known or hoped to be free, kept until set anew; empty: none. It becomes
-  // one of the starts, what is frozen taken from q_in, and if it is free, whatever a solve returns
-  // is free. Throws Error as for a bad q_in.
+  // Sets a configuration (nq entries) that is known or hoped to be free, for all later solves; an
+  // empty one removes it. It becomes one of the starts, with frozen joints taken from q_in. If that
+  // start is free, whatever a solve returns is free. Throws Error as for a bad q_in.
   void SetHint(std::span<const double> q_free);
 
-  // Bounds what each later solve may cost, instead of Options::time_limit. Throws Error for
+  // Limits what each later solve may cost, in place of Options::time_limit. Throws Error for
   // negative numbers or NaN.
   void SetBudget(const Budget& budget);
 
-  // Where the mocap bodies are from now on, instead of Options' poses: position [m] and quaternion
-  // (w, x, y, z), 3 and 4 values per body; empty: as in the model. What the solver remembers of
-  // earlier frames stays. Throws Error for wrong sizes or values.
+  // Sets the poses of the mocap bodies for all later solves, in place of those of Options: position
+  // [m] and quaternion (w, x, y, z), 3 and 4 values per mocap body, in order of mocap id. An empty
+  // vector leaves them as in the model. What the solver remembers of earlier frames stays. Throws
+  // Error for wrong sizes or values.
   void SetMocap(const std::vector<double>& pos, const std::vector<double>& quat);
 
-  // Forgets every earlier solve (Options::trajectory). Hint, budget and mocap poses stay.
+  // Forgets every earlier solve, which matters with Options::trajectory. Hint, budget and mocap
+  // poses stay.
   void Reset();
 
  private:
@@ -85,10 +88,12 @@ class MJCF_PDG_API Solver {
   std::unique_ptr<Impl> impl_;
 };
 
-// Rows of `q` (n × nq, one after the other) over `threads` solvers, at least one; a trajectory is
-// solved by one. `done` gets every row's number and result in order, from one thread at a time;
-// what it throws ends the batch and is thrown again, false ends it. At most some rows per thread
-// wait for a slow one before them. Throws Error as Solver does, with the number of the row.
+// Solves the rows of `q` (n × nq values, row by row) with one solver on each of `threads` threads;
+// `threads` is at least 1, and a trajectory is solved by one. `done` gets each row's number and
+// result, in order of rows, from one thread at a time. If it returns false the batch ends; if it
+// throws, the batch ends and throws the same. At most 128 rows per thread are solved ahead of the
+// next one in order. Throws Error as Solver does; that of a bad row says its number, and no row is
+// solved then.
 MJCF_PDG_API void SolveBatch(const Scene& scene, const Options& options, std::span<const double> q,
                              int threads,
                              const std::function<bool(std::size_t, const Result&)>& done);
@@ -96,18 +101,21 @@ MJCF_PDG_API void SolveBatch(const Scene& scene, const Options& options, std::sp
 // What the verifier says of a configuration.
 struct Verdict {
   bool free = false;
-  bool certified = false;         // every kept pair has a signed distance (no SDF, no height field)
-  double min_distance = 0.0;      // as in Result, cut off 1 m beyond the clearance [m]
-  double limit_excess = 0.0;      // largest violation of a joint limit [rad or m]
-  std::vector<Contact> contacts;  // pairs nearer than `tolerance` or than required, deepest first
-  std::string reason;             // what is not free, in words; empty when free
+  bool certified = false;     // every kept pair has a signed distance (no SDF, no height field)
+  double min_distance = 0.0;  // as in Result, but cut off 1 m beyond the clearance [m]
+  double limit_excess = 0.0;  // largest violation of a joint limit [rad or m]
+  // Pairs that are nearer than the tolerance or than required, deepest first.
+  std::vector<Contact> contacts;
+  std::string reason;  // what is not free, in words; empty if all is free
 };
 
-// Whether q is free (overlaps of at most `tolerance` beyond what the model or `options.rest`
-// allows, joint limits hold to 1e-6), decided by certificates: for each pair a plane that parts the
-// two, or else points that show that they overlap. Meshes that collide as triangles are asked of
-// FCL, height fields and SDFs of mj_collision. Shares nothing with the solver's own queries. `q_in`
-// is the configuration `rest` refers to. Throws Error for a bad q or option.
+// Decides whether q is free: joint limits hold within 1e-6 rad or m, and every kept pair keeps its
+// required distance within `tolerance`. That is the clearance (0 for pairs that no movable joint
+// can separate), less the overlap that the model or `options.rest` allows. A pair is decided by a
+// certificate: a plane that separates the two geoms, or points that show that they are too near.
+// FCL decides for meshes that collide as their triangles, mj_collision for height fields and SDFs.
+// No code is shared with the solver's own queries. `q_in` is the configuration whose contacts
+// `options.rest` refers to; null: no contact rests. Throws Error for a bad q or option.
 MJCF_PDG_API Verdict Verify(const Scene& scene, const std::vector<double>& q,
                             const Options& options = {}, const std::vector<double>* q_in = nullptr);
 

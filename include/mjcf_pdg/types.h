@@ -2,15 +2,15 @@
 //
 //   q_in, q      configurations in MuJoCo's qpos layout, length nq; unit quaternions (w, x, y, z)
 //   dq           a tangent vector, one entry per *movable* degree of freedom, length n <= nv;
-//                MuJoCo's conventions (a ball's three are body-frame, a free joint's linear three
-//                world-frame)
-//   σ            the object norm between q_in and q [m²]; √σ [m] reads as a root-mean-square motion
-//   r            residual of the norm, σ = ‖r‖²: the paper's X weighted by H, divided by √M [m]
+//                MuJoCo's conventions (the three of a ball joint are in the body frame, the linear
+//                three of a free joint in the world frame)
+//   σ            the object norm between q_in and q [m²]; √σ [m] is a root-mean-square displacement
+//   r            the norm as a vector [m], σ = ‖r‖²: the paper's X weighted by H, divided by √M
 //   X            the paper's variable: 2 sin(Δq/2) (hinge), Δq (slide), Q (ball), Eq. 26
-//   Q            vector part of a relative unit quaternion, world axes
-//   H, M         the norm's metric (Eq. 28) and the total mass that can move [kg]
+//   Q            vector part of the unit quaternion from q_in to q, in world axes
+//   H, M         the norm's metric matrix (Eq. 28) and the total mass of what can move [kg]
 //   C            contact matrix (m × n), rows nᵀ(J_2 - J_1), Eq. 22-23
-//   λ            multipliers of the rows of C
+//   λ            Lagrange multipliers of the rows of C
 //   p_W, n_W     a point [m] and a unit normal in world axes; n_W points from geom 1 to geom 2
 //   d            signed distance of a pair of geoms [m], negative when they overlap
 #ifndef MJCF_PDG_TYPES_H_
@@ -45,12 +45,12 @@ enum class Method {
   kPaper,  // the paper's sequence of steps (Sec. 5), from one free configuration
 };
 
-// How far a search goes before it trusts its best answer; the time is about that of as many poses
-// with collision detection. bench/README.md has measurements.
+// How far a search goes before it trusts its best answer. The time of a solve is given in poses,
+// each with one collision detection; bench/README.md has measurements.
 enum class Effort {
-  kFast,     // the first start that ends free: tens of poses, for control loops
-  kDefault,  // until independent starts agree: hundreds
-  kMax,      // until many do: thousands
+  kFast,     // until a start ends free; tens of poses, for control loops
+  kDefault,  // until independent starts agree on the best answer; hundreds of poses
+  kMax,      // until many starts agree; thousands of poses
 };
 
 // How a solve ended.
@@ -62,10 +62,10 @@ enum class Status {
 
 // Why a result is unsolved, by code; Result::reason says it in words.
 enum class Cause {
-  kNone,         // it is not
+  kNone,         // the result is not unsolved
   kBudget,       // the budget of queries or seconds ended the search before anything was free
   kPermanent,    // pairs overlap in every configuration that was tried, wherever the joints went
-  kFrozen,       // pairs overlap that no movable joint can part
+  kFrozen,       // pairs overlap that no movable joint can separate
   kEquality,     // an equality constraint cannot be held
   kNotVerified,  // the search calls a configuration free that the verifier does not
   kNotFound,     // the search ended without a free configuration
@@ -80,72 +80,76 @@ struct Budget {
   double seconds = 0.0;  // [s]
 };
 
-// What a solve, a verdict or a checked motion is asked for. Out of range: Error where it is used.
+// What a solve, a verdict or a checked motion is asked for. A value out of range is an Error of the
+// function that gets the options.
 struct Options {
   Metric metric = Metric::kSequential;
   double tolerance = 1e-6;  // overlap that still counts as free [m], 1e-12 to 1
   double clearance = 0.0;   // distance to keep between pairs that can move apart [m], 0 to 1000
-  double rest = 0.0;        // contacts of q_in no deeper may keep their depth [m], 0 to 1000
+  double rest = 0.0;        // contacts of q_in no deeper than this may stay so [m], 0 to 1000
   Method method = Method::kAuto;
   Effort effort = Effort::kDefault;
-  // Calls of Solve are consecutive frames of one motion: a solver's earlier answers are starts of
-  // later ones (motion coherence). Where free bodies of exact meshes are all that moves, a frame
-  // that moved little may end there: five in a row at most, none with effort max.
+  // The calls of Solve are consecutive frames of one motion: a solver's earlier answers become
+  // starts of later solves (motion coherence). If free joints are all that may move, a frame with
+  // exact meshes may end with the answer reached from the last frame, without a search: for five
+  // frames in a row at most, and never with Effort::kMax.
   bool trajectory = false;
-  std::uint64_t seed = 0;  // of the random starts: the same seed, the same answer
-  // Starts and steps of the method to leave out, for experiments: names from Components (pdg.h).
+  std::uint64_t seed = 0;  // of the random starts; the same seed gives the same answer
+  // Starts and steps of the method that are left out, for experiments: names from Components
+  // (pdg.h).
   std::vector<std::string> without = {};
-  // Poses of mocap bodies, which are obstacles: position [m] and quaternion (w, x, y, z), 3 and 4
-  // per body in order of mocap id; empty: as in the model.
+  // Poses of the mocap bodies, which are obstacles: position [m] and quaternion (w, x, y, z), 3 and
+  // 4 values per mocap body, in order of mocap id. Empty: as in the model.
   std::vector<double> mocap_pos, mocap_quat;
-  // Outer guard on one solve [s], > 0; iterations, not this, normally end it. A solver's first
-  // budget (Solver::SetBudget).
+  // Most seconds of one solve, > 0: a guard, since a search normally ends by itself.
+  // Solver::SetBudget replaces it.
   double time_limit = std::numeric_limits<double>::infinity();
 
-  // What costs time and is not always wanted. The answer does not depend on these.
-  bool report_contacts = false;    // Result::contacts_in and contacts
-  bool report_lower_bound = true;  // Result::sigma_lower_bound where the search does without
-  // Pairs that are apart are measured up to this far beyond `clearance` for Result::depth_in and
-  // min_distance; by default only what freeness needs [m], 0 to 1000.
+  // The following cost time and do not change the answer.
+  bool report_contacts = false;    // fills Result::contacts_in and contacts
+  bool report_lower_bound = true;  // fills sigma_lower_bound even if the search does not need it
+  // How far beyond `clearance` distances are measured for Result::depth_in and min_distance [m], 0
+  // to 1000. With 0 only what freeness needs is measured.
   double report_distances_to = 0.0;
 };
 
-// One pair of geoms that overlap or touch.
+// A pair of geoms that overlap, touch or are nearer than required.
 struct Contact {
   std::array<int, 2> geom = {-1, -1};     // ids in the user's model, in MuJoCo's order
-  std::array<double, 3> normal_W = {};    // unit, from geom 1 to geom 2
+  std::array<double, 3> normal_W = {};    // unit vector, from geom 1 to geom 2
   std::array<double, 3> position_W = {};  // midpoint of the two witness points [m]
-  double distance = 0.0;                  // signed [m]
+  double distance = 0.0;                  // signed, negative: an overlap [m]
 };
 
 // What a solve took.
 struct Stats {
   int iterations = 0;         // local steps of all starts; method paper: constrained optimizations
-  int collision_queries = 0;  // one configuration against all kept pairs each, verifier included
-  int starts = 0;             // free-configuration selections tried
-  int lcp_sweeps = 0;         // active-set changes or Gauss-Seidel sweeps
+  int collision_queries = 0;  // each: one configuration, all kept pairs; the verifier's included
+  int starts = 0;             // free-configuration selections that were tried
+  int lcp_sweeps = 0;         // active-set changes or Gauss-Seidel sweeps of all LCPs
   double seconds = 0.0;       // wall time of the solve with its final verification [s]
 };
 
-// What a solve found: an upper bound of PDg, which σ of q is, and a lower one.
+// What a solve found. If q is free, its σ is an upper bound of PDg; the lower bound is proven.
 struct Result {
   Status status = Status::kUnsolved;
-  std::vector<double> q;           // nq; what is frozen is as in q_in
+  std::vector<double> q;           // nq entries; those of frozen joints are as in q_in
   double sigma = 0.0;              // σ(q_in, q), Eq. 19 or the other metric [m²]
   double sigma_lower_bound = 0.0;  // proven: no free configuration has a smaller σ [m²]
-  // Smallest signed distances of kept pairs at q_in and at q, negative where they overlap, cut off
-  // at the clearance and Options::report_distances_to [m]. Height fields and SDFs, which have no
-  // distances, count where they touch. Where neither contacts nor distances are to be reported,
-  // depth_in is the search's own measure, and what is free is not measured: the required distance.
+  // The smallest signed distances of all kept pairs at q_in and at q [m], negative for overlaps,
+  // cut off at the clearance plus Options::report_distances_to. Height fields and SDFs, which have
+  // no distances, count if they touch. If the options ask for neither contacts nor distances,
+  // depth_in of a solved problem is the search's own measure, and a free configuration is not
+  // measured: its value is the clearance less the tolerance.
   double depth_in = 0.0;
   double min_distance = 0.0;
   double limit_excess_in = 0.0;  // largest violation of a joint limit by q_in [rad or m]
-  bool certified = false;      // freeness rests on signed distances alone (no SDF, no height field)
-  std::string start;           // name of the start that won (Components in pdg.h); "none": q_in
-  std::string reason;          // why not solved, in words; empty otherwise
-  Cause cause = Cause::kNone;  // ... and by code
-  // With Options::report_contacts. Deepest first: at q_in the Verdict's, at q pairs nearer than
-  // required, or than ten tolerances more.
+  bool certified = false;      // that q is free rests on signed distances (no SDF, no height field)
+  std::string start;           // the start that won (name from Components in pdg.h); "none": q_in
+  std::string reason;          // why it is unsolved, in words; else empty
+  Cause cause = Cause::kNone;  // why it is unsolved, by code
+  // The contacts of the verifier's Verdicts at q_in and at q, deepest first, if
+  // Options::report_contacts is set.
   std::vector<Contact> contacts_in, contacts;
   Stats stats;
 };

@@ -10,7 +10,7 @@ namespace {
 
 using nlohmann::json;
 
-// At an offset, little-endian; 0 beyond the end.
+// The little-endian number of `size` bytes at the offset; 0 if it is not all inside `bytes`.
 std::uint64_t Unsigned(std::string_view bytes, std::uint64_t offset, int size) {
   if (offset > bytes.size() || bytes.size() - offset < static_cast<std::uint64_t>(size)) return 0;
   std::uint64_t value = 0;
@@ -18,6 +18,7 @@ std::uint64_t Unsigned(std::string_view bytes, std::uint64_t offset, int size) {
   return value;
 }
 
+// Bytes of an index of this glTF component type; 0 if it is no type of an index.
 int IndexSize(int component_type) {
   switch (component_type) {
     case 5121:
@@ -67,7 +68,7 @@ bool GlbHasMissingCorners(const std::string& bytes) {
         if (HasMissingCorners(gltf, primitive, all.substr(buffer))) return true;
       }
     }
-  } catch (const json::exception&) {  // assimp will say what is wrong
+  } catch (const json::exception&) {  // assimp will report what is wrong
   }
   return false;
 }

@@ -1,4 +1,5 @@
-// assimp 5.2 leaves out triangles of GLB files whose corners do not exist, without a word.
+// A check of GLB files before assimp reads them: assimp 5.2 silently leaves out triangles whose
+// corners do not exist.
 #ifndef MJCF_PDG_SRC_IMPORT_GLB_CHECK_H_
 #define MJCF_PDG_SRC_IMPORT_GLB_CHECK_H_
 
@@ -6,8 +7,9 @@
 
 namespace mjcf_pdg {
 
-// Whether a corner index in a GLB file's own buffer is that of no vertex. What else may be wrong
-// with the file is not looked at, nor are indices elsewhere (compressed, sparse, another file).
+// True if some triangle has a corner index beyond the number of vertices. `bytes` is the whole
+// file. Only indices in the file's own buffer are checked, not compressed or sparse ones or those
+// in another file; nor is anything else that may be wrong with the file.
 bool GlbHasMissingCorners(const std::string& bytes);
 
 }  // namespace mjcf_pdg

@@ -29,7 +29,8 @@ std::string InSmallLetters(std::string text) {
 
 constexpr std::uint64_t kStlHeader = 84, kStlTriangle = 50;  // bytes
 
-// By its first bytes, with the count of triangles that a binary file has at the end of its header.
+// Decides by the first kStlHeader bytes, the last four of which are a binary file's count of
+// triangles: those of an ASCII file begin with "solid" and are all printable.
 bool IsAsciiStl(const std::string& head) {
   const std::size_t begin = head.find_first_not_of(" \t\r\n");
   return begin != std::string::npos && InSmallLetters(head.substr(begin, 5)) == "solid" &&
@@ -37,6 +38,7 @@ bool IsAsciiStl(const std::string& head) {
                      [](unsigned char c) { return std::isprint(c) || std::isspace(c); });
 }
 
+// The text as assimp can read it; throws Error if it ends too early.
 std::string AsciiStl(const std::string& path, const std::string& text) {
   const std::string small = InSmallLetters(text);
   const std::size_t end = small.rfind("endsolid"), facet = small.rfind("endfacet");
@@ -49,6 +51,7 @@ std::string AsciiStl(const std::string& path, const std::string& text) {
   return as_assimp_wants("solid") && as_assimp_wants("facet") ? text : small;
 }
 
+// The bytes of an STL file as assimp can read them.
 std::string Stl(const std::string& path, std::string bytes) {
   const std::string head = bytes.substr(0, kStlHeader);
   if (IsAsciiStl(head)) return AsciiStl(path, bytes);
@@ -60,7 +63,7 @@ std::string Stl(const std::string& path, std::string bytes) {
   return bytes;
 }
 
-// ---- COLLADA: assimp takes a unit that is no number for a metre ----
+// ---- COLLADA: if the unit is no number, assimp silently takes metres ----
 
 void CheckColladaUnit(const std::string& path, const std::string& text) {
   const std::size_t unit = text.find("<unit");

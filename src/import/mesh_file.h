@@ -1,5 +1,4 @@
-// What has to be looked at in a mesh file before assimp gets it: assimp 5.2 misreads some files
-// without a word.
+// Checks of a mesh file before assimp reads it: assimp 5.2 silently misreads some files.
 #ifndef MJCF_PDG_SRC_IMPORT_MESH_FILE_H_
 #define MJCF_PDG_SRC_IMPORT_MESH_FILE_H_
 
@@ -7,15 +6,16 @@
 
 namespace mjcf_pdg {
 
-// The ending of a path in lower case, without the dot.
+// The extension of a path in lower case, without the dot.
 std::string MeshFormat(const std::string& path);
 
-// Throws Error, which names the file: missing, empty, unreadable, ends too early (PLY, ASCII STL),
-// in a unit that is no length (COLLADA), or with corners that do not exist (GLB).
+// Throws Error, which names the file, if it is missing, empty or unreadable, ends too early (PLY,
+// ASCII STL), has a unit that is no length (COLLADA), or has corners that do not exist (GLB).
 //
-// Returns what assimp is to be given instead of the file, or nothing if the file will do. Dropped
-// are a byte order mark, which would hide the first line, and padding behind the triangles of a
-// binary STL file; an ASCII STL file in capitals comes in small letters.
+// Returns the bytes that assimp must be given instead of the file, or an empty string if it can
+// read the file itself. Left out are a byte order mark, which would hide the first line, and
+// padding after the triangles of a binary STL file. An ASCII STL file in capitals is returned in
+// small letters.
 std::string CheckMeshFile(const std::string& path);
 
 }  // namespace mjcf_pdg

@@ -28,9 +28,10 @@ namespace {
 
 constexpr double kMaxCoordinate = 1e10;  // MuJoCo's own limit (mjMAXVAL)
 
+// A mesh of the file at one place of its node tree.
 struct Part {
   const aiMesh* mesh;
-  Eigen::Affine3d pose;  // in the file's axes
+  Eigen::Affine3d pose;  // scale included, in the file's axes
 };
 
 struct Size {
@@ -51,7 +52,7 @@ void CollectParts(const aiScene& scene, const aiNode& node, const Eigen::Affine3
   }
 }
 
-// assimp turns 3ds files by this, from z up to y up.
+// Undoes the rotation from z up to y up that assimp gives to 3ds files.
 Eigen::Affine3d AxesOfFile(const std::string& path) {
   Eigen::Affine3d turn = Eigen::Affine3d::Identity();
   if (MeshFormat(path) == "3ds") turn.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
@@ -69,8 +70,8 @@ Size SizeOf(const std::vector<Part>& parts) {
   return size;
 }
 
-// A mesh of its own type, because GCC 12 drops the rounding from (double)(float)x in vectorized
-// code.
+// A mesh in single precision. It has a type of its own because GCC 12 drops the rounding of
+// (double)(float)x from vectorized code.
 struct FloatMesh {
   Eigen::Matrix3Xf vertices;
   Eigen::Matrix3Xi triangles;
@@ -81,7 +82,8 @@ Eigen::Vector3d Position(const aiMesh& mesh, unsigned vertex) {
   return {v.x, v.y, v.z};
 }
 
-// assimp's own triangulation drops corners in the middle of a side, which leaves cracks.
+// Cuts a polygon into triangles. assimp's own triangulation drops corners in the middle of a side,
+// which leaves cracks.
 std::vector<std::array<int, 3>> CutFace(const aiMesh& mesh, const aiFace& face) {
   Eigen::Matrix3Xd corners(3, face.mNumIndices);
   for (unsigned k = 0; k < face.mNumIndices; ++k) {
@@ -94,7 +96,7 @@ std::vector<std::array<int, 3>> CutFace(const aiMesh& mesh, const aiFace& face) 
   return triangles;
 }
 
-// Fills the columns from `*filled` on, which counts them.
+// Writes a part to the columns of `mesh` after the first `*filled` ones, and adds to these counts.
 void FillPart(const Part& part, const std::string& path, Size* filled, FloatMesh* mesh) {
   const aiMesh& source = *part.mesh;
   const bool mirrored = part.pose.linear().determinant() < 0.0;
@@ -121,7 +123,7 @@ void FillPart(const Part& part, const std::string& path, Size* filled, FloatMesh
   filled->vertices += source.mNumVertices;
 }
 
-// `instead`, if not empty, are the bytes to read in place of the file's.
+// Reads the file, or `instead` in place of its bytes if that is not empty.
 FloatMesh ReadThroughAssimp(const std::string& path, const std::string& instead, double scale) {
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
@@ -158,7 +160,7 @@ FloatMesh ReadThroughAssimp(const std::string& path, const std::string& instead,
 
 // ---- assimp 5.2 crashes on some damaged files and hangs on others: it gets its own process ----
 
-constexpr rlim_t kMaxSeconds = 60;  // of computing; a million triangles take one or two
+constexpr rlim_t kMaxSeconds = 60;  // processor time; a million triangles take one or two seconds
 
 void Send(int pipe, const void* data, std::size_t size) {
   const char* next = static_cast<const char*>(data);
@@ -168,7 +170,8 @@ void Send(int pipe, const void* data, std::size_t size) {
   }
 }
 
-// The child: sends counts and arrays, or two zeros and what is wrong.
+// The child process: writes to the pipe the counts of vertices and triangles, then both arrays,
+// then the error message, which is empty unless the counts are zero.
 [[noreturn]] void ReadAndSend(const std::string& path, const std::string& instead, double scale,
                               int pipe) {
   const rlimit no_core = {0, 0}, time = {kMaxSeconds, kMaxSeconds};

@@ -1,5 +1,5 @@
-// Mesh files of any common format, through assimp: the only place that knows it. Not part of the
-// library, whose users need no assimp: linked into the program and the tests.
+// Reads mesh files of any common format through assimp; no other file uses assimp's importer.
+// Linked into the program and the tests, not into the library, whose users need no assimp.
 #ifndef MJCF_PDG_SRC_IMPORT_MESH_IMPORT_H_
 #define MJCF_PDG_SRC_IMPORT_MESH_IMPORT_H_
 
@@ -9,17 +9,18 @@
 
 namespace mjcf_pdg {
 
-// All triangles of a file (obj, stl, ply, dae, 3ds, glb, ...): parts placed as the file's node tree
-// says, polygons cut into triangles, all coordinates times `scale` and rounded to single precision,
-// which is what MuJoCo keeps of a mesh. Axes stay as in the file, whatever it calls "up". Vertices
-// are not welded.
+// Returns all triangles of a file (obj, stl, ply, dae, 3ds, glb, ...). Parts are placed by the
+// file's node tree and polygons are cut into triangles. Coordinates are multiplied by `scale`,
+// which makes them metres, and rounded to single precision, because MuJoCo keeps no more of a mesh.
+// Axes stay as in the file, whichever it calls "up". Vertices are not welded.
 //
-// Throws Error, which names the file: missing, empty, unreadable, no triangles, a coordinate that
-// is not finite or beyond 1e10 m, more than kMaxTriangles. assimp runs in a forked process (it does
-// not survive some damaged files): call from a program with one thread.
+// Throws Error, which names the file, if CheckMeshFile (mesh_file.h) does, if assimp cannot read
+// the file, or if it has no triangles, more than kMaxTriangles, or a coordinate that is not finite
+// or beyond 1e10 m. assimp runs in a forked process, because some damaged files crash it: call this
+// from a program with one thread.
 TriangleMesh ReadMeshFile(const std::string& path, double scale = 1.0);
 
-inline constexpr int kMaxTriangles = 5'000'000;  // MuJoCo takes about 1 KB for each
+inline constexpr int kMaxTriangles = 5'000'000;  // MuJoCo needs about 1 KB for each
 
 }  // namespace mjcf_pdg
 

@@ -10,7 +10,7 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector3d;
 
-// The corner (3 t + k) in which a use begins or ends.
+// The corner, numbered 3 * triangle + corner, at the low or the high vertex of an edge's use.
 int CornerAt(const EdgeUse& use, bool at_low) {
   return 3 * use.triangle + (use.forward == at_low ? use.corner : (use.corner + 1) % 3);
 }
@@ -21,9 +21,10 @@ void JoinCorners(const Link& link, OrientedSets* corners) {
   }
 }
 
+// What LinkByNeighbours decides.
 struct Links {
   std::vector<Link> links;
-  std::vector<std::vector<EdgeUse>> undecided;  // uses of an edge that are in no link
+  std::vector<std::vector<EdgeUse>> undecided;  // by edge, its uses that are in no link
 };
 
 Links LinkByNeighbours(const Eigen::Matrix3Xi& triangles) {
@@ -37,7 +38,8 @@ Links LinkByNeighbours(const Eigen::Matrix3Xi& triangles) {
   });
   ForEachEdge(uses, [&](const EdgeUse* edge, int count) {
     if (count <= 2) return;
-    // Uses with the same ends, corners that are connected counting as one.
+    // Uses are grouped by their ends, where connected corners count as one. A group of two is
+    // linked.
     std::vector<std::pair<std::pair<int, int>, int>> ends;
     for (int i = 0; i < count; ++i) {
       ends.push_back(
@@ -58,15 +60,16 @@ Links LinkByNeighbours(const Eigen::Matrix3Xi& triangles) {
   return found;
 }
 
-// A triangle as a half-plane that turns about an edge meets it.
+// A triangle at an edge, as a half-plane that turns about the edge comes across it.
 struct Meeting {
-  double angle;
-  double blur;  // of the angle, by the rounding of coordinates
-  bool enters;  // the half-plane enters the solid
+  double angle;  // at which the half-plane meets the triangle [rad]
+  double blur;   // error of the angle by the rounding of coordinates [rad]
+  bool enters;   // the half-plane enters the solid here; else it leaves it
   EdgeUse use;
 };
 
-// `rounding` [m] of coordinates.
+// The triangles of an edge, sorted by angle. `rounding` is that of coordinates [m]; `inside_out`
+// says that the mesh has its insides outside.
 std::vector<Meeting> AroundEdge(const TriangleMesh& mesh, const std::vector<EdgeUse>& uses,
                                 double rounding, bool inside_out) {
   const Vector3d low = mesh.vertices.col(uses[0].low);
@@ -87,7 +90,8 @@ std::vector<Meeting> AroundEdge(const TriangleMesh& mesh, const std::vector<Edge
   return meetings;
 }
 
-// Where solids touch, the one comes to its end before the other begins.
+// Puts leaving before entering where angles are equal within their blur: solids that touch in a
+// face follow each other.
 void LeaveBeforeEntering(std::vector<Meeting>* meetings) {
   for (auto begin = meetings->begin(); begin != meetings->end();) {
     auto end = begin + 1;
@@ -99,8 +103,8 @@ void LeaveBeforeEntering(std::vector<Meeting>* meetings) {
   }
 }
 
-// Only if solids follow each other around the edge: if not, they overlap or face against each
-// other.
+// Links the two triangles of each solid around an edge. Links nothing unless entering and leaving
+// alternate, because otherwise solids overlap or are oriented against each other.
 void LinkBySolids(std::vector<Meeting> meetings, std::vector<Link>* links) {
   LeaveBeforeEntering(&meetings);
   const auto next = [&](std::size_t i) { return meetings[(i + 1) % meetings.size()]; };

@@ -18,7 +18,7 @@ using Eigen::Matrix3Xi;
 
 void TurnOver(Matrix3Xi& triangles, Index t) { std::swap(triangles(1, t), triangles(2, t)); }
 
-// Returns how many are not kept.
+// Keeps the triangles with these indices only. Returns the number of the others.
 int Keep(const std::vector<Index>& kept, Matrix3Xi* triangles) {
   const Index before = triangles->cols();
   *triangles = (*triangles)(Eigen::all, kept).eval();
@@ -36,7 +36,8 @@ int DropRepeatedCorners(Matrix3Xi* triangles) {
 
 // ---- Triangles with the same corners ----
 
-// Which way round the corners go comes last.
+// Triangles sorted by a key: the three corners in ascending order, then the sense in which they
+// follow each other.
 std::vector<std::pair<std::array<int, 4>, int>> SortedByCorners(const Matrix3Xi& triangles) {
   std::vector<std::pair<std::array<int, 4>, int>> keys;
   for (int t = 0; t < triangles.cols(); ++t) {
@@ -58,7 +59,7 @@ int DropDuplicates(Matrix3Xi* triangles) {
   return Keep(kept, triangles);
 }
 
-// Of each triangle, the one with the same corners that faces the other way, or -1.
+// For each triangle its twin, which has the same corners in the opposite sense; -1: none.
 std::vector<int> FindTwins(const Matrix3Xi& triangles) {
   const auto keys = SortedByCorners(triangles);
   std::vector<int> twins(keys.size(), -1);
@@ -76,7 +77,7 @@ bool HasTwins(const std::vector<int>& twins) {
   return std::any_of(twins.begin(), twins.end(), [](int twin) { return twin >= 0; });
 }
 
-// Twins that meet at edges, whatever else is there.
+// Patches: sets of triangles with twins that are connected across edges.
 OrientedSets FindPatches(const std::vector<EdgeUse>& uses, const std::vector<int>& twins) {
   OrientedSets patches(static_cast<int>(twins.size()));
   ForEachEdge(uses, [&](const EdgeUse* edge, int count) {
@@ -90,8 +91,9 @@ OrientedSets FindPatches(const std::vector<EdgeUse>& uses, const std::vector<int
   return patches;
 }
 
-// Where the other triangles alone do not fit together on the edges of a patch, one side of it is
-// needed: that of the earlier triangles stays.
+// If the triangles without twins do not balance at the edges of a patch, the patch is needed to
+// close the surface, but only once: of two twins the earlier triangle stays. Returns the number
+// dropped.
 int DropNeedlessTwins(Matrix3Xi* triangles) {
   const std::vector<int> twins = FindTwins(*triangles);
   if (!HasTwins(twins)) return 0;
@@ -118,7 +120,7 @@ int DropNeedlessTwins(Matrix3Xi* triangles) {
 
 // ---- Orientation and connection ----
 
-// Returns how many triangles were turned over.
+// Turns triangles over until linked ones agree, the fewest of each connected set. Returns how many.
 int AgreeWithNeighbours(const std::vector<Link>& links, Matrix3Xi* triangles) {
   OrientedSets sets(static_cast<int>(triangles->cols()));
   for (const Link& link : links) {
@@ -135,12 +137,12 @@ int AgreeWithNeighbours(const std::vector<Link>& links, Matrix3Xi* triangles) {
   return turned;
 }
 
-// A connected surface: is each of its triangles there facing the other way, too, and where?
+// A connected surface, and where the twins of its triangles are.
 struct TwoSided {
-  bool here = true;       // in the same surface
-  bool elsewhere = true;  // in others
-  int linked_sides = 0, sides = 0;
-  double volume = 0.0;  // if all sides are linked
+  bool here = true;                 // each triangle has a twin in the same surface
+  bool elsewhere = true;            // each triangle has a twin in another surface
+  int linked_sides = 0, sides = 0;  // equal if the surface is closed
+  double volume = 0.0;              // meaningful if it is closed [m³]
 };
 
 std::vector<TwoSided> FindTwoSided(const TriangleMesh& mesh, const std::vector<int>& twins,
@@ -159,8 +161,10 @@ std::vector<TwoSided> FindTwoSided(const TriangleMesh& mesh, const std::vector<i
   return found;
 }
 
-// A sheet keeps its earlier triangles. A solid with its outside within, as it were, loses that. A
-// patch that is a fold of a solid into itself goes.
+// Drops the second side of surfaces that are there twice, and returns the number of triangles
+// dropped. Of a sheet the earlier triangles stay. Of a closed surface and its copy inside out the
+// copy goes. A patch whose twins are in the same surface, which also has other triangles, is a fold
+// of it, and both sides go.
 int DropOtherSides(TriangleMesh* mesh) {
   const std::vector<int> twins = FindTwins(mesh->triangles);
   if (!HasTwins(twins)) return 0;
@@ -190,8 +194,8 @@ int DropOtherSides(TriangleMesh* mesh) {
   return Keep(kept, &mesh->triangles);
 }
 
-// An outer surface that faces inwards is turned over with everything in it: in a file that is all
-// inside out, the cavities are too. Returns how many components that were.
+// Turns over outer surfaces that face inwards, with all components inside them, because in a file
+// that is inside out its cavities are so too. Returns the number of components turned over.
 int FaceOutwards(TriangleMesh* mesh) {
   const std::vector<MeshComponent> components = FindComponents(*mesh);
   int inward = 0;

@@ -1,4 +1,5 @@
-// Flaws of triangle meshes as files have them, and their repair.
+// Repairs flaws that triangle meshes have in files: repeated and duplicate triangles, inconsistent
+// orientation, edges with more than two triangles.
 #ifndef MJCF_PDG_SRC_IMPORT_MESH_REPAIR_H_
 #define MJCF_PDG_SRC_IMPORT_MESH_REPAIR_H_
 
@@ -6,24 +7,24 @@
 
 namespace mjcf_pdg {
 
-// What RepairMesh found. Counts are of triangles unless said otherwise.
+// What RepairMesh did.
 struct MeshRepairs {
-  int repeated_corners = 0;    // two corners are one vertex: removed
-  int duplicates = 0;          // has the corners of an earlier triangle, in any order: removed
-  int non_manifold_edges = 0;  // edges of more than two triangles: the surface is cut apart there
-  int turned = 0;              // turned over to agree with their neighbours
-  int inward_components = 0;   // closed components that were inside out: turned over
+  int repeated_corners = 0;    // triangles removed because two of their corners are one vertex
+  int duplicates = 0;          // triangles removed because another one has the same corners
+  int non_manifold_edges = 0;  // edges of more than two triangles, where the surface was cut apart
+  int turned = 0;              // triangles turned over to agree with their neighbours
+  int inward_components = 0;   // closed components turned over because they were inside out
 };
 
-// The mesh of a welded one in which nothing that can be repaired unambiguously is left: see
-// MeshRepairs. Of each component the majority of the triangles keeps its orientation, unless it is
-// closed: then outer surfaces face outwards and cavities inwards (a component in an odd number of
-// others that already faces inwards is a cavity). Vertices where the surface is cut apart are
-// repeated, so the result must not be welded again.
+// Returns the mesh, whose vertices must have been welded, with all flaws repaired that can be
+// repaired unambiguously; `repairs` says which. In each component the majority of the triangles
+// keeps its orientation. A closed component that no other contains and that faces inwards is then
+// turned over, together with the closed components inside it, which may be its cavities. Vertices
+// are repeated where the surface is cut apart, so the result must not be welded again.
 //
-// Solids that touch in a face become a component each. Two triangles with the same corners that
-// face each other belong to one of two such solids each; of a sheet or solid whose every triangle
-// is there for both sides, one side is kept.
+// Solids that touch in a face become one component each: two triangles with the same corners and
+// opposite orientations there belong to one solid each. A sheet or solid that has each of its
+// triangles in both orientations keeps one of the two.
 TriangleMesh RepairMesh(const TriangleMesh& welded, MeshRepairs* repairs);
 
 }  // namespace mjcf_pdg

@@ -12,7 +12,7 @@ namespace mjcf_pdg {
 namespace {
 
 struct Property {
-  int count_size = 0;  // bytes of the length of a list; 0: no list
+  int count_size = 0;  // bytes of a list's length; 0: the property is no list
   int size = 0;        // bytes of a value
 };
 
@@ -26,6 +26,7 @@ struct Header {
   std::vector<Element> elements;
 };
 
+// Bytes of a PLY type; 0 if there is no such type.
 int SizeOf(const std::string& type) {
   static const std::map<std::string, int> sizes = {
       {"char", 1},  {"uchar", 1},  {"short", 2}, {"ushort", 2}, {"int", 4},     {"uint", 4},
@@ -60,7 +61,8 @@ std::optional<Header> ReadHeader(std::istream& stream) {
   return {};
 }
 
-// The values after a header, skipped or read one by one.
+// The values after the header, to be skipped or read in order. The functions fail at the end of the
+// stream.
 class Body {
  public:
   Body(std::istream& stream, const std::string& format)
@@ -99,7 +101,7 @@ class Body {
 }  // namespace
 
 bool IsWholePly(std::istream& stream) {
-  constexpr std::uint64_t kLongest = 1u << 20;  // corners of a face; more is not one
+  constexpr std::uint64_t kLongest = 1u << 20;  // corners of a face: a longer list is damage
   const std::optional<Header> header = ReadHeader(stream);
   if (!header) return false;
   Body body(stream, header->format);

@@ -1,4 +1,5 @@
-// assimp 5.2 crashes on PLY files that end too early, or never comes back.
+// A check of PLY files before assimp reads them: assimp 5.2 crashes or hangs on files that end too
+// early.
 #ifndef MJCF_PDG_SRC_IMPORT_PLY_CHECK_H_
 #define MJCF_PDG_SRC_IMPORT_PLY_CHECK_H_
 
@@ -6,8 +7,8 @@
 
 namespace mjcf_pdg {
 
-// Whether a PLY file (ascii or binary, opened as binary) has a header that ends and all the values
-// that it promises. What the values are is not looked at.
+// True if a PLY file (ASCII or binary; the stream must be opened as binary) has a complete header
+// and as many values as the header promises. The values themselves are not checked.
 bool IsWholePly(std::istream& stream);
 
 }  // namespace mjcf_pdg

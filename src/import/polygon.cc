@@ -10,11 +10,11 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kFlat = 1e-6;  // sine of an angle that counts as 0 or 180 degrees
-// An ear is first asked to be clear of these, then just to be one, then to be flat at worst; what
-// is no simple polygon is cut anyhow.
+// Least sine of an ear's angle, tried in this order: a clear ear, any ear, a flat one, and for
+// polygons that are not simple any corner.
 constexpr double kSlacks[] = {kFlat, 0.0, -kFlat, -2.0};
 
-// In its plane, counter-clockwise.
+// The corners in the plane with the polygon's mean normal (2 × n), counter-clockwise.
 Eigen::Matrix2Xd Flattened(const Eigen::Matrix3Xd& corners) {
   const Eigen::Index n = corners.cols();
   const Eigen::Matrix3Xd p = corners.colwise() - corners.col(0);
@@ -28,6 +28,7 @@ Eigen::Matrix2Xd Flattened(const Eigen::Matrix3Xd& corners) {
   return flat;
 }
 
+// Sine of the angle from a to b; 0 if one of them is zero.
 double Sine(const Vector2d& a, const Vector2d& b) {
   const double lengths = a.norm() * b.norm();
   return lengths > 0.0 ? (a.x() * b.y() - a.y() * b.x()) / lengths : 0.0;
@@ -76,7 +77,8 @@ class EarCutter {
     return begin;
   }
 
-  // If a corner is in the way, then also one that is not convex.
+  // True if the corner's triangle can be cut off. Only corners that are not convex need to be
+  // looked at: if any corner is inside the triangle, so is one of these.
   bool IsEar(int i, double slack) const {
     if (Turn(i) <= slack) return false;
     Eigen::AlignedBox2d box(Vector2d(p_.col(i)));
@@ -89,7 +91,8 @@ class EarCutter {
     });
   }
 
-  // A corner at the same place is not in the way: holes hang on a bridge of two equal sides.
+  // True if x is inside the ear i. A point at one of the ear's corners is not: a bridge to a hole
+  // has two sides with equal ends.
   bool Covers(int i, const Vector2d& x, double slack) const {
     const Vector2d ear[3] = {p_.col(previous_[i]), p_.col(i), p_.col(next_[i])};
     for (int k = 0; k < 3; ++k) {

@@ -1,4 +1,4 @@
-// Polygons cut into triangles so that no crack is left between neighbours.
+// Cuts polygons into triangles that leave no crack between neighbouring polygons.
 #ifndef MJCF_PDG_SRC_IMPORT_POLYGON_H_
 #define MJCF_PDG_SRC_IMPORT_POLYGON_H_
 
@@ -8,10 +8,11 @@
 
 namespace mjcf_pdg {
 
-// The triangles of a polygon, two fewer than it has corners (3 × n, n ≥ 3), by cutting off ears in
-// the plane that fits it best. Each side of the polygon is a side of one of them, whatever the
-// corners are, collinear ones included: what meets the polygon there still fits. Where corners are
-// collinear, triangles without area are avoided if possible.
+// Returns the n - 2 triangles of a polygon, as indices of its corners (3 × n, n ≥ 3). Ears are cut
+// off in the plane with the polygon's mean normal. Each side of the polygon is a side of one
+// triangle, even between collinear corners, so that neighbouring polygons still fit. Triangles
+// without area are avoided where that is possible. Any input gives n - 2 triangles, also a polygon
+// that crosses itself.
 std::vector<std::array<int, 3>> CutPolygon(const Eigen::Matrix3Xd& corners);
 
 }  // namespace mjcf_pdg

@@ -11,17 +11,22 @@ namespace mjcf_pdg::verify {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Cores nearer than this share of the pair's size, or overlapping, have their normal from Climb.
+// Cores that overlap, or are nearer than this share of the pair's size, get their normal from
+// Climb: that of the minimum-norm point would be rounding.
 constexpr double kTouching = 1e-9;
-constexpr double kShare = 1e-4;  // of a depth: how much better another direction may be
-// Depths are measured to that, as a share of the pair's size.
+// A global search ends when no direction can reduce the depth by more than this share of it.
+constexpr double kShare = 1e-4;
+// Accuracy of measured depths, as a share of the pair's size.
 constexpr double kMeasured = 1e-10;
-// A second climb is not worth its time from a start that near the first one's end (cosine), or with
-// that many times its overlap: of random pairs, 0.6 % of the depths get worse by more than 1e-4.
+// Measure climbs again only from a start whose cosine with the best normal so far is at most the
+// first number and whose overlap is at most the second number times the best one. Of random pairs,
+// 0.6 % have a depth that is larger by more than 1e-4 of itself for that.
 constexpr double kSameBasin = 0.9, kHopeless = 2.0;
-// Coordinates are known to about 2e-16 of themselves; a distance is made of a few dozen of them.
+// Rounding error of a distance, as a share of the coordinates it is computed from: each is known to
+// about 2e-16 of itself, and a few dozen of them enter.
 constexpr double kRounding = 1e-14;
 
+// The certificate of two shapes whose cores have this plane: their balls reduce the gap.
 Certificate Make(const ConvexPair& pair, const CoreGap& core, Proof proof) {
   Certificate certificate{proof, core.n, core.gap - pair.radii()};
   certificate.p1 = core.a + pair.first.radius * core.n;
@@ -31,8 +36,8 @@ Certificate Make(const ConvexPair& pair, const CoreGap& core, Proof proof) {
 
 CoreGap ToCoreGap(const MinimumNorm& found) { return {found.n, found.lower, found.a(), found.b()}; }
 
-// Cores overlap, or the rolling balls do: the point between the cores' nearest ones, in both shapes
-// as the balls there tell.
+// If the shapes overlap, makes p1 and p2 a point that both contain: it divides the line between the
+// nearest points of the cores in the ratio of the balls' radii.
 void MarkCommonPoint(const ConvexPair& pair, const MinimumNorm& found, Certificate& certificate) {
   const double share = pair.radii() > 0.0 ? pair.first.radius / pair.radii() : 0.0;
   const Vector3d a = found.a(), b = found.b();
@@ -42,7 +47,9 @@ void MarkCommonPoint(const ConvexPair& pair, const MinimumNorm& found, Certifica
   certificate.p2 = pair.radii() > 0.0 ? certificate.p1 : b;
 }
 
-// Directions worth a climb where cores overlap: those in which the least overlap is likely.
+// Start directions of Climb for cores that overlap: of up to 23 candidates (normals of the
+// minimum-norm search, the line of centres, the axes of both frames, the diagonals of a cube),
+// those with the greatest gap, best first.
 class Starts {
  public:
   Starts(const ConvexPair& pair, const MinimumNorm& found) : pair_(pair) {
@@ -85,7 +92,7 @@ class Starts {
 double Rounding(const ConvexPair& pair, double away) { return kRounding * (pair.size() + away); }
 
 Certificate Decide(const ConvexPair& pair, double required, const Vector3d& start) {
-  const double bound = required + pair.radii();  // what the cores must keep
+  const double bound = required + pair.radii();  // the distance that the cores must keep [m]
   MinimumNormQuestion question;
   question.start = start;
   question.enough = bound;
@@ -100,6 +107,8 @@ Certificate Decide(const ConvexPair& pair, double required, const Vector3d& star
     return certificate;
   }
   Vector3d n = found.n;
+  // A ball about the origin inside the difference shows at least its radius as overlap, whatever
+  // the direction.
   if (BallInCorral(found, n) > -bound) return certificate;
   const Starts starts(pair, found);
   CoreGap best{found.n, found.lower, found.a(), found.b()};

@@ -1,10 +1,12 @@
-// Is the signed distance of two convex geoms at least so much? Answers that prove themselves.
+// Decides whether the signed distance of two convex geoms is at least a required value, and proves
+// the answer.
 //
-// "Yes" comes with a plane: a unit vector n from geom 1 to geom 2 along which they are that far
-// apart, or overlap by no more. "No" comes with points: two of the cores nearer than that, or, of
-// an overlap that is permitted, for every direction a point of the Minkowski difference that shows
-// more. Planes and points come from support functions, and dot products check them; how they are
-// found (minimum-norm points, branch and bound over the sphere of directions) is no part of the
+// "Yes" is proven by a plane: a unit normal n from geom 1 to geom 2 along which the geoms are that
+// far apart, or overlap by no more than is permitted. "No" is proven by points. Where the cores
+// must be apart, they are a point of each core, nearer to each other than required. Where the cores
+// may overlap, they are points of the Minkowski difference that show, for every direction, a larger
+// overlap. Both proofs are values of support functions and are checked by dot products; how they
+// are found (minimum-norm points, branch and bound over the sphere of directions) is no part of the
 // proof. Where neither is found, the answer is "unproven".
 #ifndef MJCF_PDG_SRC_VERIFY_CERTIFICATE_H_
 #define MJCF_PDG_SRC_VERIFY_CERTIFICATE_H_
@@ -13,33 +15,41 @@
 
 namespace mjcf_pdg::verify {
 
-enum class Proof { kPlane, kPoints, kUnproven };
+enum class Proof {
+  kPlane,    // the distance is at least the required one
+  kPoints,   // it is less
+  kUnproven  // neither could be shown
+};
 
-// Frame of the first shape; lengths in m.
+// In the frame of the first shape; lengths in m.
 struct Certificate {
   Proof proof = Proof::kUnproven;
-  // The best plane found: the signed distance is at least `gap`, n · (p2 - p1) >= gap for all
-  // points p1 of geom 1 and p2 of geom 2.
+  // The best plane found: n · (p2 - p1) >= gap for all points p1 of geom 1 and p2 of geom 2, so
+  // that `gap` is a lower bound of the signed distance.
   Vector3d n = Vector3d::UnitX();
   double gap = 0.0;
-  // Points of geom 1 and geom 2. Where they are apart, the nearest; where they overlap and proof is
-  // by points, a common point as each shape has it, the same but for rounding.
+  // Witness points of geom 1 and geom 2: the nearest points found if the geoms are apart. If they
+  // overlap and `proof` is kPoints, both are a common point, equal but for rounding.
   Vector3d p1 = Vector3d::Zero(), p2 = Vector3d::Zero();
 };
 
-// Is the pair's signed distance at least `required` (negative: an overlap that is permitted)?
-// `gap` is no measure of how deep an overlap is. `start`: a direction to try first.
+// Decides whether the pair's signed distance is at least `required` [m]; a negative value permits
+// an overlap. `start` is the direction to try first, in the frame of the first shape; it must not
+// be zero. The search ends when the question is decided, so `gap` says little about the distance.
 Certificate Decide(const ConvexPair& pair, double required, const Vector3d& start);
 
+// How Measure searches for the depth of an overlap. kLocal takes the best of a few local minima of
+// the overlap, so the depth may come out too large. kGlobal goes on until no direction is better by
+// more than 1e-4 of the depth, or its budget is used up.
 enum class Search { kLocal, kGlobal };
 
-// The signed distance itself: `gap` is it, or the best that several ascents found where the shapes
-// overlap. Globally: searched until no direction is better by more than 1e-4 of the depth, or the
-// budget is used up. p1 and p2 are the witness points. Shapes farther apart than `cutoff` may get
-// a gap between that and their distance.
+// Measures the signed distance of the pair: `gap` is the distance, p1 and p2 are the witness
+// points, `proof` is kPlane. If the shapes are farther apart than `cutoff` [m], `gap` may be any
+// number between `cutoff` and their distance.
 Certificate Measure(const ConvexPair& pair, double cutoff, Search search);
 
-// Lengths that are rounding for the pair [m]; `away`: how far from the world's origin it is [m].
+// The length below which distances of the pair are rounding errors [m]. `away` is the distance of
+// the pair from the world's origin [m].
 double Rounding(const ConvexPair& pair, double away);
 
 }  // namespace mjcf_pdg::verify

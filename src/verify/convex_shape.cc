@@ -5,7 +5,7 @@
 namespace mjcf_pdg::verify {
 namespace {
 
-// (x, y) scaled to the length r; the middle of the disc where there is no direction.
+// The point of a disc of radius r (normal z) that is farthest along n; its centre if n is along z.
 Vector3d OnCircle(const Vector3d& n, double r) {
   const double length = std::hypot(n.x(), n.y());
   return length > 0.0 ? Vector3d(r * n.x() / length, r * n.y() / length, 0.0) : Vector3d::Zero();

@@ -1,10 +1,11 @@
-// Convex geoms and their Minkowski difference, as the independent check sees them.
+// Convex geoms and their Minkowski difference, as the verifier sees them.
 //
 // Source: support functions of convex sets (Rockafellar 1970, §13); van den Bergen 2003, ch. 4.
 //
-// A shape is a core and a ball that rolls around it: a point for a sphere, a segment for a capsule,
-// itself for the others. Everything here is in the frame of the first shape of a pair, so that
-// numbers are as large as the shapes and their distance, wherever in the world they are.
+// A shape is the Minkowski sum of a core and a ball about the origin. The core is a point for a
+// sphere, a segment for a capsule, and the shape itself (with a ball of radius 0) for all others. A
+// pair is treated in the frame of its first shape, so that coordinates are no larger than the
+// shapes and their distance, wherever in the world they are.
 #ifndef MJCF_PDG_SRC_VERIFY_CONVEX_SHAPE_H_
 #define MJCF_PDG_SRC_VERIFY_CONVEX_SHAPE_H_
 
@@ -20,24 +21,27 @@ namespace mjcf_pdg::verify {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Sphere, capsule, ellipsoid, cylinder, box or the convex hull of a mesh's vertices; geom frame.
+// A sphere, capsule, ellipsoid, cylinder, box, or the convex hull of a mesh's vertices, in the geom
+// frame.
 struct ConvexShape {
   int type = mjGEOM_SPHERE;                              // mjtGeom
-  Vector3d size = Vector3d::Zero();                      // of the core, MuJoCo's meaning [m]
+  Vector3d size = Vector3d::Zero();                      // of the core, as in geom_size [m]
   double radius = 0.0;                                   // of the ball around the core [m]
-  double extent = 0.0;                                   // no point is farther from the origin [m]
-  std::shared_ptr<const VertexTree> vertices = nullptr;  // of a mesh
+  double extent = 0.0;                                   // largest distance from the origin [m]
+  std::shared_ptr<const VertexTree> vertices = nullptr;  // of a mesh; else null
 
-  // A point of the core that is farthest along n (not zero, not necessarily unit).
+  // Support function: a point of the core that is farthest along n, which need not be a unit vector
+  // but must not be zero.
   Vector3d Support(const Vector3d& n) const;
 };
 
-// A point p = b - a of the difference of two cores: a of the first, b of the second.
+// A point p = b - a of the Minkowski difference of two cores: a is of the first, b of the second.
 struct DifferencePoint {
   Vector3d a, b, p;
 };
 
-// The second shape is at `between` in the frame of the first, turned by `turn`.
+// Two posed shapes: in the frame of the first, the second has the origin `between` [m] and the
+// rotation `turn`. The shapes must outlive the pair.
 struct ConvexPair {
   const ConvexShape& first;
   const ConvexShape& second;
@@ -45,10 +49,12 @@ struct ConvexPair {
   Vector3d between;
 
   double radii() const { return first.radius + second.radius; }
-  double size() const { return first.extent + second.extent; }  // what lengths are relative to
+  // The length that tolerances and rounding errors of the pair are given relative to [m].
+  double size() const { return first.extent + second.extent; }
 
-  // The point of the cores' difference with the least n · p. For a unit vector n from the first
-  // shape to the second, that is how far a plane with the normal n keeps the cores apart.
+  // The point of the cores' difference with the least n · p, which is CoreGap(n): along the unit
+  // vector n, from the first shape to the second, the cores are that far apart (negative: they
+  // overlap).
   DifferencePoint Support(const Vector3d& n) const {
     DifferencePoint point;
     point.a = first.Support(n);

@@ -6,18 +6,19 @@
 namespace mjcf_pdg::verify {
 namespace {
 
-// How much farther than their overlap shapes are moved apart for a step of Climb: a share of the
-// overlap, and of the pair's size. The smaller, the fewer steps; the larger, the better conditioned
-// the minimum-norm point.
+// In a step of Climb the cores are moved apart by their overlap, this share of the overlap, and
+// this share of the pair's size. With smaller shares Climb takes fewer steps; with larger ones the
+// minimum-norm point is better conditioned.
 constexpr double kBeyondDepth = 0.05, kBeyondSize = 1e-4;
-constexpr int kClimbs = 30;  // steps; deep overlaps of round shapes take the most
-// How near the minimum-norm point of the first step is found, as a share of the pair's size, and
-// how much nearer each next one, as a share of the last and of what the step has gained.
+constexpr int kClimbs = 30;  // most steps of Climb; deep overlaps of round shapes take the most
+// Accuracy of the minimum-norm point of Climb's first step, as a share of the pair's size; and that
+// of each later step, as a share of the last accuracy and of the last gain, whichever is less.
 constexpr double kFirstAccuracy = 1e-4, kFiner = 0.01;
-constexpr int kBudget = 4000;  // triangles of a search
+constexpr int kBudget = 4000;  // triangles that a search may bound
 
-// The least, over convex combinations of the columns of M, of the largest row: the value of a
-// matrix game that is played with pairs of columns, and with all three.
+// An upper bound of the value of the matrix game M: the least, over convex combinations of the
+// columns, of the largest entry. Tried are single columns, two columns where two rows are equal,
+// and all three where all rows are equal.
 double GameValue(const Matrix3d& M) {
   double value = M.colwise().maxCoeff().minCoeff();
   for (int i = 0; i < 3; ++i) {
@@ -43,7 +44,7 @@ CoreGap Climb(const ConvexPair& pair, const Vector3d& n, double accuracy) {
   const DifferencePoint support = pair.Support(n);
   CoreGap best{n, n.dot(support.p), support.a, support.b};
   const double finest = accuracy * pair.size();
-  double fine = kFirstAccuracy * pair.size();  // of the step's minimum-norm point
+  double fine = kFirstAccuracy * pair.size();  // accuracy of the minimum-norm point [m]
   for (int k = 0; k < kClimbs; ++k) {
     const double depth = std::max(-best.gap, 0.0);
     const double apart = depth + kBeyondDepth * depth + kBeyondSize * pair.size();
@@ -90,7 +91,7 @@ void DirectionSearch::Push(const Vector3d& d0, const Vector3d& d1, const Vector3
   triangle.level = level;
 }
 
-// No direction of the triangle has a greater gap, where this is negative.
+// If the number returned is negative, no direction of the triangle has a greater gap than it.
 double DirectionSearch::UpperBound(const Triangle& triangle) const {
   Matrix3d D, P;
   for (int k = 0; k < 3; ++k) {
@@ -102,6 +103,7 @@ double DirectionSearch::UpperBound(const Triangle& triangle) const {
   return bound;
 }
 
+// If the triangle's middle is better than best_, climbs from there and returns true.
 bool DirectionSearch::LookAtMiddle(const Triangle& triangle) {
   const Vector3d middle = (triangle.d[0] + triangle.d[1] + triangle.d[2]).normalized();
   if (pair_.CoreGap(middle) <= best_.gap) return false;
@@ -111,7 +113,7 @@ bool DirectionSearch::LookAtMiddle(const Triangle& triangle) {
 }
 
 void DirectionSearch::Split(const Triangle& whole) {
-  const Triangle t = whole;  // the stack is written to
+  const Triangle t = whole;  // a copy, because Push writes to the stack
   const Vector3d m01 = (t.d[0] + t.d[1]).normalized(), m12 = (t.d[1] + t.d[2]).normalized(),
                  m20 = (t.d[2] + t.d[0]).normalized();
   Push(t.d[0], m01, m20, t.level + 1);
@@ -120,6 +122,8 @@ void DirectionSearch::Split(const Triangle& whole) {
   Push(m01, m12, m20, t.level + 1);
 }
 
+// Divides triangles until none can have a direction with a gap of bound() or more. Returns false if
+// best_ has reached `enough` [m] or the budget is used up.
 template <typename Bound>
 bool DirectionSearch::Run(const Bound& bound, double enough) {
   size_ = 0;

@@ -20,21 +20,26 @@ namespace {
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Most crossing pairs of triangles that FCL is asked for: to measure an overlap, and to detect one.
 constexpr std::size_t kMaxTrianglePairs = 100000;
-constexpr std::size_t kFewPairs = 4;  // of triangles, to tell an overlap
-// Of the extents of the two bodies: the depth of more crossings than that, at least, and how much
-// deeper than is permitted an overlap is said to be that nothing proves to be less.
+constexpr std::size_t kFewPairs = 4;
+// Shares of the sum of the two bodies' extents. An overlap of kMaxTrianglePairs or more crossings
+// is at least the first one deep. An overlap that no translation proves to be permitted counts as
+// deeper than permitted by the second one.
 constexpr double kUnmeasured = 1e-3, kUnproven = 1e-9;
-// Directions tried to part two meshes: no more, and no closer to each other (cosine).
+// Directions in which a translation may separate two bodies: crossings add directions until there
+// are this many, and none whose cosine with a known one exceeds kSameDirection.
 constexpr std::size_t kMaxDirections = 12;
 constexpr double kSameDirection = 0.98;
-// Triangles of each mesh asked for their depth: a few first, which tell most overlaps.
+// Number of triangles per body of which points are looked for inside the other: at first a few,
+// which find most overlaps, then more.
 constexpr int kFewAsked = 30, kAllAsked = 200;
 
-// No point of the triangle has a smaller distance, for the distance is convex. Inside a primitive
-// it has kinks, where differences say nothing.
+// A lower bound of the primitive's signed distance on the triangle [m]: the distance is convex, so
+// it lies above its tangent plane at the triangle's middle. Returns -infinity if the middle is
+// inside the primitive, where the distance has kinks and differences give no gradient.
 double LinearBound(int type, const Vector3d& size, const Vector3d corners[3]) {
-  constexpr double kDifferences = 1e-5;  // error of the gradient
+  constexpr double kDifferences = 1e-5;  // error of the gradient by differences
   const Vector3d middle = (corners[0] + corners[1] + corners[2]) / 3.0;
   const double at_middle = RoundDistanceAt(type, size, middle);
   double reach = 0.0;
@@ -51,11 +56,11 @@ double LinearBound(int type, const Vector3d& size, const Vector3d corners[3]) {
 struct ExactPairs::Asked {
   const mjData& posed;
   const CheckedPair& pair;
-  const MeshSolid *first, *second;
-  double permitted;
+  const MeshSolid *first, *second;  // of geom 1 (null: a plane or round primitive) and geom 2
+  double permitted;                 // [m]
   Depths depths;
   double* fromto;
-  Vector3d shift_W = Vector3d::Zero();  // the second geom is asked about as if moved by this [m]
+  Vector3d shift_W = Vector3d::Zero();  // translation that geom 2 gets in addition to its pose [m]
 
   Matrix3d R(int geom) const { return Eigen::Map<const RowMajor3>(posed.geom_xmat + 9 * geom); }
   Vector3d Origin(int geom) const {
@@ -68,7 +73,7 @@ struct ExactPairs::Asked {
     pose.translation() = Scale() * Origin(geom);
     return pose;
   }
-  // Pairs of triangles that intersect, by FCL: no more than `most`.
+  // Pairs of triangles that intersect according to FCL, at most `most` of them.
   using Crossings = fcl::CollisionResult<double>;
   Crossings FirstCrossings(std::size_t most) const {
     Crossings crossings;
@@ -76,7 +81,7 @@ struct ExactPairs::Asked {
                  fcl::CollisionRequest<double>(most), crossings);
     return crossings;
   }
-  double Scale() const { return second->scale; }  // of the trees
+  double Scale() const { return second->scale; }  // units of FCL's trees per metre
   double Extent() const { return first->extent + second->extent; }
   double TrianglesOverlap(const Crossings& crossings) const;
   std::vector<Vector3d> WaysApart(const Crossings& crossings) const;
@@ -86,7 +91,7 @@ struct ExactPairs::Asked {
   }
 };
 
-// One of the two bodies, whose points are asked how deep they are inside the other.
+// One body of the pair, whose points are looked for inside the other.
 struct ExactPairs::Side {
   Side(const Asked& pair, bool is_first)
       : asked(pair),
@@ -96,7 +101,8 @@ struct ExactPairs::Side {
         source(is_first ? *pair.first : *pair.second),
         target(is_first ? *pair.second : *pair.first) {}
 
-  // How deep p, in the geom frame of this side, is inside the other; `out_W` is the way out.
+  // How deep p (in this body's geom frame) is inside the other body [m], 0 if it is not; `out_W` is
+  // the unit direction of the way out.
   double DepthOf(const Vector3d& p, Vector3d& out_W) const {
     Vector3d out = Vector3d::Zero();
     const Vector3d there = asked.R(in).transpose() * (InWorld(p) - asked.Origin(in));
@@ -105,6 +111,7 @@ struct ExactPairs::Side {
     return depth;
   }
   Vector3d InWorld(const Vector3d& p) const { return asked.Origin(from) + asked.R(from) * p; }
+  // Makes a point of this body and the point where it would leave the other the witness points.
   void Witness(const Vector3d& p_W, const Vector3d& exit_W) const {
     of_first ? asked.Witness(p_W, exit_W) : asked.Witness(exit_W, p_W);
   }
@@ -123,8 +130,9 @@ double ExactPairs::Distance(const mjData& posed, const CheckedPair& pair, double
   return asked.first ? BvhDistance(asked, cutoff) : RoundDistance(asked, cutoff);
 }
 
-// The depth, negative [m], of the deepest inside the other body: the probes, and a vertex and the
-// middle of `triangles` triangles of each mesh.
+// Returns minus the depth [m] of the deepest point found inside the other body, 0 if none is
+// inside, and makes it the witness. Tried are the probes of both bodies, and a vertex and the
+// middle of up to `triangles` triangles of each.
 double ExactPairs::Deepest(const Asked& asked, int triangles) const {
   double deepest = 0.0;
   for (const bool of_first : {true, false}) {
@@ -148,8 +156,9 @@ double ExactPairs::Deepest(const Asked& asked, int triangles) const {
   return deepest;
 }
 
-// Surfaces that coincide do not cross: some points a little below them may be inside both bodies.
-// Returns the depth of the deepest, negative [m]; a ball of that radius is inside both.
+// Surfaces that coincide need not cross, and their points are not inside. Points at some distances
+// below and above the middles of some triangles may be inside both bodies: returns minus the depth
+// [m] of the deepest, 0 if none is. Its depth is the shorter of its ways out of the two bodies.
 double ExactPairs::CommonPoint(const Asked& asked) const {
   constexpr int kTriangles = 20;
   double deepest = 0.0;
@@ -174,7 +183,8 @@ double ExactPairs::CommonPoint(const Asked& asked) const {
   return deepest;
 }
 
-// The largest of the least moves that part two of the triangles that cross, negative [m].
+// Returns minus the depth [m] of the overlap as the triangles tell it: of each crossing pair the
+// least translation that separates it, of all pairs the largest. Sets the witness points.
 double ExactPairs::Asked::TrianglesOverlap(const Crossings& crossings) const {
   const int g1 = pair.geom1, g2 = pair.geom2;
   const Matrix3d R1 = R(g1), R2 = R(g2);
@@ -197,8 +207,8 @@ double ExactPairs::Asked::TrianglesOverlap(const Crossings& crossings) const {
   return -overlap;
 }
 
-// Where the second body may be moved to part the two: along normals of triangles that cross, and
-// their sum.
+// Unit directions along which a translation of the second body may separate the two: normals of
+// crossing triangles (of a surface that is not closed, both ways), and the sum of these.
 std::vector<Vector3d> ExactPairs::Asked::WaysApart(const Crossings& crossings) const {
   std::vector<Vector3d> ways;
   auto add = [&](const Vector3d& n_W) {
@@ -223,8 +233,10 @@ std::vector<Vector3d> ExactPairs::Asked::WaysApart(const Crossings& crossings) c
   return ways;
 }
 
-// A move of the second body by `permitted` parts the two: proof that they overlap by no more. What
-// crossing triangles tell is no more than their own size, and points inside may miss the deepest.
+// True if a translation of the second body by `permitted` along one of the directions separates the
+// two, which proves that they overlap by no more. Measured depths prove no such thing: that of
+// crossing triangles is limited by the size of the triangles, and points inside may miss the
+// deepest.
 bool ExactPairs::PartedByAMove(const Asked& asked, const std::vector<Vector3d>& ways_W) const {
   return std::any_of(ways_W.begin(), ways_W.end(), [&](const Vector3d& n_W) {
     Asked moved = asked;
@@ -235,7 +247,7 @@ bool ExactPairs::PartedByAMove(const Asked& asked, const std::vector<Vector3d>& 
   });
 }
 
-// Triangles intersect: how deep, negative [m].
+// Returns minus the depth [m] of two bodies whose triangles intersect.
 double ExactPairs::BvhOverlap(const Asked& asked) const {
   const Asked::Crossings crossings = asked.FirstCrossings(kMaxTrianglePairs);
   double least = asked.TrianglesOverlap(crossings);
@@ -258,6 +270,7 @@ double ExactPairs::BvhOverlap(const Asked& asked) const {
   return least;
 }
 
+// The signed distance of two bodies of triangles: what Distance returns.
 double ExactPairs::BvhDistance(const Asked& asked, double cutoff) const {
   const Asked::Crossings crossings = asked.FirstCrossings(kFewPairs);
   if (crossings.isCollision()) {
@@ -279,6 +292,7 @@ double ExactPairs::BvhDistance(const Asked& asked, double cutoff) const {
   return nearest.min_distance / asked.Scale();
 }
 
+// The signed distance of a plane or round primitive (geom 1) and a mesh: what Distance returns.
 double ExactPairs::RoundDistance(const Asked& asked, double cutoff) const {
   const mjModel& m = model_.unblinded;
   const int round = asked.pair.geom1, mesh = asked.pair.geom2, type = m.geom_type[round];
@@ -311,7 +325,9 @@ double ExactPairs::RoundDistance(const Asked& asked, double cutoff) const {
   const Vector3d center = -(R.transpose() * origin);
   const double inside = type == mjGEOM_PLANE ? 0.0 : asked.second->DepthOf(center, out);
   const Matrix3d R_W = asked.R(round);
-  if (inside > std::max(0.0, -least)) {  // the surfaces may hardly touch
+  // The primitive's centre is inside the mesh, deeper than the mesh's surface is inside the
+  // primitive.
+  if (inside > std::max(0.0, -least)) {
     const Vector3d center_W = asked.Origin(round);
     asked.Witness(center_W, center_W + inside * (asked.R(mesh) * out));
     return -inside;

@@ -1,17 +1,20 @@
-// The independent check's word on pairs in which a mesh collides as its triangles.
+// The verifier's signed distances of exact pairs: pairs in which a mesh collides as its triangles.
 //
-// Shares no code of ours with the solver's queries. Meshes, boxes and convex hulls: FCL's own
-// collide (its triangle intersection) and distance. Planes and round primitives: every triangle in
-// turn, with signed distances of their own. What is inside a mesh, and whether it is closed: its
-// own triangles, rays through FCL's tree, by winding.
+// No code of the project is shared with the solver's queries. Two bodies of triangles (meshes,
+// boxes, convex hulls) are asked of FCL: its collide, which intersects triangles, and its distance.
+// A plane or a round primitive is compared with the mesh's triangles one after the other, by signed
+// distances written for this purpose (primitive_distance.h). Whether a mesh is closed, and whether
+// a point is inside it, follows from its own triangles, by rays through FCL's tree and winding
+// numbers (mesh_solid.h).
 //
-// Shared are FCL's fitting of trees and its distance of two triangles. Overlaps are found without
-// the latter; that two meshes are as far apart as a clearance asks for rests on it on both sides.
+// Both sides use FCL's trees and its distance of two triangles. Overlaps are found without the
+// latter; but that two meshes are as far apart as a clearance requires rests on it on both sides.
 //
-// Triangles that intersect may only touch. How deep: the least move that parts two of them, the
-// largest over the pairs of triangles, or the depth of a vertex inside, the shortest way out along
-// some directions. None of these is sure to be the whole depth, so an overlap is permitted only if
-// a move by what is permitted is found that parts the two meshes.
+// Triangles that intersect may only touch, so the depth of an overlap has to be measured. It is
+// taken to be the largest of two kinds of numbers: the least translation that separates a pair of
+// crossing triangles, and the depth of a point of one body inside the other, which is its shortest
+// way out along some directions. Neither is sure to be the whole depth. An overlap is therefore
+// permitted only if a translation by what is permitted is found that separates the two bodies.
 #ifndef MJCF_PDG_SRC_VERIFY_EXACT_PAIR_H_
 #define MJCF_PDG_SRC_VERIFY_EXACT_PAIR_H_
 
@@ -23,26 +26,28 @@
 
 namespace mjcf_pdg::verify {
 
-// What is asked of an exact pair: its distance or depth and where, which is slow, or only whether
-// it overlaps by more than is permitted.
+// What is asked of an exact pair: its distance or depth with witness points, which is slow; or only
+// whether it overlaps by more than is permitted.
 enum class Depths { kMeasured, kSkipped };
 
 class ExactPairs {
  public:
-  // `rest`: how much deeper than is permitted depths are of interest [m].
+  // Overlaps are measured up to a depth of `rest` [m] beyond what is permitted. The model must
+  // outlive this object.
   ExactPairs(const VerifierModel& model, double rest) : model_(model), rest_(rest) {}
 
-  // Signed distance of an exact pair [m] at the pose, below `cutoff`; infinite if it is not.
-  // `permitted`: an overlap that counts as free [m]. One that is deeper by `rest` ends the search
-  // for deeper places. With skipped depths, two meshes that overlap get what some crossing
-  // triangles tell, and two that are apart are infinitely so. `fromto`: the points on geom 1 and
-  // geom 2.
+  // Returns the signed distance [m] of an exact pair at the poses in `posed`, or infinity if it is
+  // not below `cutoff` [m]. `permitted` [m] is the overlap that counts as free; an overlap deeper
+  // than that by `rest` may come out too shallow. With kSkipped, the depth of two bodies of
+  // triangles may be that of a few crossing triangles, and their distance is infinite if they do
+  // not overlap. Unless the distance is infinite, `fromto` gets the witness points of geom 1 and
+  // geom 2, world axes.
   double Distance(const mjData& posed, const CheckedPair& pair, double cutoff, double permitted,
                   Depths depths, double fromto[6]) const;
 
  private:
-  struct Asked;
-  struct Side;
+  struct Asked;  // one call of Distance
+  struct Side;   // one body of the pair, whose points are looked for inside the other
   double BvhDistance(const Asked& asked, double cutoff) const;
   double BvhOverlap(const Asked& asked) const;
   bool PartedByAMove(const Asked& asked, const std::vector<Vector3d>& ways_W) const;
@@ -51,7 +56,7 @@ class ExactPairs {
   double CommonPoint(const Asked& asked) const;
 
   const VerifierModel& model_;
-  double rest_;
+  double rest_;  // [m]
 };
 
 }  // namespace mjcf_pdg::verify

@@ -9,7 +9,7 @@
 namespace mjcf_pdg::verify {
 namespace {
 
-constexpr std::size_t kNamed = 4;  // findings named in a reason
+constexpr std::size_t kNamed = 4;  // most findings that a reason names; it counts the rest
 
 std::string GeomLabel(const mjModel& m, int geom) {
   const std::string name = QuotedNameOrId(m, mjOBJ_GEOM, geom);
@@ -87,7 +87,7 @@ void WriteVerdict(const mjModel& m, Words words, Findings& findings, Verdict& ve
   if (findings.arena_full) {
     add([] { return std::string("MuJoCo's memory for contacts is full: not verified"); });
   }
-  for (const bool frozen : {true, false}) {  // what cannot be helped comes first
+  for (const bool frozen : {true, false}) {  // pairs that no joint can separate come first
     for (const Finding& finding : pairs) {
       if (finding.violates && finding.frozen == frozen) add([&] { return Describe(m, finding); });
     }

@@ -1,4 +1,5 @@
-// What the independent check has found, and how findings become a verdict: contacts and words.
+// What the verifier has found wrong with a configuration, and how findings become a verdict: its
+// contacts and the reason in words.
 #ifndef MJCF_PDG_SRC_VERIFY_FINDINGS_H_
 #define MJCF_PDG_SRC_VERIFY_FINDINGS_H_
 
@@ -11,39 +12,42 @@
 
 namespace mjcf_pdg::verify {
 
-// A pair that violates or touches.
+// A pair of geoms that is nearer than the tolerance or than required.
 struct Finding {
   Contact contact;
-  double required = 0.0;  // smallest distance that counts as free, tolerance aside [m]
-  bool violates = false;
-  bool frozen = false;    // no movable joint lies between the two geoms
-  bool unproven = false;  // it violates for want of a certificate
+  double required = 0.0;  // signed distance that it must keep, within the tolerance [m]
+  bool violates = false;  // it does not keep that, so the configuration is not free
+  bool frozen = false;    // no movable joint can separate the two geoms
+  bool unproven = false;  // counts as a violation because no certificate was found
 };
 
+// A joint outside its range.
 struct LimitExcess {
-  int joint = 0;
-  double excess = 0.0;  // [rad or m]
+  int joint = 0;        // id in the model
+  double excess = 0.0;  // how far outside [rad or m]
 };
 
 struct Findings {
   std::vector<Finding> pairs;
   std::vector<LimitExcess> limits;
-  bool arena_full = false;
+  bool arena_full = false;  // MuJoCo dropped contacts for want of memory
 
   void Clear();
 };
 
-// All but the geoms and the distance of a contact: n_W points from geom 1 to geom 2, p1_W and p2_W
-// are the witness points.
+// Sets the normal and the position of `contact`, not its geoms and distance. n_W is a unit normal
+// from geom 1 to geom 2, p1_W and p2_W are the witness points.
 void SetPlace(const Eigen::Vector3d& n_W, const Eigen::Vector3d& p1_W, const Eigen::Vector3d& p2_W,
               Contact& contact);
-// From MuJoCo's contact of the geoms in `contact`, in either order; distance included.
+// Sets the normal, the position and the distance of `contact` from MuJoCo's contact of the same two
+// geoms, which may have them in the other order.
 void SetFromContact(const mjContact& source, Contact& contact);
 
-// Is the reason wanted, too? Words take from the heap.
+// Whether the verdict's reason is written, which allocates memory.
 enum class Words { kWritten, kSkipped };
 
-// Refills the verdict's contacts, reason and `free`. Sorts the findings.
+// Sets the verdict's contacts (deepest first), its reason and `free`: true if nothing violates.
+// Sorts findings.pairs.
 void WriteVerdict(const mjModel& m, Words words, Findings& findings, Verdict& verdict);
 
 }  // namespace mjcf_pdg::verify

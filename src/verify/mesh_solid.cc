@@ -9,7 +9,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Directions of rays: the corners and faces of a cube, turned a little.
+// Unit directions of rays: to the faces and corners of a cube, turned a little so that rays seldom
+// run along edges of a mesh.
 std::vector<Vector3d> RayDirections() {
   const Matrix3d turn = Eigen::AngleAxisd(0.3, Vector3d(0.2, 0.5, 0.84).normalized()).matrix();
   std::vector<Vector3d> list;
@@ -59,12 +60,15 @@ double MeshSolid::ConvexDepth(const Vector3d& p, Vector3d& out) const {
 
 void MeshSolid::CastOn(int triangle, const Vector3d& p, const Vector3d& direction,
                        RayHits& hits) const {
-  constexpr double kEdge = 1e-9;  // share of the triangle, and of the solid's extent on the way
+  // A hit is too near an edge, or to the ray's start, below this share of the triangle's size, or
+  // of the body's extent.
+  constexpr double kEdge = 1e-9;
   const auto& [a, b, c] = triangles[triangle];
   const Vector3d e1 = b - a, e2 = c - a, h = direction.cross(e2), s = p - a;
   const double det = e1.dot(h);
   const Vector3d k = s.cross(e1);
-  const double u = s.dot(h), v = direction.dot(k), t = e2.dot(k);  // times det
+  // The hit is at a + (u e1 + v e2) / det, and at the distance t / det along the ray.
+  const double u = s.dot(h), v = direction.dot(k), t = e2.dot(k);
   const double size = std::abs(det), sign = det < 0.0 ? -1.0 : 1.0, edge = kEdge * size;
   const double least = std::min({sign * u, sign * v, size - sign * (u + v)});
   const double at_start = edge * extent;
@@ -80,10 +84,11 @@ void MeshSolid::CastOn(int triangle, const Vector3d& p, const Vector3d& directio
   hits.first = std::min(hits.first, t / det);
 }
 
-// The ray against the node's oriented box, slab by slab.
+// Casts the ray against the triangles below a node, if it meets the node's oriented box (slab
+// test).
 void MeshSolid::CastBelow(int node, const Vector3d& p, const Vector3d& direction,
                           RayHits& hits) const {
-  constexpr double kRounding = 1e-9;  // of the lengths involved
+  constexpr double kRounding = 1e-9;  // share of the lengths by which a box is enlarged
   const auto& bv = tree.getBV(node);
   const Vector3d from = bv.bv.obb.axis.transpose() * (scale * p - bv.bv.obb.To);
   const Vector3d along = bv.bv.obb.axis.transpose() * direction;
@@ -110,7 +115,8 @@ MeshSolid::RayHits MeshSolid::Cast(const Vector3d& p, const Vector3d& direction)
   return hits;
 }
 
-// By the winding of the surface around p, as several rays see it: parts may overlap or touch.
+// Several rays vote: a ray says "inside" if its winding is not zero, which holds even where parts
+// of the surface overlap or touch.
 double MeshSolid::DepthOf(const Vector3d& p, Vector3d& out) const {
   if (!closed) return 0.0;
   if (convex) return ConvexDepth(p, out);
@@ -121,7 +127,7 @@ double MeshSolid::DepthOf(const Vector3d& p, Vector3d& out) const {
     const RayHits hits = Cast(p, direction);
     if (hits.from_surface) return 0.0;
     if (!hits.clean) continue;
-    if (hits.count == 0) return 0.0;  // nothing that way: outside, whatever follows
+    if (hits.count == 0) return 0.0;  // a ray that meets nothing proves that p is outside
     votes += hits.winding != 0;
     ++count;
     if (hits.first < depth) {
@@ -135,7 +141,7 @@ double MeshSolid::DepthOf(const Vector3d& p, Vector3d& out) const {
 
 void MeshSolid::AddProbes(const std::vector<int>& piece) {
   constexpr std::size_t kTriangles = 8;
-  constexpr double kBelow = 1e-6;  // of the triangle's size
+  constexpr double kBelow = 1e-6;  // start of a ray off its triangle, as a share of the triangle
   probes.push_back({triangles[piece.front()][0]});
   Probe best;
   for (std::size_t k = 0; k < piece.size(); k += 1 + piece.size() / kTriangles) {

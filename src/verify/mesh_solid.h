@@ -1,4 +1,5 @@
-// A mesh as the independent check sees it: FCL's tree over its triangles, and what is inside.
+// A body of triangles as the verifier sees it: FCL's tree over its triangles, and which points are
+// inside it.
 #ifndef MJCF_PDG_SRC_VERIFY_MESH_SOLID_H_
 #define MJCF_PDG_SRC_VERIFY_MESH_SOLID_H_
 
@@ -15,38 +16,45 @@ namespace mjcf_pdg::verify {
 struct MeshSolid {
   using Bvh = fcl::BVHModel<fcl::OBBRSS<double>>;
 
-  // FCL's tree holds the triangles `tree_scale` times as large: its thresholds are absolute.
+  // `mesh` has at least one triangle; `is_convex` says that it is the surface of a convex body.
+  // FCL's tree holds the triangles `tree_scale` times as large, because FCL's thresholds are
+  // absolute.
   MeshSolid(Triangles mesh, bool is_convex, double tree_scale);
 
-  // A point that tells whether one of the connected pieces is inside another body.
+  // A point of a connected piece of the surface. If the piece crosses no triangle of another body,
+  // its points tell whether it is inside that body.
   struct Probe {
-    Vector3d p;
-    double inside = 0.0;  // how deep it is in its own body, if it is [m]
+    Vector3d p;           // geom frame [m]
+    double inside = 0.0;  // how deep p is inside this body itself; 0: p is on its surface [m]
   };
 
-  Triangles triangles;  // geom frame [m]; empty for planes and round primitives
-  std::vector<Probe> probes;
-  double scale = 1.0;   // of the tree
-  double extent = 0.0;  // no corner is farther from the geom's origin [m]
-  bool convex = false;  // box or hull: inside is below every face
-  bool closed = false;  // else nothing is inside
+  Triangles triangles;        // geom frame [m]
+  std::vector<Probe> probes;  // one or two for each connected piece
+  double scale = 1.0;         // of the tree: its units per metre
+  double extent = 0.0;        // largest distance of a corner from the geom's origin [m]
+  bool convex = false;        // a box or a hull: a point is inside if it is below every face
+  bool closed = false;        // a surface that is not closed has no inside
   Bvh tree;
 
-  // How deep p is inside, and the way out; 0 outside and on the surface. Geom frame.
+  // Returns how deep p (geom frame [m]) is inside, and sets `out` to the unit direction of the way
+  // out; returns 0 if p is outside or on the surface. For a body that is not convex the depth is
+  // the shortest way out along 14 directions, which may be more than the distance from the surface.
   double DepthOf(const Vector3d& p, Vector3d& out) const;
 
  private:
-  // What a ray meets. Not clean: an edge, or a triangle edge on, so that the count is doubtful.
+  // The triangles that a ray meets.
   struct RayHits {
-    double first = std::numeric_limits<double>::infinity();  // [m]
+    double first = std::numeric_limits<double>::infinity();  // distance to the first one [m]
+    // How many triangles it meets, and how many of them from outside less those from inside.
     int count = 0, winding = 0;
-    bool clean = true;
+    bool clean = true;          // false: an edge, or a triangle edge-on, makes the count doubtful
     bool from_surface = false;  // it begins on a triangle
   };
   RayHits Cast(const Vector3d& p, const Vector3d& direction) const;
   void CastBelow(int node, const Vector3d& p, const Vector3d& direction, RayHits& hits) const;
   void CastOn(int triangle, const Vector3d& p, const Vector3d& direction, RayHits& hits) const;
-  // A vertex of the piece, and a point as far inside as a few of its triangles tell.
+  // Adds a vertex of the piece (indices of triangles) and, if there is one, the deepest of some
+  // points inside the body under the piece's triangles.
   void AddProbes(const std::vector<int>& piece);
   double ConvexDepth(const Vector3d& p, Vector3d& out) const;
 };

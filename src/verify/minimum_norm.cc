@@ -6,21 +6,23 @@
 namespace mjcf_pdg::verify {
 namespace {
 
-// Of the pair's size. Lower and upper bound this near each other are the same; double rounding
-// makes about 1e-16, and the products of lengths below a few times that.
+// The search has converged when lower and upper bound differ by this share of the pair's size.
+// Rounding of doubles alone makes about 1e-16, and the products of lengths below a few times that.
+// A weight below this number counts as zero.
 constexpr double kConverged = 1e-14;
-// Steps. Polytopes need 4 to 15, round shapes 10 to 40, ellipsoids of aspect 1000 about 150.
+// Most steps of a search. Polytopes need 4 to 15, round shapes 10 to 40, ellipsoids of aspect 1000
+// about 150.
 constexpr int kSteps = 300;
 
-// Where the affine hull of the corral is nearest to the origin, as weights of its points; false
-// where the points are not affinely independent.
+// Sets `w` to the weights of the affine minimizer: the point nearest to the origin of the affine
+// hull of the first `count` points. Returns false if these are affinely dependent.
 bool AffineMinimizer(const std::array<Vector3d, 4>& p, int count, std::array<double, 4>& w) {
   if (count == 1) {
     w[0] = 1.0;
     return true;
   }
-  // Edges from p[0], not products of the points themselves: near the end the points are close to
-  // each other and, as it were, far from the origin.
+  // Products of edges from p[0] are accurate where products of the points themselves would cancel:
+  // near the end the points are much closer to each other than to the origin.
   const Vector3d e1 = p[1] - p[0];
   w = {1.0, 0.0, 0.0, 0.0};
   if (count == 2) {
@@ -70,7 +72,7 @@ class Wolfe {
            found_.upper() < question_.near || !(found_.upper() > rounding_);
   }
 
-  // The support point along n, and what its plane shows.
+  // Makes candidate_ the support point along n, and keeps its plane if that is the best so far.
   void Ask(const Vector3d& n) {
     candidate_ = pair_.Support(n);
     const double lower = n.dot(candidate_.p + question_.shift);
@@ -79,6 +81,7 @@ class Wolfe {
     found_.n = n;
   }
 
+  // True if the corral has the candidate already: no step makes progress.
   bool Known() const {
     return std::any_of(found_.corral.begin(), found_.corral.begin() + found_.count,
                        [&](const DifferencePoint& known) { return known.p == candidate_.p; });
@@ -97,13 +100,15 @@ class Wolfe {
     moved_[k] = moved_[last];
   }
 
-  // Until the affine minimizer lies inside the corral, points that it leads away from are dropped.
+  // Wolfe's minor cycles: moves x towards the affine minimizer of the corral and drops the points
+  // whose weights reach zero, until the affine minimizer lies in the corral's convex hull. Returns
+  // false if the corral is degenerate.
   bool MinorCycles() {
     for (;;) {
       const int count = found_.count;
       std::array<double, 4> w = {};
       if (!AffineMinimizer(moved_, count, w)) break;
-      double stay = 1.0;  // how much of the way to w keeps all weights >= 0
+      double stay = 1.0;  // largest share of the way to w that keeps all weights >= 0
       for (int k = 0; k < count; ++k) {
         if (w[k] < 0.0) stay = std::min(stay, found_.weight[k] / (found_.weight[k] - w[k]));
       }
@@ -125,6 +130,7 @@ class Wolfe {
     return false;
   }
 
+  // Makes the weights add up to 1, and x their point.
   void Place() {
     double sum = 0.0;
     for (int k = 0; k < found_.count; ++k) sum += found_.weight[k];
@@ -138,7 +144,7 @@ class Wolfe {
   const ConvexPair& pair_;
   const MinimumNormQuestion& question_;
   const double rounding_;
-  std::array<Vector3d, 4> moved_;  // the corral with shift
+  std::array<Vector3d, 4> moved_;  // the points of the corral, translated by the shift
   DifferencePoint candidate_;
   MinimumNorm found_;
 };

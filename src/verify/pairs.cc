@@ -8,7 +8,7 @@
 namespace mjcf_pdg::verify {
 namespace {
 
-// Per body, the movable joints on its way to the world, ascending.
+// For each body, the ids of the movable joints between it and the world, ascending.
 std::vector<std::vector<int>> MovableJointsAbove(const mjModel& m, const SceneOptions& options) {
   std::vector<char> may_move(m.nbody, options.movable.empty());
   for (const std::string& name : options.movable) {
@@ -27,12 +27,13 @@ std::vector<std::vector<int>> MovableJointsAbove(const mjModel& m, const SceneOp
   return joints;
 }
 
+// MuJoCo's filters of bodies and geoms.
 class Filter {
  public:
   explicit Filter(const mjModel& m) : m_(m) {}
 
   bool KeepsBodies(int a, int b) const {
-    const int piece_a = m_.body_weldid[a], piece_b = m_.body_weldid[b];  // rigid pieces
+    const int piece_a = m_.body_weldid[a], piece_b = m_.body_weldid[b];  // welded groups of bodies
     if (piece_a == piece_b || (IsStatic(piece_a) && IsStatic(piece_b))) return false;
     const bool filters_parents = !(m_.opt.disableflags & mjDSBL_FILTERPARENT);
     if (filters_parents && (IsParent(piece_a, piece_b) || IsParent(piece_b, piece_a))) return false;

@@ -1,8 +1,9 @@
-// Which pairs of geoms count: the independent check's own reading of MuJoCo's filters.
+// Which pairs of geoms count: the verifier's own reading of MuJoCo's collision filters.
 //
-// Source: MuJoCo's documentation, "Computation / Collision detection / Selection": explicit <pair>s
-// always; else two geoms of different bodies that a joint can part, not parent and child (unless
-// the filter is off or the parent is static), not excluded, whose contype and conaffinity meet.
+// Source: MuJoCo's documentation, "Computation / Collision detection / Selection". Explicit <pair>s
+// always count. Other geoms count if they are on different bodies that a joint can separate, not on
+// parent and child (unless the filter is off or the parent is static), not excluded, and if their
+// contype and conaffinity match.
 #ifndef MJCF_PDG_SRC_VERIFY_PAIRS_H_
 #define MJCF_PDG_SRC_VERIFY_PAIRS_H_
 
@@ -15,14 +16,15 @@
 namespace mjcf_pdg::verify {
 
 struct CheckedPair {
-  int geom1 = 0, geom2 = 0;   // by type, then by id
+  int geom1 = 0, geom2 = 0;   // ids, ordered by type (mjtGeom), then by id
   double allowed = 0.0;       // overlap that a negative margin + gap allows [m], >= 0
-  bool contact_only = false;  // an SDF or a height field: MuJoCo's contacts are all there is
-  bool exact = false;         // one of them or both collide as their triangles
-  bool separable = true;      // some movable joint lies between the two
+  bool contact_only = false;  // has an SDF or a height field: no signed distance, only contacts
+  bool exact = false;         // not contact_only, and a mesh of it collides as its triangles
+  bool separable = true;      // some movable joint lies between the two geoms
 };
 
-// All pairs. `exact`: per geom, collides as its triangles.
+// Returns all pairs that count, sorted by the lower, then the higher geom id. `exact` says for each
+// geom whether it collides as its triangles. Throws Error if options.movable names no body.
 std::vector<CheckedPair> FindPairs(const mjModel& m, const SceneOptions& options,
                                    const std::vector<char>& exact);
 

@@ -1,4 +1,5 @@
-// A pair of geoms where MuJoCo's kinematics has put them: bounds, and its convex shapes.
+// A pair of geoms at the poses that MuJoCo's kinematics gave them: bounds of its distance, its
+// convex shapes, and certificates in world axes.
 #ifndef MJCF_PDG_SRC_VERIFY_POSED_PAIR_H_
 #define MJCF_PDG_SRC_VERIFY_POSED_PAIR_H_
 
@@ -9,34 +10,39 @@
 
 namespace mjcf_pdg::verify {
 
-// A signed distance [m] with its normal from geom 1 to geom 2 and its witness points, world axes.
+// A signed distance [m] with its unit normal from geom 1 to geom 2 and its witness points, in world
+// axes.
 struct Reading {
   double distance = 0.0;
   Vector3d n_W = Vector3d::UnitX(), p1_W = Vector3d::Zero(), p2_W = Vector3d::Zero();
 };
 
+// Refers to its model, data and pair, which must outlive it.
 struct PosedPair {
   const VerifierModel& model;
   const mjData& data;
   const CheckedPair& pair;
 
   bool HasPlane() const { return model.unblinded.geom_type[pair.geom1] == mjGEOM_PLANE; }
-  // What lengths are relative to: how far the two reach from their origins [m].
+  // The length that tolerances of the pair are given relative to: the sum of the two extents [m].
   double size() const { return model.shapes[pair.geom1].extent + model.shapes[pair.geom2].extent; }
 
-  // Never above the pair's distance; -inf when nothing is known: from bounding spheres, and from
-  // the oriented boxes, along their own axes.
+  // Lower bounds of the pair's signed distance [m]; -infinity if nothing is known. They come from
+  // bounding spheres about the geoms' origins, and from the gaps of the oriented bounding boxes
+  // (geom_aabb) along the axes of both.
   double SphereBound() const;
   double BoxBound() const;
 
-  // Of two convex geoms.
+  // The shapes of two convex geoms, and a certificate about them in world axes.
   ConvexPair Shapes() const;
   Reading ToWorld(const Certificate& found) const;
 
-  // Of a half-space and a convex geom: one support point tells all.
+  // The signed distance of a plane, which is a half-space, and a convex geom: that of the geom's
+  // lowest point.
   Reading AgainstPlane() const;
 
-  // Is the signed distance at least `needed`, but for rounding? World axes.
+  // Decides whether the signed distance of two convex geoms, or of a plane and one, is at least
+  // `needed` [m], less the rounding error. The certificate is in world axes.
   Certificate Decide(double needed) const;
 };
 

@@ -10,11 +10,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Σ (a_i x_i / (a_i² - min a² + s))² = 1 has one root s > 0; the nearest point follows from it. The
-// sum falls and is convex: from where one of its terms is 1, Newton's steps only grow towards the
-// root.
+// With semi-axes a_i, Σ (a_i x_i / (a_i² - min a² + s))² = 1 has one root s > 0, from which the
+// nearest point follows. The sum is convex and falls with s, so Newton's method that starts where
+// one of the terms is 1, which is below the root, increases towards the root.
 double EllipsoidDistance(const Vector3d& size, Vector3d x) {
-  x = x.cwiseAbs() + 1e-13 * size;  // off the planes of symmetry
+  x = x.cwiseAbs() + 1e-13 * size;  // on a plane of symmetry a term would vanish
   const double least = size.minCoeff();
   const Eigen::Array3d above = (size.array() - least) * (size.array() + least);
   const Eigen::Array3d scaled = size.array() * x.array();
@@ -31,7 +31,7 @@ double EllipsoidDistance(const Vector3d& size, Vector3d x) {
   return x.cwiseQuotient(size).squaredNorm() < 1.0 ? -distance : distance;
 }
 
-// The least of a convex function on [0, 1].
+// Returns the least value of a convex function on [0, 1] and sets `at` to where it is.
 template <typename Function>
 double GoldenSection(const Function& f, double& at) {
   constexpr double kGolden = 0.6180339887498949;

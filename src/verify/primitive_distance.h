@@ -1,5 +1,6 @@
-// The independent check's own least signed distance of a primitive over a triangle, by golden
-// sections: slow, and another road than the solver's (primitive_sdf.h).
+// Signed distances of planes and round primitives from points and triangles, for the verifier. The
+// least distance of a triangle is found by nested golden section searches: slow, and by another
+// method than the solver's (collide/exact/primitive_sdf.h).
 #ifndef MJCF_PDG_SRC_VERIFY_PRIMITIVE_DISTANCE_H_
 #define MJCF_PDG_SRC_VERIFY_PRIMITIVE_DISTANCE_H_
 
@@ -7,15 +8,15 @@
 
 namespace mjcf_pdg::verify {
 
-// Signed distance of x from a plane (z <= 0), sphere, capsule, ellipsoid or cylinder in its own
-// frame [m]. `type` is mjtGeom, `size` MuJoCo's.
+// The signed distance [m] of the point x, in the geom frame, from a plane (the half-space z <= 0),
+// sphere, capsule, ellipsoid or cylinder. `type` is an mjtGeom, `size` is as in geom_size.
 double RoundDistanceAt(int type, const Eigen::Vector3d& size, const Eigen::Vector3d& x);
 
-// Its least value on a triangle; x becomes the point.
+// The least RoundDistanceAt over the points of a triangle; x becomes a point that has it.
 double RoundDistanceOnTriangle(int type, const Eigen::Vector3d& size,
                                const Eigen::Vector3d corners[3], Eigen::Vector3d& x);
 
-// The unit normal at x, by differences.
+// The unit gradient of RoundDistanceAt at x, by central differences; the z axis where it is zero.
 Eigen::Vector3d RoundNormalAt(int type, const Eigen::Vector3d& size, const Eigen::Vector3d& x);
 
 }  // namespace mjcf_pdg::verify

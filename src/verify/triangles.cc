@@ -81,7 +81,7 @@ double LeastMove(const std::array<Vector3d, 3>& s, const std::array<Vector3d, 3>
 
 int CountOpenEdges(const Triangles& triangles) {
   using Place = std::array<double, 3>;
-  std::map<std::pair<Place, Place>, int> surplus;  // of an edge's triangles one way
+  std::map<std::pair<Place, Place>, int> surplus;  // per edge: forward less backward uses
   for (const auto& triangle : triangles) {
     Place corners[3];
     for (int k = 0; k < 3; ++k) corners[k] = {triangle[k][0], triangle[k][1], triangle[k][2]};
@@ -96,7 +96,8 @@ int CountOpenEdges(const Triangles& triangles) {
 }
 
 bool IsBoundaryOfHull(const Triangles& triangles, const VertexTree& vertices) {
-  constexpr double kFloatRounding = 5e-7;  // four roundings of a coordinate
+  // Share of the largest distance from the origin: four roundings of a coordinate to float.
+  constexpr double kFloatRounding = 5e-7;
   double largest = 0.0;
   for (const Vector3d& p : vertices.vertices()) largest = std::max(largest, p.norm());
   const auto on_hull = [&](const std::array<Vector3d, 3>& t) {
@@ -126,7 +127,7 @@ std::vector<std::vector<int>> Pieces(const Triangles& triangles) {
       piece[find(corners[i].second)] = find(corners[i - 1].second);
     }
   }
-  std::vector<int> place(triangles.size(), -1);  // of each root's piece
+  std::vector<int> place(triangles.size(), -1);  // index in `pieces` by root; -1: none yet
   std::vector<std::vector<int>> pieces;
   for (int t = 0; t < static_cast<int>(triangles.size()); ++t) {
     int& of_root = place[find(t)];

@@ -19,19 +19,21 @@ using verify::Reading;
 using verify::Vector3d;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kLimitTolerance = 1e-6;  // joint limits [rad or m], as the contract has it
-// A contact of exactly `rest` still rests: shares of it and of the pair's size.
+// How far a joint may be outside its range in a configuration that is free [rad or m].
+constexpr double kLimitTolerance = 1e-6;
+// A contact whose depth exceeds Options::rest by rounding alone still rests. The slack is the first
+// share of `rest` plus the second share of the pair's size.
 constexpr double kRestRounding = 1e-6, kSizeRounding = 1e-12;
-// A plane from an earlier call, or one found while measuring, is accepted if it shows that much
-// more than is needed, as a share of the pair's size; else the pair is decided anew, always in the
-// same way, so that no verdict depends on what was asked before.
+// A plane from an earlier call, or from measuring, is accepted only if its gap exceeds the needed
+// distance by this share of the pair's size. Otherwise the pair is decided anew, always in the same
+// way, so that no verdict depends on earlier calls.
 constexpr double kClear = 1e-9;
 
-// How fine a result is asked of MuJoCo's contacts [tolerances], though no finer than this share of
-// the model's size: below it they would be rounding.
+// Accuracy of MuJoCo's contacts (mjOption::ccd_tolerance): this share of the tolerance, but not
+// less than this share of the model's size, below which digits are rounding.
 constexpr double kFinerThanTolerance = 0.1, kFinestContacts = 1e-9;
 
-// The largest bounding radius of the geoms [m].
+// The model's size: the largest bounding radius of its geoms [m].
 double SizeOf(const mjModel& m) {
   return m.ngeom > 0 ? *std::max_element(m.geom_rbound, m.geom_rbound + m.ngeom) : 0.0;
 }
@@ -72,9 +74,10 @@ Verifier::Verifier(std::shared_ptr<const VerifierModel> model, const Options& op
   UpdateRest({});
 }
 
-// MuJoCo detects contacts nearer than margin + gap. Ours are zero, and what a negative sum allows
-// is in CheckedPair::allowed. Only geoms without signed distances get a margin, where a clearance
-// must be seen by their contacts.
+// Sets the margins and gaps of the private model to zero. MuJoCo detects contacts nearer than
+// margin + gap; the overlap that a negative sum allows is in CheckedPair::allowed. Geoms without
+// signed distances get the clearance as their margin, because only a contact can tell that a pair
+// is nearer.
 void Verifier::NeutraliseMargins() {
   geom_margin_.assign(model_.ngeom, 0.0);
   body_margin_.assign(model_.nbody, 0.0);
@@ -122,7 +125,8 @@ void Verifier::SetMocap(std::span<const double> pos, std::span<const double> qua
   UpdateRest({});
 }
 
-// The distance that a pair must keep if it rests on nothing [m].
+// The least signed distance [m] of a pair that does not rest: the clearance (0 if no movable joint
+// can separate the pair) less the overlap that the model allows.
 double Verifier::Usual(const CheckedPair& pair) const {
   return (pair.separable ? clearance_ : 0.0) - pair.allowed;
 }
@@ -133,7 +137,8 @@ double Verifier::DepthAtRest(int geom1, int geom2) const {
   return required_[index] < Usual(shared_->pairs[index]) ? required_[index] : 0.0;
 }
 
-// What each pair must keep. Empty q_in: nothing rests.
+// Sets required_: a pair that overlaps by no more than Options::rest in q_in may keep its depth.
+// With an empty q_in no pair rests.
 void Verifier::UpdateRest(std::span<const double> q_in) {
   const auto& pairs = shared_->pairs;
   for (std::size_t k = 0; k < pairs.size(); ++k) required_[k] = Usual(pairs[k]);
@@ -154,7 +159,7 @@ void Verifier::UpdateRest(std::span<const double> q_in) {
   }
 }
 
-// False where the numbers are no numbers.
+// Makes required_ refer to q_in. Returns false if q or q_in has an entry that is not finite.
 bool Verifier::SetRest(std::span<const double> q, std::span<const double> q_in) {
   if (!(rest_ > 0.0)) q_in = {};
   if (!AllFinite(q) || !AllFinite(q_in)) return false;
@@ -168,7 +173,8 @@ void Verifier::Pose(std::span<const double> q) {
   mj_kinematics(&model_, data_.get());
 }
 
-// MuJoCo reports a full arena by a warning alone, and drops contacts.
+// Runs mj_collision at the current pose and finds the deepest contact of each pair. If the arena is
+// full, MuJoCo drops contacts and only counts a warning.
 void Verifier::AskCollision() {
   mjData& d = *data_;
   d.warning[mjWARN_CONTACTFULL].number = 0;
@@ -197,6 +203,7 @@ Reading Verifier::AskExact(int index, double cutoff, Depths depths) const {
   reading.p1_W = verify::VectorAt(fromto);
   reading.p2_W = verify::VectorAt(fromto + 3);
   Vector3d n = (reading.p2_W - reading.p1_W) * (reading.distance < 0.0 ? -1.0 : 1.0);
+  // Witness points that coincide give no normal; the line of centres stands in for it.
   if (n.norm() < kClear * Posed(index).size()) {
     n = verify::VectorAt(data_->geom_xpos + 3 * pair.geom2) -
         verify::VectorAt(data_->geom_xpos + 3 * pair.geom1);
@@ -205,7 +212,8 @@ Reading Verifier::AskExact(int index, double cutoff, Depths depths) const {
   return reading;
 }
 
-// The pair's signed distance where it is below `cutoff`.
+// The pair's signed distance with witness points at the current pose. Of a pair that is farther
+// apart than `cutoff` [m], the distance read may be any number from `cutoff` on.
 Reading Verifier::Read(int index, double cutoff, Depths depths) const {
   const PosedPair posed = Posed(index);
   if (posed.pair.exact) return AskExact(index, cutoff, depths);
@@ -221,7 +229,8 @@ Certificate Verifier::CertificateOf(int geom1, int geom2) const {
   return Posed(index).Decide(required_[index] - tolerance_);
 }
 
-// Is a pair that has signed distances as far apart as it must be? Always decided in the same way.
+// Returns kPlane if the signed distance of the pair is at least required_ less the tolerance. The
+// answer depends on the pose alone, not on earlier calls.
 Proof Verifier::Judge(int index) const {
   const double needed = required_[index] - tolerance_;
   if (!shared_->pairs[index].exact) return Posed(index).Decide(needed).proof;
@@ -230,7 +239,8 @@ Proof Verifier::Judge(int index) const {
   return AskExact(index, cutoff, depths).distance >= needed ? Proof::kPlane : Proof::kPoints;
 }
 
-// The same, with what is cheap asked first: spheres, boxes, and the last plane.
+// True if Judge says kPlane. Cheaper proofs come first: bounding spheres, oriented boxes, the plane
+// of an earlier call, and a plane from one minimum-norm search.
 bool Verifier::KeepsApart(int index) {
   const PosedPair posed = Posed(index);
   const double needed = required_[index] - tolerance_;
@@ -289,7 +299,8 @@ const Verdict& Verifier::Check(std::span<const double> q, std::span<const double
   return verdict_;
 }
 
-// Pairs in the order of their bounds: once a bound exceeds all that matters, we are done.
+// Measures the pairs in ascending order of the lower bounds of their distances. It ends at the
+// first bound above both the least distance so far and what freeness requires.
 void Verifier::CheckPairs(Depths depths) {
   const double matters = tolerance_ + clearance_;
   order_.clear();
@@ -332,7 +343,8 @@ void Verifier::Report(int index, const Reading& reading, Proof proof) {
   findings_.pairs.push_back(finding);
 }
 
-// MuJoCo's word alone: of SDFs and height fields, and of pairs that are not in our table.
+// Adds what MuJoCo's contacts alone decide: pairs with SDFs or height fields, and pairs of geoms
+// that shared_->pairs lacks.
 void Verifier::CheckContacts() {
   const mjData& d = *data_;
   const auto report = [&](const mjContact& contact, const Finding& as) {
@@ -366,7 +378,8 @@ void Verifier::CheckContacts() {
   }
 }
 
-// All joints of the model, frozen ones too. A ball's whole angle counts, twist included.
+// Checks all joints of the model, frozen ones too. The limit of a ball joint is on its total
+// rotation angle, twist included.
 void Verifier::CheckLimits(std::span<const double> q) {
   verdict_.limit_excess = 0.0;
   for (int j = 0; j < model_.njnt; ++j) {
@@ -398,7 +411,7 @@ void Verifier::FillViolations() {
 
 void Verifier::FindDisputes() {
   disputed_ = false;
-  if (tolerance_ < model_.opt.ccd_tolerance) return;  // their rounding would be disputes
+  if (tolerance_ < model_.opt.ccd_tolerance) return;  // contacts are no more accurate
   for (std::size_t k = 0; k < contact_.size(); ++k) {
     const CheckedPair& pair = shared_->pairs[k];
     if (contact_[k] < 0 || pair.exact || pair.contact_only) continue;

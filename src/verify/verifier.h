@@ -1,14 +1,15 @@
-// The independent check of a configuration, reusable: all scratch is made once.
+// The verifier: decides, independently of the solver, whether a configuration is free.
 //
-// Shares nothing with the solver: pairs, poses, shapes, normals, constants and algorithms are its
-// own. Whether a pair of convex geoms is apart, or overlaps by no more than is permitted, is
-// decided by certificates (certificate.h): a plane, or common points. Where a mesh collides as its
-// triangles, FCL is asked (exact_pair.h).
+// It shares no code with the solver's queries: pairs, poses, shapes, normals, constants and
+// algorithms are its own. For a pair of convex geoms a certificate (certificate.h) proves the
+// answer: a plane that separates them, or points that show that they overlap by more than is
+// permitted. For a pair in which a mesh collides as its triangles, FCL is asked (exact_pair.h).
 //
-// mj_collision is the first witness: alone where an SDF or a height field is involved, and for
-// contacts of pairs that the table of pairs lacks. Elsewhere a certificate is worth more than its
-// word, either way. It runs on a private copy of the model's struct without margins and gaps, so
-// that a negative margin hides nothing and a positive one misplaces nothing.
+// mj_collision alone decides two cases: pairs with an SDF or a height field, which have no signed
+// distances here, and contacts between geoms that the verifier's own table of pairs lacks.
+// Elsewhere its contacts are only compared with the certificates (see disputed). It runs on a
+// private copy of the mjModel struct without margins and gaps, because a negative margin hides
+// contacts and a positive one falsifies their distances.
 #ifndef MJCF_PDG_SRC_VERIFY_VERIFIER_H_
 #define MJCF_PDG_SRC_VERIFY_VERIFIER_H_
 
@@ -32,58 +33,65 @@ namespace mjcf_pdg {
 // One per thread. Neither copyable nor movable: MuJoCo's data points into it.
 class Verifier {
  public:
-  // Reads tolerance, clearance and rest of `options`; mocap poses come by SetMocap. Pairs that are
-  // apart are measured up to `range` beyond the clearance [m].
+  // Takes tolerance, clearance and rest from `options`, but not its mocap poses: see SetMocap.
+  // Check measures distances up to the clearance plus `range` [m]. Throws Error if MuJoCo cannot
+  // allocate its data.
   Verifier(std::shared_ptr<const VerifierModel> model, const Options& options, double range = 1.0);
   Verifier(const Verifier&) = delete;
   Verifier& operator=(const Verifier&) = delete;
 
-  // Empty: as in the model. Else 3 and 4 values per mocap body.
+  // Sets the poses of all mocap bodies: `pos` has 3 values [m] and `quat` 4 values (w, x, y, z) per
+  // mocap body, in order of mocap id. An empty span leaves that part as in the model.
   void SetMocap(std::span<const double> pos, std::span<const double> quat);
 
-  // Is q free? What Check says, and nothing else: no distances, no words. Allocates nothing once it
-  // has run, but where meshes collide as their triangles.
+  // True if q is free: the same answer as Check gives, without distances and words. `q` and `q_in`
+  // are those of Check. After the first call it allocates nothing, unless meshes collide as their
+  // triangles.
   bool IsFree(std::span<const double> q, std::span<const double> q_in = {});
 
-  // The whole verdict, ours until the next call. `q_in` is what `rest` refers to; empty: nothing
-  // rests. Both have nq entries. With skipped depths, min_distance and contacts say of exact pairs
-  // whether they overlap, no more. Allocates nothing for a q that is free and touches no more than
-  // it did before.
+  // Returns the whole verdict on q, valid until the next call. `q_in` is the configuration whose
+  // contacts may keep their depths (Options::rest); if it is empty, none may. Both have nq entries.
+  // With Depths::kSkipped, contacts and min_distance say of an exact pair only whether it overlaps,
+  // and the depth of a convex pair may come out too large. A q that is free, with no more contacts
+  // than in earlier calls, costs no allocation unless meshes collide as their triangles.
   const Verdict& Check(std::span<const double> q, std::span<const double> q_in = {},
                        verify::Depths depths = verify::Depths::kMeasured,
                        verify::Words words = verify::Words::kWritten);
 
-  // Why the last Check's q is not free, for code.
+  // Why q of the last Check is not free, by code. All are false if it is free.
   struct Violations {
-    bool not_a_number = false;
-    bool separable = false;    // a pair that a movable joint lies between
-    bool frozen = false;       // a pair that no movable joint can part
-    bool limits = false;       // a joint is outside its range
-    bool uncertified = false;  // a pair with neither a plane nor a common point
-    bool arena_full = false;   // MuJoCo dropped contacts
+    bool not_a_number = false;  // q or q_in has an entry that is infinite or not a number
+    bool separable = false;     // a pair that a movable joint can separate is too near
+    bool frozen = false;        // a pair that no movable joint can separate is too near
+    bool limits = false;        // a joint is outside its range
+    bool uncertified = false;   // no certificate was found for some pair, either way
+    bool arena_full = false;    // MuJoCo dropped contacts for want of memory
   };
   const Violations& violations() const { return violations_; }
   const Verdict& verdict() const { return verdict_; }  // of the last Check
-  // MuJoCo's contacts make more of a pair's overlap than the plane that decided the last Check, or
-  // IsFree where that was true.
+  // True if MuJoCo reports a contact of two convex geoms that is deeper than permitted. At a q that
+  // is free it contradicts a certificate. Refers to the last Check, or to the last IsFree if that
+  // returned true.
   bool disputed() const { return disputed_; }
-  bool certified() const {
-    return verdict_.certified;
-  }  // what Verdict::certified says of every configuration
+  // What Verdict::certified says of every configuration: no pair has an SDF or a height field.
+  bool certified() const { return verdict_.certified; }
 
-  std::int64_t queries() const { return queries_; }  // configurations asked about so far
+  // How many configurations were posed so far, a q_in whose contacts rest included.
+  std::int64_t queries() const { return queries_; }
 
-  // What the last verdict on two geoms that have signed distances and are no exact pair rests on,
-  // asked again: world axes, from the lower to the higher geom of the pair (by type, then by id).
+  // The certificate that decides the pair of two convex geoms at the configuration of the last
+  // call, computed anew. It is in world axes, and its geom 1 is the geom of lower type (of equal
+  // types: of lower id). The pair must have signed distances and must not be exact. Throws Error if
+  // the two geoms are no kept pair.
   verify::Certificate CertificateOf(int geom1, int geom2) const;
 
-  // Of two geoms that the last Check let keep their overlap, that overlap, negative [m]; 0 of
-  // others.
+  // The signed distance [m], negative, that two geoms may keep because they rest on each other in
+  // q_in of the last call; 0 if they do not rest or are no kept pair.
   double DepthAtRest(int geom1, int geom2) const;
 
  private:
   void NeutraliseMargins();
-  int PairIndex(int geom1, int geom2) const;  // -1 when there is none
+  int PairIndex(int geom1, int geom2) const;  // index in shared_->pairs; -1: no kept pair
   double Usual(const verify::CheckedPair& pair) const;
   void UpdateRest(std::span<const double> q_in);
   bool SetRest(std::span<const double> q, std::span<const double> q_in);
@@ -96,7 +104,7 @@ class Verifier {
   verify::Proof Judge(int pair) const;
   bool KeepsApart(int pair);
 
-  double ContactDistance(int pair) const;  // the deepest of MuJoCo's; infinite where there is none
+  double ContactDistance(int pair) const;  // of MuJoCo's deepest contact; infinite: no contact
   void CheckPairs(verify::Depths depths);
   void CheckContacts();
   void CheckLimits(std::span<const double> q);
@@ -105,22 +113,23 @@ class Verifier {
   void FindDisputes();
 
   const std::shared_ptr<const VerifierModel> shared_;
-  const double tolerance_, clearance_, rest_, range_;
+  const double tolerance_, clearance_, rest_, range_;  // [m]
   std::vector<mjtNum> geom_margin_, body_margin_, pair_margin_, no_gap_;
-  mjModel model_;  // the shared unblinded one with these margins
+  mjModel model_;  // copy of shared_->unblinded whose margins and gaps are the arrays above
   struct DataDeleter {
     void operator()(mjData* d) const { mj_deleteData(d); }
   };
   std::unique_ptr<mjData, DataDeleter> data_;
   const verify::ExactPairs exact_;
 
-  // Per pair of shared_->pairs:
-  std::vector<double> required_;               // with rest [m]
-  std::vector<Eigen::Vector3d> plane_;         // the last plane's normal, in the frame of geom 1
-  std::vector<int> contact_;                   // the deepest of MuJoCo's contacts; -1: none
-  std::vector<double> rest_q_in_;              // the q_in that required_ stands for
-  std::vector<std::pair<double, int>> order_;  // (bound, pair)
-  std::vector<int> contacts_of_other_pairs_;
+  // One entry per pair of shared_->pairs:
+  std::vector<double> required_;        // least signed distance, rest considered [m]
+  std::vector<Eigen::Vector3d> plane_;  // normal of the last plane, frame of geom 1; 0: none
+  std::vector<int> contact_;            // index of MuJoCo's deepest contact; -1: none
+
+  std::vector<double> rest_q_in_;              // the q_in that required_ refers to; empty: none
+  std::vector<std::pair<double, int>> order_;  // scratch: (bound of the distance [m], pair)
+  std::vector<int> contacts_of_other_pairs_;   // indices of MuJoCo's contacts between other geoms
   verify::Findings findings_;
   Violations violations_;
   bool disputed_ = false;

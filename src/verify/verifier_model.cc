@@ -19,8 +19,8 @@ using verify::MeshSolid;
 using verify::Vector3d;
 using verify::VertexTree;
 
-// FCL's thresholds are absolute. The largest mesh of its trees is about that long, so that one of
-// half a metre is in millimetres.
+// FCL's thresholds are absolute, so its trees are scaled until the largest body is about this long:
+// a body of half a metre is in millimetres.
 constexpr double kLargestInTrees = 512.0;
 
 Vector3d Vertex(const mjModel& m, int mesh, int v) {
@@ -28,8 +28,9 @@ Vector3d Vertex(const mjModel& m, int mesh, int v) {
   return {p[0], p[1], p[2]};
 }
 
-// What the mesh is as a convex geom: MuJoCo collides the hull that its compiler has found, which
-// the user can ask to have few vertices.
+// The vertices of the mesh as a convex geom: those of the hull that MuJoCo's compiler found and
+// collides, which may have fewer vertices than the true hull if the user limits them. A mesh
+// without a hull keeps all its vertices.
 std::shared_ptr<const VertexTree> HullOf(const mjModel& m, int mesh) {
   std::vector<Vector3d> vertices;
   if (m.mesh_graphadr[mesh] < 0) {
@@ -79,15 +80,16 @@ ConvexShape ShapeOf(const mjModel& m, int geom) {
 mjModel Unblinded(const mjModel& m, const std::vector<CheckedPair>& pairs) {
   mjModel copy = m;
   copy.opt.disableflags &= ~(mjDSBL_CONTACT | mjDSBL_CONSTRAINT | mjDSBL_NATIVECCD);
-  // One contact tells of an overlap. With several, MuJoCo 4.0.1 ends the process for some poses:
-  // "collision function returned 4 contacts, expected at most 2".
+  // One contact per pair is enough to detect an overlap. With several, MuJoCo 4.0.1 ends the
+  // process at some poses: "collision function returned 4 contacts, expected at most 2".
   copy.opt.disableflags |= mjDSBL_MULTICCD;
   copy.opt.enableflags &= ~(mjENBL_OVERRIDE | mjENBL_SLEEP | mjENBL_SPECULATIVE | mjENBL_IPC);
-  // MuJoCo's default at least; a model may ask for fewer.
+  // At least MuJoCo's default, although a model may ask for fewer.
   copy.opt.ccd_iterations = std::max(copy.opt.ccd_iterations, 50);
   std::size_t contacts = 0;
   for (const CheckedPair& pair : pairs) contacts += mj_maxContact(&m, pair.geom1, pair.geom2, 1);
-  // All contacts, and what MuJoCo's broad phase puts beside them: lists of body and geom pairs.
+  // The arena must hold all contacts and the lists of body pairs and geom pairs of MuJoCo's broad
+  // phase.
   const std::size_t bodies = m.nbody, sixteen_megabytes = std::size_t{1} << 24;
   const std::size_t need =
       sixteen_megabytes + contacts * sizeof(mjContact) + pairs.size() * 64 + bodies * bodies * 16;
@@ -95,7 +97,8 @@ mjModel Unblinded(const mjModel& m, const std::vector<CheckedPair>& pairs) {
   return copy;
 }
 
-// Per geom: it is to collide as its triangles, and they are not those of its convex hull anyway.
+// Marks the geoms that collide as their triangles: those that the options and the model ask for,
+// unless the mesh is its own convex hull, so that both are the same.
 class ExactGeoms {
  public:
   ExactGeoms(const mjModel& m, const SceneOptions& options) : m_(m), exact_(m.ngeom, 0) {
@@ -133,6 +136,7 @@ class ExactGeoms {
   std::map<int, bool> convex_;  // by mesh
 };
 
+// Makes the bodies of triangles, those of one mesh only once.
 class SolidBuilder {
  public:
   SolidBuilder(const mjModel& m, double scale) : m_(m), scale_(scale) {}
@@ -168,7 +172,7 @@ VerifierModel::VerifierModel(std::shared_ptr<const mjModel> model_owner, const m
   unblinded = Unblinded(m, pairs);
   std::map<int, std::shared_ptr<const VertexTree>> trees;  // by mesh
   for (int g = 0; g < m.ngeom; ++g) shapes.push_back(ShapeOf(m, g));
-  double largest = 0.0;  // of what exact pairs have
+  double largest = 0.0;  // extent of the largest box or mesh of an exact pair [m]
   for (const CheckedPair& pair : pairs) {
     has_contact_only_pairs |= pair.contact_only;
     for (const int g : {pair.geom1, pair.geom2}) {
@@ -186,7 +190,7 @@ VerifierModel::VerifierModel(std::shared_ptr<const mjModel> model_owner, const m
   }
   solids.resize(m.ngeom);
   if (!(largest > 0.0)) return;
-  // A power of two: coordinates keep their digits.
+  // The scale is a power of two, so that scaling does not round coordinates.
   SolidBuilder builder(m, std::exp2(std::round(std::log2(kLargestInTrees / (2.0 * largest)))));
   for (const CheckedPair& pair : pairs) {
     if (!pair.exact) continue;

@@ -1,4 +1,4 @@
-// What the independent check knows of a model: immutable, made once, shared between threads.
+// What the verifier knows of a model: immutable, made once per Scene, shared between threads.
 #ifndef MJCF_PDG_SRC_VERIFY_VERIFIER_MODEL_H_
 #define MJCF_PDG_SRC_VERIFY_VERIFIER_MODEL_H_
 
@@ -15,21 +15,23 @@
 namespace mjcf_pdg {
 
 struct VerifierModel {
-  // `owner` keeps `m` alive; empty when the model is a running program's. Of the options, those
-  // count that say what may move and which meshes are exact. Throws Error for an unknown name.
+  // `owner` keeps `m` alive; it is null for the model of a running program, which must outlive this
+  // object. Of the options, `movable` and `exact_mesh` count. Throws Error for an unknown body or
+  // geom.
   VerifierModel(std::shared_ptr<const mjModel> owner, const mjModel& m,
                 const SceneOptions& options);
 
   std::shared_ptr<const mjModel> owner;
-  // A copy of the struct alone (arrays are the user's): settings that blind MuJoCo's collision
-  // detection are undone, the arena is large enough.
+  // A copy of the mjModel struct, whose arrays are the user's. Settings that make MuJoCo's
+  // collision detection miss contacts are undone, and the arena is large enough for all contacts.
   mjModel unblinded;
-  std::vector<char> exact;  // ngeom: collides as its triangles
+  std::vector<char> exact;  // by geom: it collides as its triangles
   std::vector<verify::CheckedPair> pairs;
   bool has_contact_only_pairs = false;
-  std::vector<verify::ConvexShape> shapes;  // ngeom; of planes and contact-only geoms, unused
-  std::vector<std::shared_ptr<const verify::MeshSolid>>
-      solids;  // ngeom; where an exact pair has it
+  // By geom; those of planes and of geoms without signed distances are not used.
+  std::vector<verify::ConvexShape> shapes;
+  // By geom; null unless the geom is a box or mesh of an exact pair.
+  std::vector<std::shared_ptr<const verify::MeshSolid>> solids;
 };
 
 }  // namespace mjcf_pdg

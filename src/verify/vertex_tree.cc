@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kLeaf = 8;  // vertices; 4 to 16 cost the same
+constexpr int kLeaf = 8;  // most vertices of a leaf; 4 to 16 cost the same
 
 bool Before(const Vector3d& a, const Vector3d& b) {
   return std::tuple(a[0], a[1], a[2]) < std::tuple(b[0], b[1], b[2]);

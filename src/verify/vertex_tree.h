@@ -1,5 +1,5 @@
-// The vertices of a mesh in a tree of boxes: which of them reaches farthest, exactly and without
-// trust in anybody's convex hull.
+// The vertices of a mesh in a tree of bounding boxes. It answers exactly which vertex is farthest
+// along a direction, without relying on a convex hull.
 #ifndef MJCF_PDG_SRC_VERIFY_VERTEX_TREE_H_
 #define MJCF_PDG_SRC_VERIFY_VERTEX_TREE_H_
 
@@ -20,10 +20,12 @@ class VertexTree {
  private:
   struct Node {
     Eigen::Vector3d center, half;  // of the box about its vertices
-    int begin = 0, end = 0;        // its vertices
-    int second = 0;                // the second child; the first is the next node; 0: a leaf
+    int begin = 0, end = 0;        // range of its vertices in vertices_
+    int second = 0;                // node of the second child, 0: a leaf; the first child is next
   };
   void Build(int begin, int end);
+  // Updates `farthest`, an index in vertices_, and its reach n · v, `most`, from those below the
+  // node.
   void Search(int node, const Eigen::Vector3d& n, double& most, int& farthest) const;
 
   std::vector<Eigen::Vector3d> vertices_;

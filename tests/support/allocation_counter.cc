@@ -24,7 +24,7 @@ bool AllocationCounter::Works() {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 
-// The sanitizers replace malloc themselves and call back.
+// The sanitizers replace malloc themselves; they call the hooks that are installed here.
 extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*malloc_hook)(const volatile void*,
                                                                              std::size_t),
                                                          void (*free_hook)(const volatile void*));
@@ -39,7 +39,7 @@ const int installed = __sanitizer_install_malloc_and_free_hooks(
 
 #elif defined(__GLIBC__)
 
-// A program's own malloc is the one that all its libraries call (libc.info, "Replacing malloc").
+// If a program defines malloc, all its libraries call that one (libc.info, "Replacing malloc").
 extern "C" {
 
 void* __libc_malloc(std::size_t size);

@@ -1,9 +1,9 @@
-// Counts what this thread takes from the heap: operator new, malloc and their kin, by whoever in
-// the process asks, MuJoCo and Eigen included.
+// Counts heap allocations of the calling thread: operator new, malloc and their kin, whoever in the
+// process calls them, MuJoCo and Eigen included.
 //
-// The counting is in place in every program that links this file. It hooks the C library's
-// functions (of glibc; other C libraries count nothing, see works()), or the sanitizers' where the
-// program is built with them.
+// Every program that links this file counts. It replaces the C library's functions (glibc only;
+// with other C libraries nothing is counted, see Works), or uses the sanitizers' hooks if the
+// program is built with sanitizers.
 #ifndef MJCF_PDG_TESTS_SUPPORT_ALLOCATION_COUNTER_H_
 #define MJCF_PDG_TESTS_SUPPORT_ALLOCATION_COUNTER_H_
 
@@ -15,10 +15,10 @@ class AllocationCounter {
  public:
   AllocationCounter() : at_first_(Total()) {}
 
-  // Since construction, by this thread.
+  // Allocations of this thread since construction.
   std::int64_t count() const { return Total() - at_first_; }
 
-  // A test allocation is seen.
+  // True if a test allocation is counted.
   static bool Works();
 
  private:

@@ -24,7 +24,8 @@ double Distance(const Vector3d& x, const Triangle& t) {
   return (NearestOnTriangle(x, t.p[0], t.p[1], t.p[2]) - x).norm();
 }
 
-// Between points inside both segments; infinite if no such pair is nearest.
+// The distance of the segments p + [0, 1] u and q + [0, 1] v if their nearest points are inside
+// both; infinite if not.
 double EdgeDistance(const Vector3d& p, const Vector3d& u, const Vector3d& q, const Vector3d& v) {
   const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v);
   const double area = uu * vv - uv * uv;
@@ -36,6 +37,7 @@ double EdgeDistance(const Vector3d& p, const Vector3d& u, const Vector3d& q, con
   return (p + s * u - q - t * v).norm();
 }
 
+// True if the segment from p to q crosses the triangle.
 bool Pierces(const Vector3d& p, const Vector3d& q, const Vector3d t[3]) {
   auto volume = [](const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& d) {
     return (b - a).dot((c - a).cross(d - a));

@@ -1,4 +1,5 @@
-// Distances of meshes by asking every triangle: slow, and another road than trees.
+// Distances of triangle meshes by asking every triangle: slow, and by another method than the
+// bounding volume hierarchies that are tested.
 #ifndef MJCF_PDG_TESTS_SUPPORT_BRUTE_MESH_H_
 #define MJCF_PDG_TESTS_SUPPORT_BRUTE_MESH_H_
 
@@ -10,24 +11,26 @@
 
 namespace mjcf_pdg::test {
 
-// From the surface, inside or outside.
+// The unsigned distance of a point from the surface.
 double BruteDistance(const MeshShape& shape, const Eigen::Vector3d& x);
 
-// Over all pairs of triangles; 0 when some intersect.
+// The least distance of a triangle of `a` and a triangle of `b`; 0 if some intersect.
 double BruteDistance(const MeshShape& a, const MeshShape& b);
 
-// The shape at a pose of a free body.
+// A copy with each point p at R p + t.
 MeshShape Moved(const MeshShape& shape, const Eigen::Matrix3d& R, const Eigen::Vector3d& t);
 
+// The shape in the solver's tree of bounding volumes.
 TriangleBvh MakeSolid(const MeshShape& shape);
 
-// Some triangles do.
+// True if some triangle of one body intersects one of the other.
 bool Intersects(const BvhPair& pair);
 
 // Small meshes of several kinds: a knot, a cup, a bumpy globe.
 const std::vector<MeshShape>& SmallShapes();
 
-// What the rows of every overlap promise, in tree units; there is at least one.
+// Expects what the gaps of an overlap promise: there is at least one, all are negative, the deepest
+// comes first, and normals and witness points agree with the distances (units of the tree).
 void ExpectOverlaps(const std::vector<SignedGap>& gaps);
 
 }  // namespace mjcf_pdg::test

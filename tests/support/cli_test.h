@@ -1,4 +1,4 @@
-// Runs the built program in a folder of its own, as a user would.
+// A fixture that runs the built program in a folder of its own, as a user would.
 #ifndef MJCF_PDG_TESTS_SUPPORT_CLI_TEST_H_
 #define MJCF_PDG_TESTS_SUPPORT_CLI_TEST_H_
 
@@ -47,7 +47,8 @@ inline std::vector<nlohmann::json> ParseLines(const std::string& text) {
   return lines;
 }
 
-// A ball on two slides above a wall; "deep" overlaps by 5 cm, the unnamed keyframe is free.
+// A ball on two slides above a wall. In the keyframe "deep" they overlap by 5 cm; the unnamed
+// keyframe is free.
 inline constexpr char kBallAndWall[] = R"(<mujoco><worldbody>
   <geom name="wall" type="box" size="1 1 .1"/>
   <body name="ball" pos="0 0 .15">
@@ -66,7 +67,7 @@ class CliTest : public ::testing::Test {
 
   void TearDown() override { EXPECT_FALSE(std::filesystem::exists(cwd() / "MUJOCO_LOG.TXT")); }
 
-  // Where the program runs and relative paths begin.
+  // The folder in which the program runs.
   std::filesystem::path cwd() const { return folder_ / "cwd"; }
 
   void Write(const std::string& name, const std::string& content) const {
@@ -84,6 +85,7 @@ class CliTest : public ::testing::Test {
     return names;
   }
 
+  // Runs the program with `input` as its stdin and waits for its end.
   Outcome Run(Arguments arguments, const std::string& input = "") const {
     const std::string in = folder_ / "stdin", out = folder_ / "stdout", err = folder_ / "stderr";
     std::ofstream(in, std::ios::binary) << input;
@@ -112,7 +114,8 @@ class CliTest : public ::testing::Test {
     return outcome;
   }
 
-  // The lines of `--json -`, without what differs from run to run.
+  // Runs `solve` with `--json -` and returns its lines without the times, which differ from run to
+  // run.
   std::vector<nlohmann::json> SolveJson(Arguments arguments, const std::string& input = "") const {
     arguments.insert(arguments.begin(), "solve");
     arguments.insert(arguments.end(), {"--json", "-"});
@@ -123,7 +126,8 @@ class CliTest : public ::testing::Test {
     return lines;
   }
 
-  // One line on stderr that says `words`, exit code 2, nothing on stdout, no file made or changed.
+  // Expects exit code 2, one line on stderr that contains `words`, nothing on stdout, and the same
+  // files as before.
   void ExpectRefused(const Arguments& arguments, const std::string& words,
                      const std::string& input = "") const {
     const std::set<std::string> before = Files();

@@ -1,4 +1,4 @@
-// Triangle meshes whose every number is known, and ways to spoil them.
+// Triangle meshes whose volume, area and edges are known, and ways to damage them.
 #ifndef MJCF_PDG_TESTS_SUPPORT_HAND_MADE_MESHES_H_
 #define MJCF_PDG_TESTS_SUPPORT_HAND_MADE_MESHES_H_
 
@@ -12,7 +12,7 @@
 
 namespace mjcf_pdg::test {
 
-// Corners at `low` and `low + size`; 8 vertices, 12 triangles facing outwards.
+// A box between `low` and `low + size` of 8 vertices and 12 triangles that face outwards.
 inline TriangleMesh BoxMesh(const Eigen::Vector3d& size, const Eigen::Vector3d& low = {0, 0, 0}) {
   TriangleMesh mesh = {Eigen::Matrix3Xd(3, 8), Eigen::Matrix3Xi(3, 12)};
   for (int i = 0; i < 8; ++i) {
@@ -24,6 +24,7 @@ inline TriangleMesh BoxMesh(const Eigen::Vector3d& size, const Eigen::Vector3d& 
   return mesh;
 }
 
+// A unit cube.
 inline TriangleMesh CubeMesh(const Eigen::Vector3d& low = {0, 0, 0}) {
   return BoxMesh(Eigen::Vector3d::Ones(), low);
 }
@@ -38,7 +39,8 @@ inline TriangleMesh TetrahedronMesh() {
   return mesh;
 }
 
-// About z; n x n quads. With the radii R and r of ring and tube.
+// A torus about z of n × n quads, cut into triangles. `ring` is the radius of its circle, `tube`
+// that of the tube around it.
 inline TriangleMesh TorusMesh(double ring, double tube, int n) {
   TriangleMesh mesh = {Eigen::Matrix3Xd(3, n * n), Eigen::Matrix3Xi(3, 2 * n * n)};
   for (int i = 0; i < n; ++i) {
@@ -61,6 +63,7 @@ inline TriangleMesh InsideOut(TriangleMesh mesh) {
   return mesh;
 }
 
+// The mesh without one triangle.
 inline TriangleMesh Without(const TriangleMesh& mesh, int triangle) {
   std::vector<int> kept;
   for (int t = 0; t < mesh.triangles.cols(); ++t) {
@@ -69,6 +72,7 @@ inline TriangleMesh Without(const TriangleMesh& mesh, int triangle) {
   return {mesh.vertices, mesh.triangles(Eigen::all, kept)};
 }
 
+// Both meshes in one.
 inline TriangleMesh Together(const TriangleMesh& a, const TriangleMesh& b) {
   TriangleMesh both;
   both.vertices.resize(3, a.vertices.cols() + b.vertices.cols());
@@ -78,7 +82,7 @@ inline TriangleMesh Together(const TriangleMesh& a, const TriangleMesh& b) {
   return both;
 }
 
-// Every triangle with corners of its own, as in an STL file.
+// The mesh with three vertices for each triangle, as an STL file has it.
 inline TriangleMesh Soup(const TriangleMesh& mesh) {
   const Eigen::VectorXi corners = mesh.triangles.reshaped();
   TriangleMesh soup = {mesh.vertices(Eigen::all, corners), mesh.triangles};

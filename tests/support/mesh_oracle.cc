@@ -29,8 +29,9 @@ using Collision = CGAL::Rigid_triangle_mesh_collision_detection<Surface>;
 using Tree = Collision::AABB_tree;
 using Side = CGAL::Side_of_triangle_mesh<Surface, Kernel, CGAL::Default, Tree>;
 
-constexpr int kRings = 129, kSectors = 256;  // of round primitives; an odd number: none at z = 0
-constexpr double kPlane = 50.0;
+// Rings and sectors of round primitives. With an odd number of rings no vertex is at z = 0.
+constexpr int kRings = 129, kSectors = 256;
+constexpr double kPlane = 50.0;  // half size of the block that stands for a plane [m]
 
 MeshShape OfModel(const mjModel& m, int mesh) {
   MeshShape shape;
@@ -45,7 +46,7 @@ MeshShape OfModel(const mjModel& m, int mesh) {
   return shape;
 }
 
-// A globe whose points, in the directions d, are moved to place(d).
+// A globe whose vertex in the direction d is at place(d).
 template <typename Place>
 MeshShape Inscribed(int rings, const Place& place) {
   MeshShape shape = Globe(rings, kSectors, [](const Vector3d&) { return 1.0; });
@@ -68,7 +69,7 @@ MeshShape OfPrimitive(int type, const Vector3d& size) {
       return Inscribed(kRings, [&](const Vector3d& d) {
         return Vector3d(size[0] * d + std::copysign(1.0, d.z()) * half);
       });
-    case mjGEOM_CYLINDER:  // two poles and two rings
+    case mjGEOM_CYLINDER:  // the globe's two poles and two rings
       return Inscribed(3, [&](const Vector3d& d) {
         const Vector3d across(d.x(), d.y(), 0.0);
         return Vector3d((across.norm() > 0.1 ? size[0] : 0.0) * across.normalized() +
@@ -88,7 +89,7 @@ Surface ToSurface(const MeshShape& shape) {
                      static_cast<std::size_t>(f[2])});
   }
   pmp::repair_polygon_soup(points, faces);
-  pmp::orient_polygon_soup(points, faces);  // cuts apart what is no manifold
+  pmp::orient_polygon_soup(points, faces);  // also cuts the surface at edges that are not manifold
   Surface surface;
   pmp::polygon_soup_to_polygon_mesh(points, faces, surface);
   return surface;
@@ -102,7 +103,7 @@ struct Body {
         closed(CGAL::is_closed(surface)) {}
   Body(const Body&) = delete;
 
-  // How deep a point is inside; 0 outside.
+  // Distance from the surface of a point inside (in the body's frame) [m]; 0 if it is outside.
   double DepthOf(const Point& p) const {
     if (!closed || !CGAL::do_overlap(p.bbox(), tree.bbox())) return 0.0;
     if (Side(tree)(p) != CGAL::ON_BOUNDED_SIDE) return 0.0;
@@ -116,7 +117,7 @@ struct Body {
   Affine pose{CGAL::IDENTITY};
 };
 
-// CGAL 6 has std's variants, CGAL 5 boost's.
+// The point in a variant, null if it holds none. CGAL 6 has std's variants, CGAL 5 boost's.
 template <typename Variant>
 const Point* AsPoint(const Variant& variant) {
   if constexpr (requires { std::get_if<Point>(&variant); }) {
@@ -126,7 +127,8 @@ const Point* AsPoint(const Variant& variant) {
   }
 }
 
-// Where, from 0 to 1, the segment from p to q meets the body's surface; ends included.
+// The parameters from 0 to 1, ascending, at which the segment from p to q begins, meets the body's
+// surface, and ends.
 std::vector<double> Parts(const Point& p, const Point& q, const Body& body) {
   std::vector<double> at = {0.0, 1.0};
   std::vector<Tree::Intersection_and_primitive_id<Kernel::Segment_3>::Type> hits;
@@ -139,7 +141,8 @@ std::vector<double> Parts(const Point& p, const Point& q, const Body& body) {
   return at;
 }
 
-// The deepest vertex, or middle of a part of an edge, of `from` inside `in`.
+// The depth [m] of the deepest point of `from` inside `in`. Tried are vertices, and the middles of
+// the parts into which the surface of `in` cuts edges.
 double DepthInside(const Body& from, const Body& in) {
   const Affine there = in.pose.inverse() * from.pose;
   double deepest = 0.0;
@@ -172,7 +175,7 @@ struct MeshOracle::Impl {
   }
   ~Impl() { mj_deleteData(data); }
 
-  // Convex meshes, too, which the scene leaves to MuJoCo.
+  // True for pairs with a geom that collides as its triangles.
   bool Asks(const KeptPair& pair) const {
     const std::vector<char>& exact = scene.tables().exact;
     return pair.has_distance && (exact[pair.geom1] || exact[pair.geom2]);
@@ -201,7 +204,7 @@ struct MeshOracle::Impl {
 
   const Scene& scene;
   mjData* data;
-  std::vector<std::unique_ptr<Body>> bodies;  // per geom; null where no exact pair needs it
+  std::vector<std::unique_ptr<Body>> bodies;  // by geom; null if no exact pair has it
   Collision collision;
 };
 

@@ -1,8 +1,8 @@
-// A second opinion on exact meshes, from a library that neither the solver nor its verifier uses:
-// CGAL, with exact predicates. For tests and benchmarks only (CGAL is GPL).
+// A second opinion on exact meshes from a library that neither the solver nor its verifier uses:
+// CGAL with exact predicates. For tests and benchmarks only, because CGAL is GPL.
 //
-// Round primitives are inscribed polyhedra here: overlaps of less than kUnseen of their radius may
-// go unnoticed. A plane is a block of 100 m.
+// Round primitives are inscribed polyhedra here, so overlaps of less than kUnseen times their
+// radius may be missed. A plane is a block of 100 m.
 #ifndef MJCF_PDG_TESTS_SUPPORT_MESH_ORACLE_H_
 #define MJCF_PDG_TESTS_SUPPORT_MESH_ORACLE_H_
 
@@ -14,27 +14,28 @@
 
 namespace mjcf_pdg::test {
 
-// Two geoms whose surfaces intersect or touch, or of which one contains a piece of the other.
+// Two geoms whose surfaces intersect or touch, or one of which contains a piece of the other.
 struct OracleOverlap {
-  int geom1 = -1, geom2 = -1;
-  bool contained = false;  // no surfaces intersect
-  // The deepest vertex or edge found inside the other [m]; 0 where surfaces only touch.
+  int geom1 = -1, geom2 = -1;  // ids in the model
+  bool contained = false;      // one is inside the other; their surfaces do not intersect
+  // Depth of the deepest vertex or middle of a part of an edge that is inside the other [m]; 0 if
+  // surfaces only touch.
   double depth = 0.0;
 };
 
 class MeshOracle {
  public:
-  static constexpr double kUnseen = 2e-4;
+  static constexpr double kUnseen = 2e-4;  // share of a round primitive's radius
 
-  // Throws Error for an exact pair with a geom of a kind that it does not know (a mesh that
-  // collides as its hull, SDF, height field). The scene must outlive this object.
+  // Throws Error if an exact pair of the scene has a geom of an unknown kind (a mesh that collides
+  // as its hull, an SDF, a height field). The scene must outlive this object.
   explicit MeshOracle(const Scene& scene);
   ~MeshOracle();
 
-  // The exact pairs that overlap at q, of those that are kept.
+  // The kept exact pairs that overlap or touch at q.
   std::vector<OracleOverlap> Overlaps(const std::vector<double>& q);
 
-  // None overlaps by more than `tolerance` [m].
+  // True if none of them overlaps by more than `tolerance` [m].
   bool Free(const std::vector<double>& q, double tolerance);
 
  private:

@@ -127,7 +127,8 @@ MeshShape Revolution(const std::vector<Vector2d>& profile, int sectors) {
   });
 }
 
-// The hole in the floor of the profile is closed by two more pieces of surface.
+// Four circles from the outer bottom over the rim to the inner floor, and two discs that close the
+// bottom and the floor.
 MeshShape Cup(double radius, double height, double wall, int sectors) {
   MeshShape shape;
   const double inner = radius - wall;

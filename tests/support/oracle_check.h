@@ -1,4 +1,5 @@
-// What a solve promises, asked of the library's own verifier and of CGAL.
+// Asks both the library's own verifier and CGAL whether a configuration is free, as a solve
+// promises.
 #ifndef MJCF_PDG_TESTS_SUPPORT_ORACLE_CHECK_H_
 #define MJCF_PDG_TESTS_SUPPORT_ORACLE_CHECK_H_
 
@@ -11,6 +12,7 @@
 
 namespace mjcf_pdg::test {
 
+// Success if both find q free, CGAL with overlaps of up to `tolerance` [m].
 inline ::testing::AssertionResult FreeByBoth(const Scene& scene, const std::vector<double>& q,
                                              double tolerance = 1e-6) {
   const Verdict verdict = Verify(scene, q);

@@ -1,5 +1,5 @@
-// What the tests of the paper's steps share with its tables: a posed problem, and the two links of
-// Fig. 12.
+// What the tests of the paper's steps share with its tables: a problem ready to be solved, and the
+// two links of Fig. 12.
 #ifndef MJCF_PDG_TESTS_SUPPORT_PAPER_SUPPORT_H_
 #define MJCF_PDG_TESTS_SUPPORT_PAPER_SUPPORT_H_
 
@@ -15,7 +15,7 @@
 
 namespace mjcf_pdg::test {
 
-// A scene with a Workspace, set up as the solver does, and the independent check of it.
+// A scene, its Workspace as the solver sets it up (q_in is qpos0 until SetInput), and its verifier.
 struct PosedProblem {
   explicit PosedProblem(const std::string& xml, const Options& user_options = {})
       : scene(Scene::FromString(xml)),
@@ -28,7 +28,8 @@ struct PosedProblem {
 
   void SetInput(const VectorXd& q_in) { work.Begin(q_in); }
 
-  // Smallest signed distance less the clearance, at most 1 m. For models that allow no overlap.
+  // The smallest signed distance of a kept pair less the clearance [m], at most 1 m. For models
+  // whose margins allow no overlap.
   double Margin(const VectorXd& q) {
     return verifier.Check(ToVector(q)).min_distance - options.clearance;
   }
@@ -40,14 +41,16 @@ struct PosedProblem {
   Verifier verifier;
 };
 
+// MJCF with `inside` in its worldbody and `extra` before that.
 inline std::string InWorld(const std::string& inside, const std::string& extra = {}) {
   return "<mujoco><compiler angle='radian' boundmass='1e-3' boundinertia='1e-6'/>" + extra +
          "<worldbody>" + inside + "</worldbody></mujoco>";
 }
 
-// Fig. 12: two sticks of 1 m and 1 kg hang from a point at height d over the ground.
+// Fig. 12: two sticks of 1 m and 1 kg each, joined by a hinge, hang from a hinge at the height d
+// [m] above the ground.
 inline std::string TwoLinksXml(double d) {
-  const double radius = 1e-3;  // the ground is lower by as much
+  const double radius = 1e-3;  // of the capsules that stand for sticks; they hang higher by as much
   const std::string stick =
       "<joint axis='0 1 0'/><inertial pos='0 0 -.5' mass='1' "
       "diaginertia='.08333333333333333 .08333333333333333 1e-9'/>"
@@ -57,7 +60,7 @@ inline std::string TwoLinksXml(double d) {
                  "'>" + stick + "<body pos='0 0 -1'>" + stick + "</body></body>");
 }
 
-// The least σ of Eq. 32 subject to cos θ1 + cos(θ1 + θ2) = d, by fine search over θ1.
+// The least σ of Eq. 32 [m²] subject to cos θ1 + cos(θ1 + θ2) = d, by a fine search over θ1.
 inline double TwoLinksOptimum(double d) {
   constexpr int kSteps = 400000;
   double least = std::numeric_limits<double>::infinity();

@@ -14,16 +14,18 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr int kPosesOfAPair = 48;    // a model each
-constexpr double kTolerance = 1e-6;  // of the scale
-// What dot products and formulas may be off by, as shares of the lengths involved. Faces of hulls
-// are MuJoCo's: single-precision vertices, corners merged by qhull.
+constexpr int kPosesOfAPair = 48;    // poses for each random pair of shapes, which is one model
+constexpr double kTolerance = 1e-6;  // share of the scale
+// Rounding errors that the oracle allows, as shares of the lengths involved: of a plane's gap, of a
+// point inside a primitive, and of a point inside a hull. Faces of hulls are MuJoCo's, with
+// vertices in single precision and corners merged by qhull.
 constexpr double kPlaneRounding = 1e-13, kInsideRounding = 1e-9, kHullRounding = 2e-6;
-// One in so many overlaps that are far from the tolerance is asked of the slow oracle, too.
+// Of overlaps that are much deeper than the tolerance, one in this many is given to the slow
+// oracle.
 constexpr int kSlowlyAsked = 50;
-constexpr std::size_t kWordy = 10;
+constexpr std::size_t kWordy = 10;  // most claims in PoseTrials::wrong
 
-// A size between a hundredth of the scale and the scale.
+// A random size between a hundredth of the scale and the scale, log-uniform.
 double Length(double scale, Random& rng) { return scale * std::pow(10.0, rng.Uniform(-2.0, 0.0)); }
 
 Shape RandomConvex(int type, double scale, Random& rng) {
@@ -49,7 +51,8 @@ std::string GeomText(const Shape& shape, const std::string& name, std::string& a
 
 Vector3d At(const mjtNum* p) { return {p[0], p[1], p[2]}; }
 
-// How deep the point is inside the geom, roughly: negative outside, 0 on the surface.
+// How deep the point is inside the geom [m]: negative outside, 0 on the surface, for an ellipsoid
+// only roughly the distance.
 double Inside(const mjModel& m, const mjData& d, int geom, const Vector3d& p_W) {
   const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> R(d.geom_xmat + 9 * geom);
   const Vector3d x = R.transpose() * (p_W - At(d.geom_xpos + 3 * geom));
@@ -88,7 +91,7 @@ double Inside(const mjModel& m, const mjData& d, int geom, const Vector3d& p_W) 
   return inside;
 }
 
-// One model of two geoms, the second on a free joint.
+// The poses of one model of two geoms, the second on a free joint.
 class Trial {
  public:
   Trial(const Scene& scene, double scale)
@@ -103,14 +106,15 @@ class Trial {
     alone_.opt.disableflags |= mjDSBL_MULTICCD;
   }
 
-  // Poses the geoms; the second's pose is read from `q`.
+  // Poses the geoms at the configuration `q`: the pose of the second.
   void Pose(const std::vector<double>& q) {
     q_ = q;
     mju_copy(data_->qpos, q.data(), 7);
     mj_kinematics(&m_, data_.get());
     mj_comPos(&m_, data_.get());
   }
-  // Along the normal of the nearest points, or of the least overlap, to that signed distance.
+  // Moves the second geom along the normal of the certificate until its signed distance is about
+  // `distance` [m]. Does nothing if the geoms are 1 m or more apart.
   void MoveTo(double distance) {
     const Verdict& verdict = verifier_.Check(q_);
     if (verdict.contacts.empty() && verdict.min_distance >= 1.0) return;
@@ -119,6 +123,7 @@ class Trial {
     Pose(q_);
   }
 
+  // Compares the verifier's claim with the oracle, and counts it.
   void Judge(Random& rng, PoseTally& tally, PoseTrials& trials) {
     const bool free = verifier_.IsFree(q_);
     const bool agrees = verifier_.Check(q_).free == free;
@@ -152,7 +157,8 @@ class Trial {
     return m_.geom_rbound[0] + m_.geom_rbound[1] + At(data_->geom_xpos + 3).norm();
   }
 
-  // The plane must leave no more than the tolerance.
+  // Says what is wrong with a claim "free": its plane must show an overlap of at most the
+  // tolerance.
   std::string RefutePlane(const verify::Certificate& found) const {
     const double gap =
         m_.geom_type[0] == mjGEOM_PLANE
@@ -163,7 +169,8 @@ class Trial {
     return "the plane shows an overlap of " + Join(&gap, 1) + "; ";
   }
 
-  // The point must be in both shapes, and no direction that the slow oracle finds may part them.
+  // Says what is wrong with a claim "not free": its point must be in both shapes, and the slow
+  // oracle must find no plane that shows an overlap of at most the tolerance.
   std::string RefutePoints(const verify::Certificate& found, Random& rng) const {
     const bool hull = m_.geom_type[0] == mjGEOM_MESH || m_.geom_type[1] == mjGEOM_MESH;
     const double rounding = (hull ? kHullRounding : kInsideRounding) * Lengths();
@@ -200,11 +207,11 @@ class Trial {
   const double scale_, tolerance_;
   Verifier verifier_;
   DataPtr data_;
-  mjModel alone_;  // what MuJoCo is asked with
+  mjModel alone_;  // the copy of the model's struct that MuJoCo is asked with
   std::vector<double> q_;
 };
 
-// A turn by quarters, and offsets that make faces, edges and middles meet.
+// A rotation by quarter turns, and an offset at which faces, edges and middles meet.
 std::vector<double> AlignedPose(const mjModel& m, Random& rng) {
   Eigen::Quaterniond r = Eigen::Quaterniond::Identity();
   for (int axis = 0; axis < 3; ++axis) {

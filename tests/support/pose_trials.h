@@ -1,6 +1,6 @@
-// Random pairs of convex geoms in random poses, the claims of the independent check about them,
-// and an oracle that holds each claim against its proof: planes against support functions, common
-// points against the formulas and faces of the shapes. Shares no code with the check.
+// Random pairs of convex geoms in random poses, what the verifier claims about them, and an oracle
+// that tests each claim against its proof: planes against support functions, common points against
+// the formulas and faces of the shapes. The oracle shares no code with the verifier.
 #ifndef MJCF_PDG_TESTS_SUPPORT_POSE_TRIALS_H_
 #define MJCF_PDG_TESTS_SUPPORT_POSE_TRIALS_H_
 
@@ -10,23 +10,28 @@
 
 namespace mjcf_pdg::test {
 
-// How many of a kind of poses, and what MuJoCo says of them alone.
+// Counts of one kind of poses: the verifier's claims, and where MuJoCo alone would contradict them.
 struct PoseTally {
   long poses = 0;
-  long free = 0, overlapping = 0;  // claims
-  long unproven = 0;               // neither a plane nor a common point was found: not free
-  long collision_missed = 0, collision_invented = 0;  // mj_collision: no contact; a contact
-  long distance_missed = 0, distance_invented = 0;    // mj_geomDistance: sign beyond the tolerance
+  long free = 0, overlapping = 0;  // claims with a proof
+  long unproven = 0;               // claimed not free, without a proof
+  // mj_collision: no contact though the geoms overlap; a deep contact though they are free.
+  long collision_missed = 0, collision_invented = 0;
+  // mj_geomDistance: no overlap beyond the tolerance though there is one; such an overlap though
+  // not.
+  long distance_missed = 0, distance_invented = 0;
 };
 
 struct PoseTrials {
-  PoseTally random, aligned, near;  // near: within a few tolerances of the tolerance
-  std::vector<std::string> wrong;   // claims that the oracle refutes, in words, at most a few
-  long wrong_count = 0;
+  // Poses at random; with faces, edges and middles aligned; with an overlap near the tolerance.
+  PoseTally random, aligned, near;
+  std::vector<std::string> wrong;  // the first claims that the oracle refutes, in words
+  long wrong_count = 0;            // all of them
 };
 
-// `poses` of them over all pairs of types, scales of 1e-3 to 1e3 m and thin, flat, tiny and huge
-// shapes, hulls of 4 to 200 vertices. The tolerance is 1e-6 of the scale.
+// Tries about `poses` poses over all pairs of types, in scales of 1e-3 to 1e3 m, with sizes from a
+// hundredth of the scale to the scale, and hulls of 4 to 200 points. The tolerance is 1e-6 of the
+// scale.
 PoseTrials RunPoseTrials(long poses, std::uint64_t seed);
 
 }  // namespace mjcf_pdg::test

@@ -10,7 +10,7 @@ void Scale(Number* values, std::size_t count, double scale) {
   for (std::size_t k = 0; k < count; ++k) values[k] = static_cast<Number>(scale * values[k]);
 }
 
-// Slides, and the position of free joints; the same for qpos0 and keyframes.
+// Scales the lengths in a qpos: slides and the positions of free joints.
 void ScaleQpos(const mjModel& m, double* q, double scale) {
   for (int j = 0; j < m.njnt; ++j) {
     if (m.jnt_type[j] == mjJNT_SLIDE) Scale(q + m.jnt_qposadr[j], 1, scale);

@@ -1,4 +1,4 @@
-// Overlaps of ellipsoids and cylinders: MuJoCo's depths of them can be millimetres too shallow.
+// Overlaps of ellipsoids and cylinders, for which MuJoCo's depths can be millimetres too shallow.
 #ifndef MJCF_PDG_TESTS_SUPPORT_SHALLOW_DEPTHS_H_
 #define MJCF_PDG_TESTS_SUPPORT_SHALLOW_DEPTHS_H_
 
@@ -14,8 +14,8 @@ namespace mjcf_pdg::test {
 struct CurvedPair {
   const char *first, *second;  // XML attributes of geoms
 
-  // The first fixed, the second on a free joint; `allowed` is the overlap that the model allows
-  // [m].
+  // A scene with the first geom fixed and the second on a free joint. `allowed` is the overlap that
+  // the model allows by a negative margin [m].
   Scene Make(double allowed = 0.0) const {
     const double margin = -allowed;
     return Scene::FromString(std::string("<mujoco><worldbody><geom ") + first +
@@ -26,18 +26,19 @@ struct CurvedPair {
 
 struct Overlap {
   std::vector<double> q;
-  double told = 0.0, truth = 0.0;  // signed distances: MuJoCo's and the slow oracle's [m]
+  double told = 0.0, truth = 0.0;  // signed distances of MuJoCo and of the slow oracle [m]
 
-  double hidden() const { return told - truth; }
+  double hidden() const { return told - truth; }  // how much MuJoCo's depth is too shallow [m]
 };
 
-// Of a CurvedPair's poses at random, within `spread` of each other [m], those that overlap by more
-// than a millimetre: where MuJoCo's depth is too shallow, and some others.
+// Tries `poses` random poses of a CurvedPair's scene, with positions within ± `spread` [m]. Returns
+// those that overlap by more than a millimetre and whose depth MuJoCo may make too shallow, and one
+// in a hundred of the others.
 inline std::vector<Overlap> RandomOverlaps(const Scene& scene, int poses, double spread) {
-  constexpr double kShallow = 1e-5;  // [m]
-  constexpr int kOthers = 100;       // one in so many poses
+  constexpr double kShallow = 1e-5;  // least error of a depth that is suspected too shallow [m]
+  constexpr int kOthers = 100;       // of other overlaps, one pose in this many is returned
   const ModelPtr m(mj_copyModel(nullptr, scene.model()));
-  m->opt.ccd_tolerance = 1e-9;  // ours, as are the iterations
+  m->opt.ccd_tolerance = 1e-9;  // as the library sets it, like the iterations
   m->opt.ccd_iterations = 50;
   const DataPtr d(mj_makeData(m.get()));
   Random rng(6);
@@ -51,7 +52,8 @@ inline std::vector<Overlap> RandomOverlaps(const Scene& scene, int poses, double
     Eigen::Matrix<double, 3, 2> witness;
     overlap.told = mj_geomDistance(m.get(), d.get(), 0, 1, 1.0, witness.data());
     if (overlap.told > -1e-3) continue;
-    // No direction parts them by less than the truth: that of a true depth proves it.
+    // The gap along any direction is at most the true signed distance. If the gap along MuJoCo's
+    // own normal equals MuJoCo's distance, that is the true one or too deep.
     const Eigen::Vector3d n = (witness.col(0) - witness.col(1)).normalized();
     const double along = -Support(m.get(), d.get(), 0, n) - Support(m.get(), d.get(), 1, -n);
     const bool shallow = along < overlap.told - kShallow;

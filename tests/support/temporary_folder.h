@@ -1,4 +1,4 @@
-// A folder for a test's files.
+// A folder for the files of a test.
 #ifndef MJCF_PDG_TESTS_SUPPORT_TEMPORARY_FOLDER_H_
 #define MJCF_PDG_TESTS_SUPPORT_TEMPORARY_FOLDER_H_
 
@@ -12,7 +12,8 @@
 
 namespace mjcf_pdg::test {
 
-// Of its own, below GoogleTest's TempDir(); gone with the object.
+// Makes a new folder below GoogleTest's TempDir() and removes it, with its content, in the
+// destructor.
 class TemporaryFolder {
  public:
   TemporaryFolder() {

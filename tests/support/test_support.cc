@@ -326,8 +326,9 @@ double Gap(const mjModel* m, const mjData* d, int geom1, int geom2, const Vector
   return -Support(m, d, geom1, n) - Support(m, d, geom2, -n);
 }
 
-constexpr double kGolden = 2.399963229728653;  // angle that spreads points evenly
-// Climbs from best.n_W by steps along turning tangent directions, halved when none helps.
+constexpr double kGolden = 2.399963229728653;  // golden angle [rad]: spreads directions evenly
+// Improves `best` by steps along tangents at its n_W that turn by the golden angle. The step [rad]
+// grows after a success and is halved after 24 failures.
 void Climb(const mjModel* m, const mjData* d, int geom1, int geom2, double step, BruteGap& best) {
   double turn = 0.0;
   int tries = 0;

@@ -1,4 +1,5 @@
-// What the tests share: a fixture, seeded random numbers, scenes made on the fly, a slow oracle.
+// What the tests share: a fixture, seeded random numbers, scenes made on the fly, and a slow
+// oracle.
 #ifndef MJCF_PDG_TESTS_SUPPORT_TEST_SUPPORT_H_
 #define MJCF_PDG_TESTS_SUPPORT_TEST_SUPPORT_H_
 
@@ -25,14 +26,14 @@ struct DataDeleter {
 using ModelPtr = std::unique_ptr<mjModel, ModelDeleter>;
 using DataPtr = std::unique_ptr<mjData, DataDeleter>;
 
-// Turns every MuJoCo warning or error into a failure of the running test.
+// A fixture that turns every MuJoCo warning into a failure of the test, and aborts at an error.
 class MujocoTest : public ::testing::Test {
  protected:
   MujocoTest();
   ~MujocoTest() override;
   void TearDown() override;
 
-  // What MuJoCo said so far; forgets it, for tests that provoke a warning on purpose.
+  // Returns MuJoCo's messages so far and forgets them, for tests that provoke a warning on purpose.
   std::vector<std::string> TakeMessages();
 
  private:
@@ -41,10 +42,10 @@ class MujocoTest : public ::testing::Test {
 
 // Compiles MJCF text; adds a failure and returns null if that does not work.
 ModelPtr LoadModel(const std::string& xml);
-// Every byte of a model (struct sizes, options, arrays), to compare before and after.
+// Every byte of a model (sizes, options, arrays, the struct itself), to show that it is unchanged.
 std::vector<char> ModelBytes(const mjModel* m);
 
-// Portable: the same numbers from any standard library (std's distributions are not).
+// Random numbers that are the same with any standard library, unlike those of std's distributions.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
@@ -52,9 +53,9 @@ class Random {
   double Uniform(double lo = 0.0, double hi = 1.0);
   int Index(int n);  // 0 .. n-1
   bool Chance(double p) { return Uniform() < p; }
-  double Normal();
+  double Normal();  // standard normal
   Eigen::VectorXd Normals(int n);
-  Eigen::Vector3d InBox(double half);
+  Eigen::Vector3d InBox(double half);  // each coordinate in ± half
   Eigen::Vector3d UnitVector();
   Eigen::Quaterniond UnitQuat();  // uniform over rotations, either sign
 
@@ -65,16 +66,17 @@ class Random {
 std::vector<double> ToVector(const Eigen::VectorXd& q);
 Eigen::VectorXd ToEigen(const std::vector<double>& q);
 
-// Movable joints at random inside their limits, the others as in `base` (empty: qpos0). Slides
-// without limits and free positions stay within `spread` [m] of `base`, hinges within ±π.
+// A configuration with movable joints at random inside their limits, the others as in `base`
+// (empty: qpos0). Slides without limits and free positions are within `spread` [m] of `base`,
+// hinges without limits within ±π.
 Eigen::VectorXd RandomConfiguration(const Scene& scene, Random& rng, double spread = 0.5,
                                     const std::vector<double>& base = {});
 
-// Numbers at 17 digits, blank in between: for XML attributes and failure messages.
+// The numbers with 17 digits, separated by blanks, for XML attributes and failure messages.
 std::string Join(const double* values, int n);
 std::string Join(const Eigen::VectorXd& values);
 
-// What the Error thrown by f says.
+// The message of the Error that f throws.
 template <typename Function>
 std::string ErrorOf(Function&& f) {
   try {
@@ -89,7 +91,7 @@ std::string ErrorOf(Function&& f) {
 
 struct Shape {
   int type = mjGEOM_SPHERE;  // mjtGeom; mjGEOM_MESH: the convex hull of `vertices`
-  Eigen::Vector3d size = Eigen::Vector3d::Constant(0.1);  // MuJoCo's meaning
+  Eigen::Vector3d size = Eigen::Vector3d::Constant(0.1);  // as in geom_size [m]
   std::vector<Eigen::Vector3d> vertices = {};
   std::string attributes = {};  // more of the geom's XML, e.g. margin="0.01"
 };
@@ -97,7 +99,7 @@ struct Shape {
 // Types of geoms with a signed distance: plane, sphere, capsule, ellipsoid, cylinder, box, mesh.
 const std::vector<int>& ConvexTypes();
 std::string TypeName(int type);
-// Random sizes about 0.05 to 0.3 m; a mesh is the hull of points near an ellipsoid.
+// A shape with random sizes of 0.05 to 0.25 m; a mesh is the hull of points near an ellipsoid.
 Shape RandomShape(int type, Random& rng);
 
 struct TwoGeoms {
@@ -110,10 +112,10 @@ struct TwoGeoms {
 // Bodies "b1", "b2" under the world with geoms "g1", "g2". A plane must not move.
 std::string TwoGeomXml(const TwoGeoms& scene);
 
-std::string ArmXml();                    // hinge, hinge, slide, hinge on a stand; wall, box
-std::string BallChainXml(bool limited);  // three ball joints, off-centre masses
-std::string TwoTreesXml();               // two free trees with a hinge and a ball below
-std::string OffCentreXml();              // several joints per body, away from its centre
+std::string ArmXml();                    // hinge, hinge, slide, hinge on a stand; a wall, a crate
+std::string BallChainXml(bool limited);  // three ball joints in a row, masses off their anchors
+std::string TwoTreesXml();               // two free bodies, one carries a hinge, one a ball joint
+std::string OffCentreXml();              // several joints per body, away from its centre of mass
 struct RobotOptions {
   int bodies = 8;
   bool free_base = false;
@@ -124,17 +126,18 @@ struct RobotOptions {
 // A random tree of all joint kinds and geom types among static obstacles and a floor.
 std::string RandomRobotXml(Random& rng, const RobotOptions& options = {});
 
-// ---- A slow oracle that shares no code with MuJoCo or us ----
+// ---- A slow oracle that shares no code with MuJoCo or the library ----
 
-// Support function of a convex geom at a posed configuration: the largest n · p over its points.
+// Support function of a convex geom at the pose in `d`: the largest n · p over its points p [m].
 double Support(const mjModel* m, const mjData* d, int geom, const Eigen::Vector3d& n_W);
 
 struct BruteGap {
-  double distance = 0.0;  // signed; never above the true one
-  Eigen::Vector3d n_W = Eigen::Vector3d::UnitX();
+  double distance = 0.0;                           // signed [m]; never above the true one
+  Eigen::Vector3d n_W = Eigen::Vector3d::UnitX();  // unit normal, from geom 1 to geom 2
 };
-// Maximizes the gap -(h_1(n) + h_2(-n)) between supporting planes over unit vectors n: that is the
-// signed distance of two convex geoms, overlapping or not. Planes are half-spaces.
+// Maximizes the gap -(h_1(n) + h_2(-n)) between supporting planes over unit vectors n, where h is
+// the support function. The maximum is the signed distance of two convex geoms, whether or not they
+// overlap. Planes are half-spaces.
 BruteGap BruteDistance(const mjModel* m, const mjData* d, int geom1, int geom2);
 
 }  // namespace mjcf_pdg::test

@@ -1,4 +1,4 @@
-// Scenes and poses that the tests of the independent check share.
+// Scenes and poses that the tests of the verifier share.
 #ifndef MJCF_PDG_TESTS_SUPPORT_VERIFY_SCENES_H_
 #define MJCF_PDG_TESTS_SUPPORT_VERIFY_SCENES_H_
 
@@ -13,7 +13,8 @@ inline std::vector<double> FreePose(const Eigen::Vector3d& p, const Eigen::Quate
   return {p.x(), p.y(), p.z(), r.w(), r.x(), r.y(), r.z()};
 }
 
-// Two boxes of 0.2 m, the second on a slide along x, in the middle of the first at 0.
+// Two boxes of 0.2 m, the second on a slide along x; at qpos 0 their centres coincide. `extra` is
+// top-level XML, `geom` more attributes of the second box.
 inline std::string TwoBoxes(const std::string& extra = "", const std::string& geom = "") {
   return "<mujoco>" + extra + R"(<worldbody><geom name="wall" type="box" size=".1 .1 .1"/>
     <body name="slider"><joint name="x" type="slide" axis="1 0 0"/>

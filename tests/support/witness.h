@@ -1,5 +1,5 @@
-// An independent look at a configuration: MuJoCo on a copy of the user's model, and for capsules
-// against boxes, which MuJoCo misses, the slow oracle.
+// Distances at a configuration, measured without the library: by MuJoCo on a copy of the user's
+// model, and, for capsules against boxes, which MuJoCo misses, by the slow oracle.
 #ifndef MJCF_PDG_TESTS_SUPPORT_WITNESS_H_
 #define MJCF_PDG_TESTS_SUPPORT_WITNESS_H_
 
@@ -14,12 +14,12 @@ class Witness {
  public:
   explicit Witness(const Scene& scene)
       : scene_(scene), model_(mj_copyModel(nullptr, scene.model())), data_(nullptr) {
-    model_->opt.disableflags |= mjDSBL_MULTICCD;  // its `dist` is off by centimetres
+    model_->opt.disableflags |= mjDSBL_MULTICCD;  // with several contacts, `dist` is off by cm
     model_->opt.ccd_tolerance = 1e-9;
     data_.reset(mj_makeData(model_.get()));
   }
 
-  // Smallest of all contact distances and kept pairs' signed distances, at most 1 m.
+  // The smallest of all contacts' distances and all kept pairs' signed distances [m], at most 1 m.
   double Least(const std::vector<double>& q) {
     Pose(q.data());
     mj_collision(model_.get(), data_.get());
@@ -28,7 +28,7 @@ class Witness {
     return least;
   }
 
-  // Smallest signed distance of a kept pair that can move, at most 1 m.
+  // The smallest signed distance of a kept pair that a joint can move [m], at most 1 m.
   double LeastMoving(const VectorXd& q) {
     Pose(q.data());
     return LeastDistance(true);
