@@ -24,6 +24,7 @@ Verb AddNormVerb(CLI::App& program);
 Verb AddCheckVerb(CLI::App& program);
 Verb AddImportVerb(CLI::App& program);
 Verb AddRegressVerb(CLI::App& program);
+Verb AddAuditVerb(CLI::App& program);
 
 }  // namespace mjcf_pdg::app
 

@@ -40,8 +40,9 @@ int Dispatch(int argc, char** argv) {
       "Nearest collision-free configuration of a MuJoCo model, under the object norm (PDg).",
       "mjcf-pdg"};
   program.require_subcommand(1);
-  std::vector<Verb> verbs = {AddSolveVerb(program), AddNormVerb(program), AddCheckVerb(program),
-                             AddImportVerb(program), AddRegressVerb(program)};
+  std::vector<Verb> verbs = {AddSolveVerb(program),   AddNormVerb(program),
+                             AddCheckVerb(program),   AddAuditVerb(program),
+                             AddRegressVerb(program), AddImportVerb(program)};
   program.set_version_flag("--version", kVersion);
   for (Verb& verb : verbs) verb.command->set_version_flag("--version", kVersion);
   program.footer(

@@ -51,7 +51,7 @@ std::vector<SuiteRun> ReadSuites(const RegressArguments& arguments) {
   std::set<fs::path> files;
   for (SuiteRun& run : runs) {
     std::error_code ec;
-    if (!files.insert(fs::weakly_canonical(run.suite.golden(), ec)).second) {
+    if (!files.insert(fs::weakly_canonical(fs::absolute(run.suite.golden()), ec)).second) {
       throw Error(run.suite.path + ": its golden results are " + run.suite.golden() +
                   ", as those of a suite before it");
     }

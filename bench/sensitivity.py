@@ -51,7 +51,7 @@ def numbers(header):
     """{'namespace::kName': (type, text of its value)} of all scalars."""
     found = {}
     for space, body in re.findall(r"^namespace (\w+) \{\n(.*?)^\}", code_of(header), flags=re.S | re.M):
-        for kind, declared in re.findall(r"inline constexpr (\w+) ([^;\[]+);", body):
+        for kind, declared in re.findall(r"inline constexpr ([\w:]+) ([^;\[]+);", body):
             for name, value in re.findall(r"(k\w+) = ([^,]+)", declared):
                 found[f"{space}::{name}"] = (kind, value.strip())
     return found
@@ -85,7 +85,7 @@ def build(like):
     # Included first, it keeps the tree's own header out by the include guard that both have.
     subprocess.run(["cmake", "-S", ROOT, "-B", folder, "-DCMAKE_BUILD_TYPE=Release", "-DMJCF_PDG_BUILD_BENCH=ON",
                     f"-DCMAKE_CXX_FLAGS=-include {header}"] + kept, check=True, stdout=subprocess.DEVNULL)
-    subprocess.run(["cmake", "--build", folder, "--parallel", "--target", "solve_bench"], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(["cmake", "--build", folder, "--parallel", str(os.cpu_count()), "--target", "solve_bench"], check=True, stdout=subprocess.DEVNULL)
     return folder / "bin" / "solve_bench"
 
 
@@ -118,7 +118,7 @@ def compare(before, after):
 def values(kind, text):
     """Half and double of a number, as what the environment gets."""
     value = eval(text)  # our own header's arithmetic, such as 1.0 / 256.0
-    if kind == "int":
+    if kind != "double":
         return [str(max(1, value // 2)), str(2 * value)]
     return [repr(0.5 * value), repr(2.0 * value)]
 

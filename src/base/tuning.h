@@ -12,6 +12,8 @@
 #ifndef MJCF_PDG_SRC_BASE_TUNING_H_
 #define MJCF_PDG_SRC_BASE_TUNING_H_
 
+#include <cstddef>
+
 namespace mjcf_pdg::tuning {
 
 // How accurate distances are taken to be (problem/workspace.cc, Tolerances).
@@ -114,7 +116,7 @@ inline constexpr double kTouching = 20.0;  // a pair nearer than this may be hop
 inline constexpr double kUniformReach = 10.0;  // how far a start anywhere slides from q_in [size]
 // Motion coherence: frames that are kept, since longer motions seldom come back to where they were,
 // and the nearest of them that a start looks at.
-inline constexpr int kFramesKept = 64, kFramesTried = 8;
+inline constexpr std::size_t kFramesKept = 64, kFramesTried = 8;
 // A start that predicts a σ this many times the best one's is given up [1].
 inline constexpr double kGiveUp = 1.15;
 

@@ -1,0 +1,149 @@
+// mjcf-pdg audit: hand-made models whose findings are known.
+#include <gmock/gmock.h>
+#include <mujoco/mujoco.h>
+
+#include <cmath>
+
+#include "tests/support/cli_test.h"
+
+namespace mjcf_pdg::test {
+namespace {
+
+using Json = nlohmann::json;
+using testing::HasSubstr;
+
+// inner and outer turn about one axis: always in each other, two joints apart. The sliders overlap
+// where they begin (by 2 cm) and by chance; the post is never reached.
+constexpr char kModel[] = R"(<mujoco model="hand-made">
+  <!-- <key name="begin" qpos="9 9 9 9"/> is not a keyframe -->
+  <option gravity="0 0 -10"/>
+  <worldbody>
+    <geom name="post" type="sphere" size=".05" pos="0 0 9"/>
+    <body name="inner"><joint name="a" axis="0 0 1"/><geom name="inner" size=".1"/>
+      <body name="middle"><joint name="b" axis="0 0 1"/><geom name="arm" size=".01" pos="0 0 1"/>
+        <body name="outer"><joint name="c" axis="0 0 1"/><geom name="outer" size=".08"/></body>
+      </body>
+    </body>
+    <body name="slider" pos="5 0 0"><joint name="d" type="slide" axis="1 0 0" range="-1 1"/>
+      <geom name="slider" type="box" size=".1 .1 .1" mass="1"/></body>
+    <body name="block" pos="5.18 0 0"><geom name="block" type="box" size=".1 .1 .1"/></body>
+  </worldbody>
+  <keyframe>
+    <key name="begin" qpos="0 0 0 0"/>
+    <key name="apart" qpos="0 0 0 -.5"/>
+    <key name="beyond" qpos='0 0 0 -1.5'/>
+  </keyframe>
+</mujoco>
+)";
+
+class CliAuditTest : public CliTest {
+ protected:
+  Json Audit(Arguments arguments, int exit_code) const {
+    arguments.insert(arguments.begin(), "audit");
+    arguments.insert(arguments.end(), {"--json", "-"});
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
+    const std::vector<Json> lines = ParseLines(outcome.out);
+    return lines.empty() ? Json() : lines[0];
+  }
+};
+
+TEST_F(CliAuditTest, FindsWhatAHandMadeModelHas) {
+  Write("model.xml", kModel);
+  const Json audit = Audit({"model.xml", "--samples", "2000"}, 3);
+  ASSERT_EQ(audit["pairs"].size(), 2u) << audit.dump(1);
+  const Json& permanent = audit["pairs"][0];
+  EXPECT_EQ(permanent["class"], "permanent");
+  EXPECT_EQ(permanent["geom1"], "inner");
+  EXPECT_EQ(permanent["geom2"], "outer");
+  EXPECT_EQ(permanent["share"], 1.0);
+  EXPECT_NEAR(permanent["depth"].get<double>(), -0.18, 1e-9);
+  const Json& by_default = audit["pairs"][1];
+  EXPECT_EQ(by_default["class"], "default");
+  // The slider overlaps for d in (-.02, .38): a fifth of its range, within four standard
+  // deviations.
+  EXPECT_NEAR(by_default["share"].get<double>(), 0.2, 4.0 * std::sqrt(0.2 * 0.8 / 2000));
+  EXPECT_EQ(audit["exclude"], Json::parse(R"([["inner", "outer"]])"));
+  EXPECT_GT(audit["never"].get<int>(), 3);
+  EXPECT_NEAR(audit["never_share_below"].get<double>(), 3.0 / 2000, 1e-4);  // the rule of three
+  ASSERT_EQ(audit["keyframes"].size(), 4u);
+  const Json &begin = audit["keyframes"][1], &apart = audit["keyframes"][2],
+             &beyond = audit["keyframes"][3];
+  EXPECT_EQ(audit["keyframes"][0]["name"], "qpos0");
+  EXPECT_NEAR(begin["depth"].get<double>(), 0.18, 1e-9);
+  EXPECT_EQ(apart["limit_excess"], 0.0);
+  EXPECT_NEAR(beyond["limit_excess"].get<double>(), 0.5, 1e-9);
+  EXPECT_GT(begin["force_over_weight"].get<double>(), 1.0);
+}
+
+TEST_F(CliAuditTest, SometimesIsNotWrongAndSeedsRepeat) {
+  Write("model.xml", R"(<mujoco><worldbody><geom name="wall" type="box" size=".1 1 1"/>
+      <body name="cart" pos="1 0 0"><joint type="slide" axis="1 0 0" range="-1 1"/>
+      <geom name="cart" size=".1"/></body></worldbody></mujoco>)");
+  const Json audit = Audit({"model.xml"}, 0);
+  ASSERT_EQ(audit["pairs"].size(), 1u);
+  EXPECT_EQ(audit["pairs"][0]["class"], "sometimes");
+  EXPECT_EQ(Audit({"model.xml"}, 0), audit);
+  EXPECT_NE(Audit({"model.xml", "--seed", "1"}, 0), audit);
+}
+
+// The text stays as it was but for the lines that are asked for, and what it then says is free.
+TEST_F(CliAuditTest, AFixedModelIsTheSameTextAndFree) {
+  Write("model.xml", kModel);
+  EXPECT_EQ(Run({"audit", "model.xml", "--fix", "fixed.xml"}).exit_code, 3);
+  const std::string exclude = "<exclude body1=\"inner\" body2=\"outer\"/>";
+  EXPECT_THAT(Read("fixed.xml"),
+              HasSubstr("  <contact>\n    " + exclude + "\n  </contact>\n</mujoco>"));
+  EXPECT_THAT(Read("fixed.xml"), HasSubstr("<!-- <key name=\"begin\" qpos=\"9 9 9 9\"/>"));
+  EXPECT_THAT(Read("fixed.xml"), HasSubstr("<key name=\"apart\" qpos=\"0 0 0 -.5\"/>"));
+  EXPECT_THAT(Read("fixed.xml"), HasSubstr("<key name=\"beyond\" qpos='"));
+  EXPECT_EQ(Run({"check", "fixed.xml"}).exit_code, 0);
+  const Json audit = Audit({"fixed.xml"}, 3);  // qpos0 itself is not a keyframe: it stays
+  for (const Json& pair : audit["pairs"]) EXPECT_NE(pair["class"], "permanent");
+  EXPECT_EQ(audit["exclude"].size(), 0u);
+  for (std::size_t k = 1; k < audit["keyframes"].size(); ++k) {
+    EXPECT_LE(audit["keyframes"][k]["depth"].get<double>(), 1e-6);
+    EXPECT_LE(audit["keyframes"][k]["limit_excess"].get<double>(), 1e-6);
+  }
+  EXPECT_EQ(Read("model.xml"), kModel);
+}
+
+TEST_F(CliAuditTest, EqualitiesAndFlagsAreSeen) {
+  Write("model.xml", R"(<mujoco><option><flag contact="disable"/></option><worldbody>
+      <body name="a"><joint name="a" type="slide"/><geom name="a" size=".1"/></body>
+      <body name="b" pos="3 0 0"><joint name="b" type="slide"/><geom name="b" size=".1"/></body>
+      </worldbody><equality><joint joint1="a" joint2="b"/></equality>
+      <keyframe><key name="torn" qpos=".25 0"/></keyframe></mujoco>)");
+  const Json audit = Audit({"model.xml"}, 3);
+  EXPECT_EQ(audit["keyframes"][0]["equality_residual"], 0.0);
+  EXPECT_NEAR(audit["keyframes"][1]["equality_residual"].get<double>(), 0.25, 1e-9);
+  EXPECT_THAT(audit["warnings"].dump(), HasSubstr("contacts are disabled"));
+}
+
+TEST_F(CliAuditTest, SeveralModelsAndOneThatIsBroken) {
+  Write("model.xml", kModel);
+  Write("broken.xml", "<mujoco>");
+  const Outcome outcome = Run({"audit", "model.xml", "broken.xml", "--junit", "out.xml"});
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.out, HasSubstr("broken.xml\n  "));
+  EXPECT_THAT(outcome.out, HasSubstr("<exclude body1=\"inner\" body2=\"outer\"/>"));
+  EXPECT_THAT(Read("out.xml"),
+              HasSubstr("<testsuite name=\"broken.xml\" tests=\"1\" failures=\"1\">"));
+  EXPECT_THAT(Read("out.xml"), HasSubstr("inner and outer: permanent"));
+}
+
+TEST_F(CliAuditTest, RefusesWhatItCannotDo) {
+  Write("model.xml", kModel);
+  Write("broken.xml", "<mujoco>");
+  Write("sub/other.xml", kModel);
+  ExpectRefused({"audit"}, "MODEL");
+  ExpectRefused({"audit", "broken.xml"}, "broken.xml");
+  ExpectRefused({"audit", "none.xml"}, "none.xml");
+  ExpectRefused({"audit", "model.xml", "--samples", "3"}, "--samples");
+  ExpectRefused({"audit", "model.xml", "sub/other.xml", "--fix", "x.xml"}, "single model");
+  ExpectRefused({"audit", "model.xml", "--fix", "sub/x.xml"}, "must be in the folder");
+  ExpectRefused({"audit", "model.xml", "--fix", "model.xml"}, "input");
+}
+
+}  // namespace
+}  // namespace mjcf_pdg::test
