@@ -1,4 +1,5 @@
-// Cholesky factor of a block-diagonal matrix: the object norm's H is one, joint by joint.
+// Cholesky factorization H = L Lᵀ of a block-diagonal matrix. The object norm's H (Eq. 28) has one
+// block per joint.
 #ifndef MJCF_PDG_SRC_BASE_BLOCK_CHOLESKY_H_
 #define MJCF_PDG_SRC_BASE_BLOCK_CHOLESKY_H_
 
@@ -8,19 +9,21 @@
 
 namespace mjcf_pdg {
 
+// The columns [begin, begin + size) of a matrix, and the rows of the same numbers.
 struct ColumnRange {
   int begin = 0, size = 0;
 };
 
-// H = L Lᵀ; only the blocks of H on the diagonal are read.
 class BlockCholesky {
  public:
-  // Room for n × n.
+  // Makes room for an n × n matrix, so that Factor allocates no memory.
   void Reserve(int n) {
     L_.resize(n, n);
     inverse_.resize(n);
   }
 
+  // Factors the n × n matrix H, which must be positive definite. Only its diagonal blocks are used;
+  // they cover all columns in order. `blocks` is kept by reference for the solves below.
   void Factor(const Eigen::MatrixXd& H, const std::vector<ColumnRange>& blocks) {
     blocks_ = &blocks;
     L_ = H;
@@ -35,7 +38,7 @@ class BlockCholesky {
     inverse_ = L_.diagonal().cwiseInverse();
   }
 
-  // B = L⁻¹ B; B has as many rows as H.
+  // B := L⁻¹ B; B has as many rows as H.
   template <typename Derived>
   void SolveLower(Eigen::MatrixBase<Derived>& B) const {
     if (B.cols() == 0) return;
@@ -50,7 +53,7 @@ class BlockCholesky {
     }
   }
 
-  // B = L⁻ᵀ B.
+  // B := L⁻ᵀ B; B has as many rows as H.
   template <typename Derived>
   void SolveUpper(Eigen::MatrixBase<Derived>& B) const {
     for (const ColumnRange& b : *blocks_) {
@@ -64,7 +67,8 @@ class BlockCholesky {
   }
 
  private:
-  static constexpr int kSmall = 6;  // for these, Eigen takes longer to begin than to solve
+  // Blocks up to this size are solved by plain loops: Eigen's overhead exceeds the solve itself.
+  static constexpr int kSmall = 6;
 
   void SolveSmall(const ColumnRange& b, double* x) const {
     for (int i = 0; i < b.size; ++i) {
@@ -79,7 +83,7 @@ class BlockCholesky {
 
   const std::vector<ColumnRange>* blocks_ = nullptr;
   Eigen::MatrixXd L_;
-  Eigen::VectorXd inverse_;  // of its diagonal
+  Eigen::VectorXd inverse_;  // reciprocals of L's diagonal
 };
 
 }  // namespace mjcf_pdg

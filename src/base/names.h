@@ -1,4 +1,4 @@
-// What messages and results call an element of the model.
+// How messages and results name an element of the model.
 #ifndef MJCF_PDG_SRC_BASE_NAMES_H_
 #define MJCF_PDG_SRC_BASE_NAMES_H_
 
@@ -8,10 +8,10 @@
 
 namespace mjcf_pdg {
 
-// Of an element of `kind` (mjtObj): its name, "#id" if it has none.
+// The name of element `id` of `kind` (mjtObj), or "#id" if it has none.
 std::string NameOrId(const mjModel& m, int kind, int id);
 
-// The same with quotes about a name.
+// The same with the name in single quotes; "#id" stays without.
 std::string QuotedNameOrId(const mjModel& m, int kind, int id);
 
 }  // namespace mjcf_pdg

@@ -11,7 +11,8 @@ namespace mjcf_pdg {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kCoincident = 1e-11;  // points nearer than this give no direction [scene's size]
+// Witness points nearer to each other than this define no normal [scene's size].
+constexpr double kCoincident = 1e-11;
 
 SignedGap CapsuleBoxInWorld(const PosedModel& posed, int capsule, int box) {
   const mjModel& m = *posed.model();
@@ -29,7 +30,7 @@ SignedGap CapsuleBoxInWorld(const PosedModel& posed, int capsule, int box) {
   return gap;
 }
 
-// The signed height of geom's bounding sphere above a plane.
+// The signed distance of a plane geom and the bounding sphere of `geom` [m].
 double SphereAbovePlane(const mjModel& m, const mjData& d, int plane, int geom) {
   const Vector3d normal = AsMatrix(d.geom_xmat + 9 * plane).col(2);
   return normal.dot(AsVector(d.geom_xpos + 3 * geom) - AsVector(d.geom_xpos + 3 * plane)) -
@@ -105,7 +106,8 @@ double ContactFinder::DistanceBound(int pair) const {
          m.geom_rbound[g1] - m.geom_rbound[g2];
 }
 
-// Separating-axis test on the geoms' oriented boxes, face normals only.
+// A separating-axis test of the geoms' oriented boxes that tries only the six face normals: it may
+// take boxes for near that are not.
 bool ContactFinder::BoxesNear(int geom1, int geom2, double margin) const {
   const mjModel& m = model_;
   const mjData& d = *posed_.data();
@@ -139,11 +141,14 @@ bool ContactFinder::Distance(int pair, double cutoff, NearPair& near) {
   return found;
 }
 
-// A measured overlap of an exact pair knows depths of points; that of the hulls is a move that is
-// certain to part the meshes. Where it is hardly longer, as for convex meshes, it is the better
-// row.
+// The depth of an exact pair is that of single points (bvh_overlap.h): a translation by it need not
+// separate the meshes. A translation by the penetration depth of their hulls does. So the hulls'
+// gap makes the better contact row, unless their depth is much larger, as where one mesh reaches
+// into a hollow of the other. The hulls' depth cannot truly be smaller than that of the triangles:
+// if it is smaller than kShorter times that, it is wrong and not used (mj_geomDistance can tell too
+// small a depth of an ellipsoid).
 bool ContactFinder::HullGap(int pair, double overlap, SignedGap& gap) {
-  constexpr double kShorter = 0.9, kLonger = 2.0;  // ellipsoids' can be too shallow
+  constexpr double kShorter = 0.9, kLonger = 2.0;  // shares of the depth that the triangles tell
   if (!(overlap < 0.0) || std::isinf(overlap)) return false;
   if (!GeomGap(pair, 0.0, gap)) return false;
   return gap.distance <= kShorter * overlap && gap.distance >= kLonger * overlap;

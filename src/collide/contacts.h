@@ -1,13 +1,14 @@
-// Signed distances and near pairs at a configuration: the solver's eyes.
+// Collision queries of the solver: near pairs and signed distances at a configuration, by a broad
+// phase over bounding volumes and a narrow phase per pair of geoms.
 //
-// Candidates come from bounding volumes over *all* kept pairs, not from MuJoCo's contacts: with a
-// positive margin MuJoCo 4.0 drops or misplaces box-box contacts, and it misses capsules that
-// pierce boxes. Distances, depths and normals are signed pair distances: our own of convex geoms
-// (convex_distance.h) and of capsules and boxes, mj_geomDistance where there is no answer,
-// triangles for exact meshes (exact_contacts.h). An exact pair that overlaps is told as the
-// penetration depth of its convex hulls where that is at most twice what its triangles say: a move
-// by it is certain to part them. SDF and height field pairs have contacts only; those come from
-// mj_collision.
+// The broad phase goes through *all* kept pairs and does not use MuJoCo's contacts: with a positive
+// margin MuJoCo 4.0 drops or misplaces box-box contacts, and it misses capsules that pierce boxes.
+// The narrow phase gives signed distances: of a capsule and a box by capsule_box.h, of other convex
+// geoms by convex_distance.h or, where that has no answer, by mj_geomDistance, and of exact pairs
+// (a mesh collides as its triangles) by exact_contacts.h. Where an exact pair overlaps and the
+// penetration depth of its convex hulls is at most twice the depth that the triangles tell, the
+// hulls' depth and normal are reported: that translation is certain to separate the meshes. Pairs
+// with an SDF or a height field have no signed distance; their contacts come from mj_collision.
 #ifndef MJCF_PDG_SRC_COLLIDE_CONTACTS_H_
 #define MJCF_PDG_SRC_COLLIDE_CONTACTS_H_
 
@@ -20,73 +21,90 @@
 
 namespace mjcf_pdg {
 
-// A kept pair within the margin. Contact-only and exact pairs may appear several times, once per
-// contact or feature.
+// A kept pair that is nearer than the margin, in the world frame W. Pairs of convex geoms appear
+// once; contact-only pairs (SDF, height field) once per MuJoCo contact, exact pairs once per
+// feature (exact_contacts.h).
 struct NearPair {
-  int pair = 0;           // index into SceneTables::pairs
-  double distance = 0.0;  // signed [m]; -infinity: an overlap whose depth was not asked
-  Vector3d p1_W, p2_W;    // witness points on geom 1 and geom 2
-  Vector3d n_W;           // unit, from geom 1 to geom 2; distance = n · (p2 - p1)
-  // A local feature of two geoms that are not both convex: the plane holds nearby, no bound follows
-  // from its distance, and of an overlap the normal is a guess.
+  int pair = 0;  // index into SceneTables::pairs
+  // Signed distance [m], of contact-only pairs MuJoCo's contact.dist; -infinity: the geoms overlap,
+  // and the depth was not asked for.
+  double distance = 0.0;
+  Vector3d p1_W, p2_W;  // witness points on geom 1 and geom 2 [m]
+  Vector3d n_W;         // unit, from geom 1 to geom 2; distance = n · (p2 - p1)
+  // True for exact pairs: the plane through the witness points separates the two surfaces only near
+  // these points, `distance` proves nothing about the rest of the geoms, and for an overlap n is
+  // only a likely direction to separate them.
   bool local = false;
 };
 
-// One per thread. Counts its queries.
+// Keeps its own pose and remembers earlier answers as starting points: use one object per thread.
 class ContactFinder {
  public:
-  // `clearance`: how far apart pairs shall be [m] (ExactContacts).
+  // `tables` must outlive this object. `clearance` is the distance that pairs shall keep [m];
+  // whether it is 0 decides how exactly ExactContacts looks for the nearest triangles.
   explicit ContactFinder(const SceneTables& tables, double clearance = 0.0);
 
   void SetMocap(const MocapPoses& poses) { posed_.SetMocap(poses); }
+  // Poses the model at q (nq entries). The queries below refer to this configuration.
   void Pose(const Eigen::Ref<const VectorXd>& q) { posed_.Pose(q); }
   const PosedModel& posed() const { return posed_; }
-  // What follows does not depend on the queries before ...
+  // Drops all remembered starting points, so that later answers do not depend on earlier queries.
   void Forget() {
     exact_.Forget();
     ForgetConvex();
   }
-  // ... but for exact pairs.
+  // Drops those of convex geoms only.
   void ForgetConvex() { convex_.Forget(); }
 
-  // All kept pairs nearer than `margin` at the posed configuration, in the scene's order, those
-  // of SDFs and height fields last; exact pairs with their features (exact_contacts.h). One query.
+  // All kept pairs nearer than `margin` [m], in the order of SceneTables::pairs, contact-only pairs
+  // last. `depths` says what to measure of overlapping exact pairs. Counts as one query. The result
+  // is valid until the next Find.
   const std::vector<NearPair>& Find(double margin, Depths depths = Depths::kMeasured);
 
-  // Appends the features of an exact pair within the margin; nothing if there are none.
+  // Appends the features of the exact pair `pair` that are nearer than `margin` [m], if any.
   void AppendFeatures(int pair, double margin, Depths depths, std::vector<NearPair>& out);
 
-  // Normals of the pair are those of nearest points only while it is apart, so it should stay so.
+  // True for exact pairs: the normal between two meshes is reliable only while they are apart, so
+  // the optimization should keep a gap between them.
   bool NeedsGap(int pair) const { return tables_.pairs[pair].exact; }
 
-  // Signed distance of one kept pair at the posed configuration. Exact when below `cutoff` [m];
-  // otherwise returns false and leaves `near` alone. Contact-only pairs: false.
+  // Measures the signed distance of one kept pair. Returns true and fills `near` if it is below
+  // `cutoff` [m]; otherwise, and for contact-only pairs, returns false and leaves `near` alone.
   bool Distance(int pair, double cutoff, NearPair& near);
 
-  // A lower bound of the pair's distance from bounding volumes alone; -inf if nothing is known.
+  // A lower bound of the pair's distance [m] from bounding spheres alone; -infinity if a geom has
+  // none.
   double DistanceBound(int pair) const;
 
+  // Counts since construction: calls of Find, distances of two convex geoms or hulls (whoever
+  // measured them), and box tests between triangle meshes.
   std::int64_t queries() const { return queries_; }
-  // Pair distances asked of MuJoCo or of our own tests; those of exact pairs do not count.
   std::int64_t distances() const { return distances_; }
   std::int64_t box_tests() const { return exact_.box_tests(); }
 
  private:
+  // Second broad phase: false if the geoms' oriented boxes prove a distance above `margin` [m].
   bool BoundsNear(const KeptPair& kept, double margin) const;
+  // The gap of an overlapping exact pair's convex hulls, if it should replace the gap of the
+  // triangles, whose signed distance is `overlap` [m]; else false.
   bool HullGap(int pair, double overlap, SignedGap& gap);
+  // The signed distance of the pair's geoms, meshes as their convex hulls, in W. Returns false if
+  // it is not below `cutoff` [m]; `gap` may be overwritten even then.
   bool GeomGap(int pair, double cutoff, SignedGap& gap);
+  // Appends to near_ the contacts of contact-only pairs, as mj_collision finds them.
   void FindContactOnly(double margin);
+  // First broad phase: false if the bodies' bounding spheres prove a distance above `margin` [m].
   bool BodiesNear(const BodyPair& bodies, double margin) const;
   bool BoxesNear(int geom1, int geom2, double margin) const;
 
   const SceneTables& tables_;
-  mjModel model_;  // the scene's query model with our own margin
+  mjModel model_;  // a copy of tables_.query_model, whose margin FindContactOnly overrides
   PosedModel posed_;
   ExactContacts exact_;
   ConvexDistance convex_;
   std::vector<SignedGap> features_;
   std::vector<NearPair> near_;
-  std::vector<Vector3d> centers_W_;  // of body_spheres
+  std::vector<Vector3d> centers_W_;  // of SceneTables::body_spheres, at the posed configuration
   std::int64_t queries_ = 0, distances_ = 0;
 };
 

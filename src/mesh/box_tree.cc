@@ -10,7 +10,8 @@
 namespace mjcf_pdg {
 namespace {
 
-constexpr float kRoundingOfParameter = 1e-6f;  // in [0, 1]
+// An upper bound of the rounding error of a segment's parameter, which is in [0, 1].
+constexpr float kRoundingOfParameter = 1e-6f;
 
 using Bvh = fcl::BVHModel<fcl::OBB<double>>;
 
@@ -30,7 +31,7 @@ Bvh BuildBvh(const Matrix3Xd& vertices, const Matrix3Xi& triangles) {
 
 }  // namespace
 
-// Collapses FCL's binary tree: four descendants of a node make a group.
+// Collapses FCL's binary tree into groups of up to four descendants of a node.
 struct BoxTree::Builder {
   const Bvh& bvh;
   BoxTree& tree;
@@ -39,7 +40,7 @@ struct BoxTree::Builder {
     const fcl::BVNode<fcl::OBB<double>>& from = bvh.getBV(node);
     const fcl::OBB<double>& box = from.bv;
     Group& to = tree.groups_[group];
-    // What rounding the centre and the directions to floats may leave outside.
+    // By how much points may be outside the box once its centre and axes are rounded to float.
     const double slack = 2e-7 * (box.extent.norm() + box.To.norm());
     OrientedBox& shape = tree.boxes_[4 * group + lane];
     shape.frame.setIdentity();
@@ -60,7 +61,8 @@ struct BoxTree::Builder {
     tree.order_[from.first_primitive] = from.primitiveId();
   }
 
-  // Both children; the largest of what there is gives way to its own until there are four.
+  // Adds the group of a node's descendants: from its two children on, the largest that is no leaf
+  // is replaced by its own two until there are four.
   void AddChildren(int group, int lane, int node) {
     std::array<int, 4> nodes = {bvh.getBV(node).leftChild(), bvh.getBV(node).rightChild()};
     int size = 2;
@@ -84,7 +86,8 @@ struct BoxTree::Builder {
 
   double Size(int node) const { return bvh.getBV(node).bv.extent.squaredNorm(); }
 
-  // Lanes that are not used are never looked at, but computed with.
+  // Appends a group with `size` lanes in use and returns its number. The unused lanes take part in
+  // the arithmetic, so they are set to 0; their results are not read.
   int Add(int size) {
     Group group;
     for (int i = 0; i < 3; ++i) {
@@ -121,7 +124,7 @@ Eigen::Array4f Dot(const Eigen::Array4f x[3], const Vector3f& y) {
   return x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
 }
 
-// A bit above `cutoff`, squared; negative where nothing can be below.
+// (cutoff + rounding)², or -1 if the sum is not positive and no distance can be below it.
 float Squared(float cutoff, float rounding) {
   const float farthest = cutoff + rounding;
   return farthest > 0.0f ? farthest * farthest : -1.0f;
@@ -129,9 +132,9 @@ float Squared(float cutoff, float rounding) {
 
 }  // namespace
 
-// Along the axes of either box the other is an interval; what lies between, along all three, is a
-// distance that no two points are nearer than. Of boxes that overlap the bound is the least overlap
-// of these intervals, negative: what is deep in each other crosses first.
+// Both boxes are projected on the three axes of either. The gaps between the projections on the
+// axes of one box are components of a lower bound of the distance. If all projections overlap, the
+// bound is minus the smallest overlap, so that the boxes that are deepest in each other come first.
 BoundedBoxes BoxTree::ChildrenNear(int box, const OrientedBox& other, float cutoff,
                                    float rounding) const {
   const int index = GroupOf(box).child[box % 4];
@@ -200,7 +203,8 @@ float BoxTree::RootDistance(const Vector3d& x) const {
   return std::sqrt(SquaredDistances(groups_[0], point)[0]) - Rounding(scale_ + point.lpNorm<1>());
 }
 
-// The segment along each direction of a box: the part within the slab.
+// The slab test: along each axis of a box, the segment is between the two faces for an interval of
+// its parameter; the three intervals must meet.
 BoundedBoxes BoxTree::ChildrenOn(int box, const Vector3d& p, const Vector3d& along) const {
   const int index = GroupOf(box).child[box % 4];
   const Group& group = groups_[index];
@@ -214,7 +218,8 @@ BoundedBoxes BoxTree::ChildrenOn(int box, const Vector3d& p, const Vector3d& alo
     const Lanes start = axis[0] * d[0] + axis[1] * d[1] + axis[2] * d[2];
     const Lanes step = axis[0] * way[0] + axis[1] * way[1] + axis[2] * way[2];
     const Lanes reach = group.half[i] + rounding;
-    // Along the slab: in it from start to end, or never. The quotient of a tiny step is large.
+    // If the segment is parallel to the slab, the interval is huge inside, and far from [0, 1]
+    // outside.
     const Lanes safe = (step.abs() < 1e-30f).select(1e-30f, step);
     const Lanes per_length = 1.0f / safe;
     const Lanes middle = -start * per_length, half = reach * per_length.abs();

@@ -1,8 +1,10 @@
-// A tree of oriented boxes over the triangles of a mesh, four children side by side.
+// A bounding volume hierarchy of oriented boxes over the triangles of a mesh, with up to four
+// children per box. TriangleBvh (triangle_bvh.h) and BvhPair (collide/exact) traverse it.
 //
-// FCL partitions the triangles and fits the boxes; asking is our own, because it is faster: a lane
-// of SIMD registers per child, and lower bounds instead of FCL's exact distances of volumes.
-// Lengths are in the caller's units.
+// FCL partitions the triangles and fits the boxes. The queries are our own, because they are
+// faster: they handle a box's children side by side, one per lane of a SIMD register, and give
+// lower bounds instead of FCL's exact distances of volumes. Lengths are in the caller's unit,
+// points in the mesh's frame.
 #ifndef MJCF_PDG_SRC_MESH_BOX_TREE_H_
 #define MJCF_PDG_SRC_MESH_BOX_TREE_H_
 
@@ -19,24 +21,24 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 struct OrientedBox {
-  Matrix4f frame;  // homogeneous: its directions and its centre
-  Vector3f half;   // lengths along them
+  Matrix4f frame;  // homogeneous transform: columns 0-2 are the unit axes, column 3 is the centre
+  Vector3f half;   // half lengths along the axes
 
   auto Axis(int i) const { return frame.col(i).head<3>(); }
   auto Center() const { return frame.col(3).head<3>(); }
-  // The components of a vector along the directions.
+  // The components of a vector along the axes.
   Vector3d Along(const Vector3d& v) const {
     return frame.topLeftCorner<3, 3>().cast<double>().transpose() * v;
   }
 };
 
-// A child of a box, and a bound of what is asked about it.
+// A child of a box with the lower bound that a query gives for it.
 struct BoundedBox {
   double bound = 0.0;
   int box = 0;
 };
 
-// At most four children, the smallest bound first.
+// Up to four children, sorted by ascending bound.
 class BoundedBoxes {
  public:
   void Insert(BoundedBox item) {
@@ -58,17 +60,19 @@ class BoxTree {
   // vertices (3 × nv), triangles (3 × nt > 0) of vertex indices, none without area.
   BoxTree(const Matrix3Xd& vertices, const Matrix3Xi& triangles);
 
-  // Boxes have numbers, those of children follow each other.
+  // Boxes are known by numbers. The children of a box that is no leaf are FirstChild(box) and the
+  // following, NumChildren(box) in all. A leaf has one triangle.
   static constexpr int kRoot = 0;
   bool IsLeaf(int box) const { return GroupOf(box).child[box % 4] < 0; }
   int TriangleOf(int leaf) const { return ~GroupOf(leaf).child[leaf % 4]; }
   int FirstChild(int box) const { return 4 * GroupOf(box).child[box % 4]; }
   int NumChildren(int box) const { return groups_[GroupOf(box).child[box % 4]].size; }
+  // True if the triangle is below the box.
   bool Holds(int box, int triangle) const {
     const int place = places_[triangle] - GroupOf(box).first[box % 4];
     return place >= 0 && place < GroupOf(box).count[box % 4];
   }
-  // One of the triangles below the box, from the middle of their order.
+  // One of the triangles below the box: the middle one in the order of the leaves.
   int MiddleTriangle(int box) const {
     return order_[GroupOf(box).first[box % 4] + GroupOf(box).count[box % 4] / 2];
   }
@@ -77,29 +81,34 @@ class BoxTree {
 
   // The largest distance of a vertex from the origin.
   float scale() const { return scale_; }
-  // Error of a bound between things that are all within this distance from the origin.
+  // An upper bound of the rounding error (float) of a distance between things that are all within
+  // `largest` of the origin.
   static float Rounding(float largest) { return 1e-6f * largest; }
 
-  // The children of `box` whose triangles may be nearer than `cutoff` to the other box, given in
-  // the same frame; bounds of the distance, less `rounding`, or negative: how deep the boxes are in
-  // each other.
+  // The queries below take a box that is no leaf, and return only the children that may pass.
+
+  // The children whose distance to the box `other`, given in this mesh's frame, may be below
+  // `cutoff`. The bound is a lower bound of that distance, less `rounding`; it is negative if the
+  // two boxes may overlap, and the smaller the deeper they do.
   BoundedBoxes ChildrenNear(int box, const OrientedBox& other, float cutoff, float rounding) const;
-  // The same to a point.
+  // The children whose distance to the point x may be below `cutoff`, with lower bounds of it.
   BoundedBoxes ChildrenNear(int box, const Vector3d& x, double cutoff) const;
-  // Those that the segment from p to p + along may cross.
+  // The children that the segment from p to p + along may cross. The bound is a lower bound of the
+  // parameter in [0, 1] at which it enters the box.
   BoundedBoxes ChildrenOn(int box, const Vector3d& p, const Vector3d& along) const;
 
-  // Bounds of the root, as above.
+  // A lower bound of the distance of x from the root's box; not positive if x is inside.
   float RootDistance(const Vector3d& x) const;
 
  private:
   using Lanes = Eigen::Array4f;
+  // The children of one box, one per lane. Box number b is lane b % 4 of group b / 4.
   struct Group {
-    Lanes center[3], axes[3][3], half[3];  // axes[i][k]: component k of direction i
+    Lanes center[3], axes[3][3], half[3];  // axes[i][k]: component k of axis i
     Lanes half_diagonal;
-    int child[4];            // a group, or ~triangle
-    int first[4], count[4];  // places of the triangles below
-    int size = 0;
+    int child[4];            // the group of its children, or for a leaf ~triangle
+    int first[4], count[4];  // the triangles below: order_[first, first + count)
+    int size = 0;            // the number of lanes in use
   };
   struct Builder;
 
@@ -107,9 +116,9 @@ class BoxTree {
   Lanes SquaredDistances(const Group& group, const Vector3f& x) const;
 
   std::vector<Group> groups_;
-  std::vector<OrientedBox> boxes_;  // the same, one by one
+  std::vector<OrientedBox> boxes_;  // the same boxes as single objects, by number
   std::vector<int> order_;          // the triangles in the order of the leaves
-  std::vector<int> places_;         // of triangles in it
+  std::vector<int> places_;         // per triangle: its place in order_
   float scale_ = 0.0f;
 };
 

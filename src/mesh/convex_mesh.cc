@@ -10,9 +10,13 @@
 namespace mjcf_pdg {
 namespace {
 
-constexpr double kFloatRounding = 1.2e-7;  // relative; those of a mesh moved far off are coarser
-constexpr double kOnHull = 4.0;            // roundings between a vertex and a face it lies on
-constexpr double kMostWork = 2e7;  // faces asked; a mesh that needs more counts as not convex
+// The rounding error of a coordinate stored as float, as a share of the largest coordinate.
+constexpr double kFloatRounding = 1.2e-7;
+// A vertex lies on a face of the hull if it is no farther from it than this many rounding errors.
+constexpr double kOnHull = 4.0;
+// The most hull faces that AllVerticesOnHull may look at; a mesh that needs more counts as not
+// convex.
+constexpr double kMostWork = 2e7;
 
 bool OnSurface(const Vector3d& x, const TriangleMesh& mesh, const Matrix3Xi& hull, double reach) {
   return std::any_of(hull.colwise().begin(), hull.colwise().end(), [&](const auto& corners) {
@@ -30,7 +34,7 @@ bool SameVolume(const TriangleMesh& mesh, const Matrix3Xi& hull, double rounding
   return std::abs(difference) <= kOnHull * rounding * SurfaceArea(enclosing);
 }
 
-// Most vertices of a convex mesh are the hull's own; the others lie within its faces.
+// Most vertices of a convex mesh are vertices of the hull; the others must lie within its faces.
 bool AllVerticesOnHull(const TriangleMesh& mesh, const Matrix3Xi& hull, double rounding) {
   std::vector<char> known(static_cast<std::size_t>(mesh.vertices.cols()), 0);
   for (const int vertex : hull.reshaped()) known[vertex] = 1;

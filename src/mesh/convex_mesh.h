@@ -1,4 +1,5 @@
-// Whether a mesh is its own convex hull: then MuJoCo's collisions, which are of hulls, are exact.
+// Tests whether a mesh is its own convex hull. Distances of convex geoms are then exact for it, and
+// its triangles need not be looked at (MarkExactGeoms).
 #ifndef MJCF_PDG_SRC_MESH_CONVEX_MESH_H_
 #define MJCF_PDG_SRC_MESH_CONVEX_MESH_H_
 
@@ -6,10 +7,10 @@
 
 namespace mjcf_pdg {
 
-// Does the surface enclose the convex hull, given as triangles of the same vertices, and nothing
-// less? Up to a few roundings of the largest coordinate to float. Every vertex must lie on the
-// hull, the surface must be closed and in one piece, no edge may be reflex, and the volume must be
-// the hull's (star polyhedra pass the rest). False, too, where the answer would take too long.
+// True if the surface is that of the convex hull `hull` (triangles of mesh.vertices): every vertex
+// lies on the hull, the surface is closed and in one piece, no edge is reflex, and the volume is
+// the hull's (without that, star polyhedra would pass). Lengths are compared to within a few float
+// roundings of the largest coordinate. Also false if the test would take too long.
 bool IsItsOwnHull(const TriangleMesh& mesh, const Eigen::Matrix3Xi& hull);
 
 }  // namespace mjcf_pdg

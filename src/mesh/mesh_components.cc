@@ -37,7 +37,7 @@ std::vector<MeshComponent> SplitComponents(const TriangleMesh& mesh) {
   return components;
 }
 
-// The boxes of closed components as a balanced tree.
+// A balanced tree over the bounding boxes of the closed components.
 class ComponentBoxes {
  public:
   explicit ComponentBoxes(const std::vector<MeshComponent>& components) : components_(components) {
@@ -61,9 +61,9 @@ class ComponentBoxes {
 
  private:
   struct Node {
-    AlignedBox3d box;  // around all below
-    int begin = 0;     // in order_; a leaf has one
-    int second_child = 0;
+    AlignedBox3d box;      // around all components below
+    int begin = 0;         // the first of them in order_; a leaf has one
+    int second_child = 0;  // 0: a leaf
   };
 
   void Build(int begin, int end) {
@@ -85,14 +85,14 @@ class ComponentBoxes {
 
   const std::vector<MeshComponent>& components_;
   std::vector<int> order_;
-  std::vector<Node> nodes_;  // the first child follows its parent
+  std::vector<Node> nodes_;  // depth first: a node's first child follows it
 };
 
-// Points of the solid just under some of its triangles, so that a neighbour that touches there does
-// not have them on its surface.
+// Points just below the surface of a closed component, under up to kMost of its triangles. They are
+// not on the surface, so that a component that touches it there has them clearly outside.
 std::vector<Vector3d> PointsInside(const Eigen::Matrix3Xd& vertices,
                                    const MeshComponent& component) {
-  constexpr double kDepth = 1e-5;  // of the triangle's size
+  constexpr double kDepth = 1e-5;  // depth below the triangle [square root of twice its area]
   constexpr Index kMost = 16;
   const double inwards = component.volume < 0.0 ? 1.0 : -1.0;
   const Index n = component.triangles.cols();
@@ -108,7 +108,7 @@ std::vector<Vector3d> PointsInside(const Eigen::Matrix3Xd& vertices,
   return points;
 }
 
-// How often the surface goes around p, from solid angles (van Oosterom & Strackee 1983).
+// The winding number of the surface round p, from solid angles (van Oosterom & Strackee 1983).
 double WindingNumber(const Eigen::Matrix3Xd& vertices, const Matrix3Xi& triangles,
                      const Vector3d& p) {
   double solid_angle = 0.0;
@@ -130,9 +130,11 @@ TriangleBvh SolidOf(const Eigen::Matrix3Xd& vertices, const MeshComponent& compo
 }
 
 void FindContainers(const Eigen::Matrix3Xd& vertices, std::vector<MeshComponent>* components) {
-  constexpr std::size_t kFew = 3;  // candidates that are sooner looked at than a tree is built
+  // For up to this many candidates, winding numbers by solid angles take less time than a tree.
+  constexpr std::size_t kFew = 3;
   const ComponentBoxes boxes(*components);
-  std::vector<std::vector<int>> candidates(components->size());  // to be inside each
+  // Per component: those that may be inside it, by their boxes.
+  std::vector<std::vector<int>> candidates(components->size());
   for (int i = 0; i < static_cast<int>(components->size()); ++i) {
     const MeshComponent& inner = (*components)[i];
     if (!inner.closed) continue;
@@ -150,7 +152,8 @@ void FindContainers(const Eigen::Matrix3Xd& vertices, std::vector<MeshComponent>
     };
     for (const int i : candidates[outer]) {
       MeshComponent& inner = (*components)[i];
-      // All of them: parts that reach into each other are not inside.
+      // All points must be inside: components that only reach into each other do not contain each
+      // other.
       const std::vector<Vector3d> points = PointsInside(vertices, inner);
       if (std::all_of(points.begin(), points.end(), contains)) inner.containers.push_back(outer);
     }

@@ -1,4 +1,5 @@
-// Edges of triangle meshes, and which triangles they connect.
+// Edges of triangle meshes, and which triangles they connect: the basis of mesh repair and of the
+// convexity and component tests. Triangles are 3 × nt matrices of vertex indices.
 #ifndef MJCF_PDG_SRC_MESH_MESH_EDGES_H_
 #define MJCF_PDG_SRC_MESH_MESH_EDGES_H_
 
@@ -9,17 +10,19 @@
 
 namespace mjcf_pdg {
 
+// One side of one triangle.
 struct EdgeUse {
-  int low, high;  // vertices
+  int low, high;  // the edge's vertices, low <= high
   int triangle;
-  int corner;    // the edge begins there
-  bool forward;  // from low to high
+  int corner;    // the corner of the triangle (0-2) at which the side begins
+  bool forward;  // the side runs from low to high
 };
 
-// The triangles of one edge stand together.
+// All sides of all triangles, sorted so that the uses of an edge are adjacent.
 std::vector<EdgeUse> SortedEdgeUses(const Eigen::Matrix3Xi& triangles);
 
-// Calls visit(first, count) for each edge.
+// Calls visit(first, count) for each edge: its uses are first[0] to first[count - 1]. `uses` comes
+// from SortedEdgeUses.
 template <typename Visit>
 void ForEachEdge(const std::vector<EdgeUse>& uses, Visit visit) {
   for (std::size_t begin = 0, end = 0; begin < uses.size(); begin = end) {
@@ -31,14 +34,15 @@ void ForEachEdge(const std::vector<EdgeUse>& uses, Visit visit) {
   }
 }
 
-// Disjoint sets; each member knows whether it is turned against the first of its set.
+// Disjoint sets (union-find) over 0 ... n - 1 in which each member knows whether it is oriented
+// against its set's root.
 class OrientedSets {
  public:
   explicit OrientedSets(int n) : parent_(n), turned_(n, 0) {
     std::iota(parent_.begin(), parent_.end(), 0);
   }
 
-  // The smallest member.
+  // The root of i's set: its smallest member.
   int Root(int i) {
     int root = i;
     bool turned = false;
@@ -53,11 +57,13 @@ class OrientedSets {
     }
     return root;
   }
+  // True if i is oriented against its root.
   bool Turned(int i) {
     Root(i);
     return turned_[i] != 0;
   }
 
+  // Unites the sets of i and j. `turned`: i and j are oriented against each other.
   void Join(int i, int j, bool turned = false) {
     const bool relative = turned ^ Turned(i) ^ Turned(j);
     int a = Root(i), b = Root(j);
@@ -72,9 +78,11 @@ class OrientedSets {
   std::vector<char> turned_;
 };
 
+// The number of edges that are not used exactly once in each direction.
 int CountOpenEdges(const Eigen::Matrix3Xi& triangles);
 
-// Connected by edges of two triangles.
+// The sets of triangles connected by edges that exactly two triangles use. A triangle is turned if
+// its orientation is opposite to that of the root.
 OrientedSets ConnectTriangles(const Eigen::Matrix3Xi& triangles);
 
 }  // namespace mjcf_pdg

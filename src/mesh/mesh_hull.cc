@@ -4,7 +4,7 @@
 
 namespace mjcf_pdg {
 
-// mesh_graph: numvert, numface, vert_edgeadr[numvert], vert_globalid[numvert],
+// A mesh's part of mesh_graph is: numvert, numface, vert_edgeadr[numvert], vert_globalid[numvert],
 // edge_localid[numvert + 3 numface], face_globalid[3 numface].
 std::optional<MeshHull> HullOf(const mjModel& m, int mesh) {
   if (m.mesh_graphadr[mesh] < 0) return std::nullopt;

@@ -12,7 +12,8 @@
 namespace mjcf_pdg {
 namespace {
 
-// Rays for containment, in turn; none is along what people build.
+// The directions that Winding tries in turn. They are oblique to the axes, so that rays along edges
+// or faces of real models are unlikely.
 const std::array<Vector3d, 8>& RayDirections() {
   static const std::array<Vector3d, 8> directions = [] {
     std::array<Vector3d, 8> list = {
@@ -70,14 +71,14 @@ TriangleBvh::TriangleBvh(const Matrix3Xd& vertices, const Matrix3Xi& triangles, 
 void TriangleBvh::CountOpenEdges() {
   open_edges_ = 0;
   ForEachEdge(SortedEdgeUses(triangles_), [&](const EdgeUse* edge, int count) {
-    if (edge->low == edge->high) return;  // two corners at one place
-    int surplus = 0;                      // of its triangles one way
+    if (edge->low == edge->high) return;  // a degenerate side
+    int surplus = 0;                      // uses from low to high, less uses from high to low
     for (int k = 0; k < count; ++k) surplus += edge[k].forward ? 1 : -1;
     open_edges_ += surplus != 0;
   });
 }
 
-// A closed mesh turned inside out is turned back.
+// If a closed mesh's triangles face inwards (negative volume), turns all of them round.
 void TriangleBvh::Orient() {
   if (!closed()) return;
   double volume = 0.0;
@@ -87,7 +88,8 @@ void TriangleBvh::Orient() {
   if (volume < 0.0) triangles_.row(1).swap(triangles_.row(2));
 }
 
-// Of no area: their points are on the edges of their neighbours.
+// Drops triangles without area and computes the others' normals. Nothing is lost: their points are
+// on edges of neighbours.
 void TriangleBvh::DropFlatTriangles() {
   normals_.resize(3, triangles_.cols());
   Eigen::Index count = 0;
@@ -142,11 +144,12 @@ void TriangleBvh::NearestBelow(int box, const Vector3d& x, SurfacePoint& best) c
   }
 }
 
+// A segment from `from` to from + along, and what it crosses.
 struct TriangleBvh::Ray {
-  Vector3d from, along;  // the segment's end is from + along
-  int winding = 0;
-  bool doubtful = false;  // passes through an edge, or along a triangle
-  std::vector<double>* crossings = nullptr;
+  Vector3d from, along;
+  int winding = 0;        // crossings from inside to outside, less those from outside to inside
+  bool doubtful = false;  // it meets an edge or runs along a triangle: `winding` may be wrong
+  std::vector<double>* crossings = nullptr;  // if set, receives the parameters of the crossings
 };
 
 void TriangleBvh::CastBelow(int box, Ray& ray) const {
@@ -156,9 +159,11 @@ void TriangleBvh::CastBelow(int box, Ray& ray) const {
   }
 }
 
-// Möller-Trumbore.
+// The ray-triangle intersection of Möller and Trumbore.
 void TriangleBvh::CastOnTriangle(int t, Ray& ray) const {
-  constexpr double kEdge = 1e-9;  // barycentric
+  // The ray meets an edge if a barycentric coordinate of the crossing is smaller. The same share of
+  // lengths tells rays that are parallel to the triangle, or in its plane.
+  constexpr double kEdge = 1e-9;
   const Vector3d a = Corner(t, 0), ab = Corner(t, 1) - a, ac = Corner(t, 2) - a;
   const Vector3d h = ray.along.cross(ac);
   const double det = ab.dot(h);

@@ -19,13 +19,13 @@ TriangleMesh WeldVertices(const TriangleMesh& mesh) {
   std::iota(order.begin(), order.end(), 0);
   const auto key = [&](int i) { return std::tuple(p(0, i), p(1, i), p(2, i)); };
   std::sort(order.begin(), order.end(), [&](int i, int j) { return key(i) < key(j); });
-  std::vector<int> group(order.size());  // of each vertex
+  std::vector<int> group(order.size());  // per vertex: the same for equal coordinates
   for (std::size_t k = 0, last = 0; k < order.size(); ++k) {
     if (key(order[k]) != key(order[last])) last = k;
     group[order[k]] = static_cast<int>(last);
   }
-  std::vector<int> vertex_of(order.size(), -1);  // of each group
-  std::vector<Index> source;
+  std::vector<int> vertex_of(order.size(), -1);  // per group: the new vertex
+  std::vector<Index> source;                     // per new vertex: an old one
   Eigen::Matrix3Xi triangles = mesh.triangles;
   for (int& corner : triangles.reshaped()) {
     int& vertex = vertex_of[group[corner]];
@@ -39,17 +39,20 @@ TriangleMesh WeldVertices(const TriangleMesh& mesh) {
 }
 
 bool LocallyConvex(const TriangleMesh& mesh, double rounding) {
-  constexpr double kOffPlane = 4.0;  // roundings
+  // A corner may stand above the other triangle's plane by this many enlarged roundings.
+  constexpr double kOffPlane = 4.0;
   const double outwards = FindSolidProperties(mesh).volume < 0.0 ? -1.0 : 1.0;
   const auto corner = [&](int t, int k) { return mesh.vertices.col(mesh.triangles(k % 3, t)); };
-  // How the corner that `use` has opposite the edge stands above the other triangle's plane.
+  // True if the corner of use.triangle opposite to the edge stands above the plane of the other
+  // triangle by more than rounding can explain.
   const auto reflex = [&](const EdgeUse& plane, const EdgeUse& use) {
     const Vector3d a = corner(plane.triangle, plane.corner);
     const Vector3d edge = corner(plane.triangle, plane.corner + 1) - a;
     const Vector3d normal = edge.cross(corner(plane.triangle, plane.corner + 2) - a);
     const Vector3d to_corner = corner(use.triangle, use.corner + 2) - a;
     const double height = outwards * normal.dot(to_corner) / normal.norm();
-    // How much a corner's error is enlarged: across the edge by the plane's tilt, along it beyond.
+    // Errors of the plane's corners tilt it: the error of the height grows with the distance from
+    // the edge, relative to the plane's triangle, and with the distance beyond the edge's ends.
     const double along = edge.dot(to_corner) / edge.squaredNorm();
     const double across = edge.cross(to_corner).norm() / normal.norm();
     const double beyond = std::max({0.0, -along, along - 1.0});

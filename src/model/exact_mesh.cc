@@ -56,6 +56,7 @@ bool IsConvex(const mjModel& m, int mesh) {
   return hull && IsItsOwnHull({MeshVertices(m, mesh), MeshFaces(m, mesh)}, FacesOf(*hull));
 }
 
+// The twelve triangles of a box with these half sizes [m].
 TriangleBvh BoxOf(const Vector3d& half, double tree_units) {
   Matrix3Xd corners(3, 8);
   for (int k = 0; k < 8; ++k) {
@@ -71,7 +72,7 @@ TriangleBvh BoxOf(const Vector3d& half, double tree_units) {
 
 void MarkConvex(SceneTables& tables) {
   const mjModel& m = *tables.model;
-  std::map<int, bool> known;  // by asset
+  std::map<int, bool> known;  // by mesh asset
   for (int g = 0; g < m.ngeom; ++g) {
     if (!tables.exact[g]) continue;
     const auto [entry, is_new] = known.try_emplace(m.geom_dataid[g], false);
@@ -106,8 +107,8 @@ void BuildBvhs(SceneTables& tables) {
   const mjModel& m = *tables.model;
   tables.solids.assign(m.ngeom, nullptr);
   tables.tree_units = TreeUnits(tables.size);
-  std::map<std::pair<int, bool>, std::shared_ptr<const TriangleBvh>>
-      built;  // by asset, exact or hull
+  // By mesh asset and whether the triangles are its own (true) or those of its hull.
+  std::map<std::pair<int, bool>, std::shared_ptr<const TriangleBvh>> built;
   for (const KeptPair& pair : tables.pairs) {
     if (!pair.exact) continue;
     for (const int g : {pair.geom1, pair.geom2}) {

@@ -8,12 +8,14 @@
 namespace mjcf_pdg {
 namespace {
 
+// MuJoCo has a collision function for the two geom types.
 bool Collidable(const mjModel& m, int g1, int g2) {
   const int low = std::min(m.geom_type[g1], m.geom_type[g2]);
   const int high = std::max(m.geom_type[g1], m.geom_type[g2]);
   return mjCOLLISIONFUNC[low][high] != nullptr;
 }
 
+// MuJoCo's weld, parent-child or <exclude> filter drops all pairs of the two bodies.
 bool BodiesFiltered(const mjModel& m, int body1, int body2) {
   const int weld1 = m.body_weldid[body1];
   const int weld2 = m.body_weldid[body2];
@@ -29,12 +31,13 @@ bool BodiesFiltered(const mjModel& m, int body1, int body2) {
          m.exclude_signature + m.nexclude;
 }
 
+// The contype/conaffinity filter keeps the pair.
 bool MasksMeet(const mjModel& m, int g1, int g2) {
   return (m.geom_contype[g1] & m.geom_conaffinity[g2]) ||
          (m.geom_contype[g2] & m.geom_conaffinity[g1]);
 }
 
-// Some movable joint is above exactly one of the two bodies.
+// True if some movable joint lies between the two bodies: at or above exactly one of them.
 bool JointBetween(const SceneTables& tables, int body1, int body2) {
   const mjModel& m = *tables.model;
   while (body1 != body2) {
@@ -57,14 +60,16 @@ KeptPair MakePair(const SceneTables& tables, int g1, int g2, double margin_and_g
   pair.allowed = std::max(0.0, -margin_and_gap);
   auto contact_only = [](int type) { return type == mjGEOM_SDF || type == mjGEOM_HFIELD; };
   pair.has_distance = !contact_only(type1) && !contact_only(type2);
-  // Against SDF and height fields MuJoCo sees the mesh's convex hull.
+  // Pairs with an SDF or a height field are never exact: MuJoCo collides the mesh as its hull
+  // there.
   auto not_a_hull = [&](int g) { return tables.exact[g] && !tables.convex[g]; };
   pair.exact = pair.has_distance && (not_a_hull(g1) || not_a_hull(g2));
   pair.moves = JointBetween(tables, m.geom_bodyid[g1], m.geom_bodyid[g2]);
   return pair;
 }
 
-// The smallest sphere about the middle of the geoms' bounding spheres, in the body's frame.
+// A sphere around the bounding spheres of the body's geoms, in the body's frame: of those about the
+// centre of their common axis-aligned box, the smallest.
 BoundingSphere EncloseBody(const mjModel& m, int body) {
   BoundingSphere sphere;
   const int begin = m.body_geomadr[body], end = begin + m.body_geomnum[body];

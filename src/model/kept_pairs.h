@@ -1,4 +1,5 @@
-// Which pairs of geoms MuJoCo's filters keep, and where each body's geoms can be.
+// Finds the pairs of geoms whose overlap counts, since MuJoCo's filters keep them, and a bounding
+// sphere of each body's geoms: the input of the broad phase (collide/contacts.h).
 #ifndef MJCF_PDG_SRC_MODEL_KEPT_PAIRS_H_
 #define MJCF_PDG_SRC_MODEL_KEPT_PAIRS_H_
 
@@ -6,9 +7,10 @@
 
 namespace mjcf_pdg {
 
-// Fills pairs, body_pairs, body_spheres, has_contact_only_pairs from model, column_of_dof,
-// body_moves and exact. Follows engine_collision_driver.c of MuJoCo 4.0: explicit <pair>s always
-// count; dynamic pairs pass the contype/conaffinity, weld, parent-child and <exclude> filters.
+// Fills tables.pairs, body_pairs, body_spheres and has_contact_only_pairs, which must be empty.
+// Reads tables.model, column_of_dof, exact and convex. Follows engine_collision_driver.c of MuJoCo
+// 4.0: explicit <pair>s always count; of all others those count that pass the contype/conaffinity,
+// weld, parent-child and <exclude> filters.
 void FillKeptPairs(SceneTables& tables);
 
 }  // namespace mjcf_pdg

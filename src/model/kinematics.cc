@@ -103,7 +103,7 @@ void TurnInsideLimits(const SceneTables& tables, VectorXd& q) {
     if (!joint.limited || joint.type != mjJNT_HINGE) continue;
     double& angle = q[joint.qadr];
     if (angle >= joint.lo && angle <= joint.hi) continue;
-    // The first angles at or above the range's lower end, and below it.
+    // The smallest equivalent angle at or above the range's lower end, and the one a turn below.
     const double above = angle + kTurn * std::ceil((joint.lo - angle) / kTurn);
     const double below = above - kTurn;
     angle = above - joint.hi <= joint.lo - below ? above : below;

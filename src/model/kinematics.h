@@ -1,5 +1,8 @@
-// Configurations and tangents: the only place where qpos (nq) meets dq (n), and private MuJoCo data
-// posed at a configuration.
+// Kinematics: how configurations q (MuJoCo's qpos, nq entries) and tangent vectors dq (n entries,
+// movable joints only) relate, and private MuJoCo data posed at a configuration.
+//
+// q ⊕ dq is q moved by dq for unit time; its inverse is ⊖. The entries of dq follow MuJoCo's
+// conventions (mjcf_pdg/types.h).
 #ifndef MJCF_PDG_SRC_MODEL_KINEMATICS_H_
 #define MJCF_PDG_SRC_MODEL_KINEMATICS_H_
 
@@ -20,50 +23,60 @@ inline VectorXd ToEigen(const std::vector<double>& q) {
   return Eigen::Map<const VectorXd>(q.data(), static_cast<Eigen::Index>(q.size()));
 }
 
-// out = q ⊕ dq. `out` may be q. Quaternions of the movable joints come out normalized.
+// out := q ⊕ dq; frozen joints keep their values. `out` may be q itself. The quaternions of movable
+// joints come out normalized.
 void Integrate(const SceneTables& tables, const VectorXd& q, const VectorXd& dq, VectorXd& out);
 
-// dq = to ⊖ from: from ⊕ dq = to, rotations the short way round. Frozen joints are not compared.
+// dq := to ⊖ from, so that from ⊕ dq = to for the movable joints; frozen joints are not compared.
+// Balls and free joints turn the short way round, hinges by the difference of their angles.
 void Difference(const SceneTables& tables, const VectorXd& from, const VectorXd& to, VectorXd& dq);
 
-// The movable joints of q become those of `pose`, their quaternions normalized.
+// Sets the movable joints of q to their values in `pose` (nq entries), with normalized quaternions.
 void SetMovable(const SceneTables& tables, const VectorXd& pose, VectorXd& q);
-// `base` with the movable joints as in `pose`, those quaternions normalized.
+// Returns a copy of `base` after SetMovable.
 VectorXd WithMovable(const SceneTables& tables, const VectorXd& base, const VectorXd& pose);
+// Returns a copy of q in which the quaternions of movable joints are normalized.
 inline VectorXd Normalized(const SceneTables& tables, const VectorXd& q) {
   return WithMovable(tables, q, q);
 }
 
-// Largest violation of a movable joint's limits at q [rad or m], >= 0.
+// The largest violation of a movable joint's limits at q [rad or m]; 0 if all hold. The quaternions
+// of limited balls need not be normalized.
 double LimitExcess(const SceneTables& tables, const VectorXd& q);
 
-// Moves every limited movable joint of q inside its range.
+// Moves every limited movable joint of q to the nearest value in its range. A ball keeps its axis
+// of rotation.
 void ClampToLimits(const SceneTables& tables, VectorXd& q);
 
-// The same at the least σ: hinges make whole turns first where that brings them nearer.
+// As ClampToLimits, but a hinge outside its range first makes the whole turns, which cost no σ,
+// that bring it inside or nearest to it.
 void TurnInsideLimits(const SceneTables& tables, VectorXd& q);
 
-// Takes back the whole turns that movable hinges of q have made since q_in, but for those that the
-// limits want.
+// Brings every movable hinge of q within half a turn of its value in q_in by whole turns, except
+// where that would leave its limits.
 void Unwind(const SceneTables& tables, const VectorXd& q_in, VectorXd& q);
 
-// A ball joint's total rotation angle in [0, π]; `quat` (w, x, y, z).
+// The total rotation angle of a ball joint in [0, π] [rad]; `quat` is (w, x, y, z).
 double BallAngle(const double* quat);
 
+// The poses of the mocap bodies, in the order of their mocap ids.
 struct MocapPoses {
-  std::vector<double> pos, quat;  // 3 and 4 per mocap body; empty: as in the model
+  std::vector<double> pos, quat;  // 3 and 4 entries per mocap body; empty: the model's values
 
   bool operator==(const MocapPoses&) const = default;
 };
 
-// Private mjData. One per thread.
+// A model with private mjData, posed at a configuration. Use one object per thread.
 class PosedModel {
  public:
-  // `model` is one of the scene's private copies and must outlive this object.
+  // `model` is one of the scene's private copies and must outlive this object. Throws Error if
+  // MuJoCo cannot allocate the mjData.
   explicit PosedModel(const mjModel* model);
 
+  // Takes effect with the next Pose.
   void SetMocap(const MocapPoses& poses);
-  // Kinematics of the whole model at q, motion axes of all dofs (cdof) included.
+  // Computes the kinematics of the whole model at q (nq entries): frames of bodies and geoms, joint
+  // anchors and axes, motion axes of all degrees of freedom (cdof).
   void Pose(const Eigen::Ref<const VectorXd>& q);
 
   const mjModel* model() const { return model_; }
@@ -78,10 +91,12 @@ class PosedModel {
   std::unique_ptr<mjData, Deleter> data_;
 };
 
-// Jacobians of a point fixed to a body and of the body's rotation, world axes. Keeps its memory.
+// The Jacobians of a body at a posed configuration with respect to dq, in the world frame W.
 struct BodyJacobians {
-  MatrixXd point, rotation;  // 3 × n each
+  // 3 × n each: of the velocity of a point fixed to the body, and of its angular velocity.
+  MatrixXd point, rotation;
 
+  // Computes both for the point that is at p_W [m].
   void Fill(const SceneTables& tables, const PosedModel& posed, int body, const Vector3d& p_W);
 
  private:
@@ -89,7 +104,7 @@ struct BodyJacobians {
   AllDofs point_of_all_, rotation_of_all_;
 };
 
-// Where the rotation of a ball or a free joint begins, in qpos and in dq.
+// The first entry of a ball's or free joint's rotation in qpos and in dq.
 inline int QuatAddress(const JointEntry& joint) {
   return joint.qadr + (joint.type == mjJNT_FREE ? 3 : 0);
 }
@@ -97,12 +112,12 @@ inline int RotationColumn(const JointEntry& joint) {
   return joint.col + (joint.type == mjJNT_FREE ? 3 : 0);
 }
 
-// Entries of a joint in qpos.
+// The number of entries of a joint in qpos.
 inline int QposEntries(const JointEntry& joint) {
   return joint.type == mjJNT_FREE ? 7 : joint.type == mjJNT_BALL ? 4 : 1;
 }
 
-// The unit quaternion (w, x, y, z) at q[adr].
+// The quaternion (w, x, y, z) that begins at q[adr], normalized.
 inline Eigen::Quaterniond QuatAt(const VectorXd& q, int adr) {
   return Eigen::Quaterniond(q[adr], q[adr + 1], q[adr + 2], q[adr + 3]).normalized();
 }
@@ -111,12 +126,12 @@ inline Eigen::Map<const Vector3d> AsVector(const mjtNum* p) {
   return Eigen::Map<const Vector3d>(p);
 }
 
-// A row-major 3 × 3 array of MuJoCo's.
+// A 3 × 3 matrix from a MuJoCo array, which is row-major.
 inline Matrix3d AsMatrix(const mjtNum* p) {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(p);
 }
 
-// [v]: the matrix of x -> v × x.
+// The matrix [v]× for which [v]× x = v × x.
 inline Matrix3d Skew(const Vector3d& v) {
   Matrix3d s;
   s << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;

@@ -1,4 +1,5 @@
-// What a Scene knows, as plain tables. Filled by scene.cc, read everywhere, never written again.
+// The contents of a Scene as plain tables: movable joints, kept pairs, exact meshes. solve/scene.cc
+// fills them once; all later stages only read them, from any number of threads.
 #ifndef MJCF_PDG_SRC_MODEL_SCENE_TABLES_H_
 #define MJCF_PDG_SRC_MODEL_SCENE_TABLES_H_
 
@@ -14,61 +15,67 @@ namespace mjcf_pdg {
 class TriangleBvh;
 class SupportPoints;
 
-// A joint that may move. Angles in rad, slides in m.
+// A joint that may move. `id` and `body` are those of the mjModel.
 struct JointEntry {
   int id = 0;
   int type = 0;  // mjtJoint
   int body = 0;
-  int qadr = 0;  // first entry in qpos
-  int vadr = 0;  // first entry in MuJoCo's tangent (nv)
-  int col = 0;   // first entry in ours (n)
-  int ndof = 0;
+  int qadr = 0;  // first entry in qpos (nq)
+  int vadr = 0;  // first entry in MuJoCo's tangent vectors (nv)
+  int col = 0;   // first entry in dq, our tangent vectors (n)
+  int ndof = 0;  // number of entries in dq
   bool limited = false;
-  double lo = 0.0, hi = 0.0;  // a ball's total angle is at most hi
+  // Limits: hinge [rad], slide [m]; a ball's total rotation angle is at most hi [rad].
+  double lo = 0.0, hi = 0.0;
 
-  // Is its k-th dof a translation [m]? The others turn [rad].
+  // True if the joint's k-th degree of freedom is a translation [m], false if a rotation [rad].
   bool Slides(int k) const { return type == mjJNT_SLIDE || (type == mjJNT_FREE && k < 3); }
 };
 
-// Two geoms whose overlap counts, in MuJoCo's order (by type, then by body).
+// A kept pair: two geoms whose overlap counts (kept_pairs.h). Geom 1 is the one of the smaller
+// mjtGeom, or of the smaller id if the types are the same.
 struct KeptPair {
   int geom1 = 0, geom2 = 0;
-  double allowed = 0.0;      // overlap the model allows by a negative margin + gap [m], >= 0
-  bool has_distance = true;  // false for SDF and height fields: contacts only
-  bool exact = false;        // one geom or both collide as their triangles, not as hulls
+  double allowed = 0.0;      // overlap that the model allows by a negative margin + gap [m], >= 0
+  bool has_distance = true;  // false if a geom is an SDF or height field: "contact-only"
+  bool exact = false;        // one geom or both collide as their triangles, not as convex hulls
   bool moves = true;         // some movable joint lies between the two geoms
 };
 
-// Kept pairs of one pair of bodies: pairs[begin, end).
+// The kept pairs of two bodies, body1 < body2: SceneTables::pairs[begin, end).
 struct BodyPair {
   int body1 = 0, body2 = 0;
   int begin = 0, end = 0;
 };
 
-// In the body's frame; radius infinite when the body has a plane.
+// A sphere around all geoms of a body, in the body's frame [m]. Its radius is infinite if a geom is
+// a plane.
 struct BoundingSphere {
   Eigen::Vector3d center_B = Eigen::Vector3d::Zero();
   double radius = 0.0;
 };
 
-// What is asked of an exact pair that overlaps: how deep and where, which is slow, the same with a
-// longer search for its deepest places, or only that it does.
+// What a query measures of an exact pair that overlaps. kMeasured: its deepest places, which is
+// slow. kSearched: the same by a longer search, which is slower still. kSkipped: only that it
+// overlaps.
 enum class Depths { kMeasured, kSearched, kSkipped };
 
 struct SceneTables {
-  std::shared_ptr<const mjModel> owner;  // empty when the model is a running program's
+  std::shared_ptr<const mjModel> owner;  // owns *model; empty if that belongs to the user's program
   const mjModel* model = nullptr;
-  // A private copy of the struct alone (arrays are the user's): settings that blind MuJoCo's
-  // collision detection are undone, multi-contact is off, the arena is large enough.
+  // A private copy of the mjModel struct, whose arrays are still those of *model. It is set up for
+  // collision queries: settings that blind MuJoCo's collision detection are undone, multi-contact
+  // is off, and the arena is large enough for all contacts.
   mjModel query_model;
 
-  std::vector<JointEntry> joints;  // movable ones, in MJCF order
-  std::vector<int> column_of_dof;  // nv -> n, -1 when frozen
-  std::vector<char> body_moves;    // nbody: some movable joint is above it
-  int n = 0;
-  double size =
-      1.0;  // half of the colliding geoms that may move have a smaller bounding radius [m]
-  int root_body = -1;  // the norm's root link, -1: top bodies
+  std::vector<JointEntry> joints;  // the movable joints, in MJCF order
+  std::vector<int> column_of_dof;  // nv: a MuJoCo dof's entry in dq, -1 if the joint is frozen
+  std::vector<char> body_moves;    // nbody: a movable joint is at the body or above it
+  int n = 0;                       // number of movable degrees of freedom: the length of dq
+  // The scene's size [m], to which lengths are compared: the median bounding radius of the
+  // colliding geoms that may move.
+  double size = 1.0;
+  int root_body = -1;  // the norm's root link; -1: the top body of each tree
 
   std::vector<KeptPair> pairs;  // sorted by body pair
   std::vector<BodyPair> body_pairs;
@@ -76,12 +83,12 @@ struct SceneTables {
   bool has_contact_only_pairs = false;
   std::shared_ptr<const SupportPoints> support;  // of the kept pairs' convex geoms
 
-  std::vector<char> exact;   // ngeom: collides as its triangles ...
-  std::vector<char> convex;  // ... which are those of its convex hull
-  std::vector<std::shared_ptr<const TriangleBvh>>
-      solids;               // ngeom; null where no exact pair needs it
-  double tree_units = 1.0;  // of solids, to the metre
-  std::vector<std::string> warnings;
+  std::vector<char> exact;   // ngeom: the geom is a mesh that collides as its triangles
+  std::vector<char> convex;  // ngeom: exact, and the triangles are those of its convex hull
+  // ngeom: the triangles of meshes and boxes in exact pairs; null for all other geoms.
+  std::vector<std::shared_ptr<const TriangleBvh>> solids;
+  double tree_units = 1.0;  // the unit of length of `solids`: tree units per metre (triangle_bvh.h)
+  std::vector<std::string> warnings;  // for the user, a line each
 };
 
 }  // namespace mjcf_pdg

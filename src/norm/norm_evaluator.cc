@@ -9,7 +9,8 @@ namespace {
 
 using Kind = NormTerm::Kind;
 
-// Beyond these the chart X is too curved to move along (X = 2 sin(Δq/2) ends at 2, |Q| at 1).
+// Retract moves along X up to |X| = kHingeChart (hinge) and |Q| = kQuatChart: near a half turn,
+// where |X| = 2 and |Q| = 1, a small step in X is a large rotation.
 constexpr double kHingeChart = 1.9;
 constexpr double kQuatChart = 0.95;
 
@@ -39,13 +40,14 @@ Matrix3d QuatVectorJacobian(const Matrix3d& R, const Eigen::Quaterniond& p) {
   return 0.5 * R * (p.w() * Matrix3d::Identity() + Skew(p.vec()));
 }
 
+// The symmetric square root.
 Matrix3d SqrtOf(const Matrix3d& inertia) {
   const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(inertia);
   return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
          eigen.eigenvectors().transpose();
 }
 
-// The first moving body above `body`: trees may share a static stand.
+// The top body of the kinematic tree of `body`; several trees may stand on one static body.
 int TopBody(const mjModel& m, int body) { return m.tree_bodyadr[m.body_treeid[body]]; }
 
 // The paper's w (Sec. 3.2): the largest in [0, 1] with ‖Q + w dQ‖ <= radius, for ‖Q‖ < radius.
@@ -57,11 +59,13 @@ double WeightWithin(double radius, const Vector3d& Q, const Vector3d& dQ) {
 
 }  // namespace
 
+// A set of bodies taken as one rigid body at q_in.
 struct NormEvaluator::Piece {
   double mass = 0.0;
   Vector3d com_W = Vector3d::Zero();
   Matrix3d inertia_W = Matrix3d::Zero();  // about com_W
 
+  // The rotational inertia about another point, by the parallel axis theorem.
   Matrix3d About(const Vector3d& p_W) const {
     const Matrix3d s = Skew(com_W - p_W);
     return inertia_W - mass * s * s;
@@ -104,7 +108,6 @@ void NormEvaluator::SetReference(const VectorXd& q_in, const MocapPoses& mocap) 
   }
 }
 
-// Bodies as one rigid piece at q_in.
 NormEvaluator::Piece NormEvaluator::RigidPiece(const std::vector<int>& bodies) const {
   const mjModel& m = *posed_.model();
   const mjData& d = *posed_.data();
@@ -131,7 +134,7 @@ std::vector<char> NormEvaluator::Outboard(int body) const {
   return outboard;
 }
 
-// The marked bodies that can move.
+// The marked bodies that may move.
 std::vector<int> NormEvaluator::Moving(const std::vector<char>& marked) const {
   std::vector<int> bodies;
   for (int b = 1; b < tables_.model->nbody; ++b) {
@@ -147,7 +150,7 @@ void NormEvaluator::AddTerm(NormTerm term) {
   terms_.push_back(term);
 }
 
-// Eq. 14-18 for one joint and the bodies it moves.
+// The term of one joint and the bodies that it moves (Eq. 14-18).
 NormTerm NormEvaluator::JointTerm(int joint_index, const std::vector<int>& bodies) const {
   const JointEntry& joint = tables_.joints[joint_index];
   const mjData& d = *posed_.data();
@@ -173,7 +176,7 @@ NormTerm NormEvaluator::JointTerm(int joint_index, const std::vector<int>& bodie
   return term;
 }
 
-// Eq. 1 for bodies carried rigidly by the pose of `body`.
+// The term of bodies that the pose of `body` carries as one rigid piece (Eq. 1).
 NormTerm NormEvaluator::PoseTerm(int body, const std::vector<int>& bodies) const {
   const mjData& d = *posed_.data();
   const Piece piece = RigidPiece(bodies);
@@ -194,7 +197,8 @@ void NormEvaluator::ListSequential() {
   }
 }
 
-// Another root link: its pose moves the whole tree; a joint on the path to it moves the other side.
+// With another root link, its pose change moves the whole tree, and a joint on the path from the
+// top body to it moves the other side: the tree without the joint's outboard set.
 void NormEvaluator::ListWithRoot(int root_body) {
   const mjModel& m = *tables_.model;
   const int top = TopBody(m, root_body);
@@ -234,7 +238,7 @@ void NormEvaluator::Linearize(const VectorXd& q, VectorXd& r, MatrixXd& J) {
   Fill(q, r, &J);
 }
 
-// Each function below fills a term's rows of r and, unless J is null, of J, which are zero before.
+// Each function below fills a term's rows of r and, unless J is null, of J, which is zero before.
 void NormEvaluator::Fill(const VectorXd& q, VectorXd& r, MatrixXd* J) {
   if (NeedsPose()) posed_.Pose(q);
   r.resize(rows_);
@@ -273,7 +277,7 @@ void NormEvaluator::FillScalar(const NormTerm& term, const VectorXd& q, VectorXd
   }
 }
 
-// Of a free joint's centre of mass: its first three rows.
+// The first three rows of a free joint: the move of the piece's centre of mass.
 void NormEvaluator::FillTranslation(const NormTerm& term, const VectorXd& q, VectorXd& r,
                                     MatrixXd* J) const {
   const JointEntry& joint = tables_.joints[term.joint];
@@ -286,7 +290,7 @@ void NormEvaluator::FillTranslation(const NormTerm& term, const VectorXd& q, Vec
   J->block<3, 3>(term.row, joint.col + 3) = -weight * R * Skew(term.com_B);
 }
 
-// Of a ball, or of a free joint.
+// The three rows of a ball, or the last three of a free joint: Q.
 void NormEvaluator::FillRotation(const NormTerm& term, const VectorXd& q, VectorXd& r,
                                  MatrixXd* J) const {
   const JointEntry& joint = tables_.joints[term.joint];
@@ -308,7 +312,7 @@ void NormEvaluator::FillBodyPose(const NormTerm& term, VectorXd& r, MatrixXd* J)
   r.segment<3>(term.row + 3) = scale_ * 2.0 * term.sqrt_inertia_W * (term.R_in * p.vec());
   if (!J) return;
   jacobians_.Fill(tables_, posed_, term.body, com_W);
-  // World-axes rotations here: w = Rᵀ ω.
+  // jacobians_.rotation gives ω in W; QuatVectorJacobian takes it in the body's frame: w = Rᵀ ω.
   const Matrix3d dQ = QuatVectorJacobian(term.R_in, p) * R.transpose();
   J->middleRows<3>(term.row) = weight * jacobians_.point;
   const Matrix3d turn = scale_ * 2.0 * term.sqrt_inertia_W * dQ;
@@ -318,7 +322,7 @@ void NormEvaluator::FillBodyPose(const NormTerm& term, VectorXd& r, MatrixXd* J)
 void NormEvaluator::InnerProduct(const MatrixXd& J, MatrixXd& H) const {
   H.resize(tables_.n, tables_.n);
   for (const ColumnRange& block : blocks_) {
-    // Where H is block-diagonal, so is J: a joint's term has a row for each of its columns.
+    // If H is block-diagonal, so is J: row numbers in r are then column numbers in dq.
     const bool all = NeedsPose();
     const auto own =
         J.block(all ? 0 : block.begin, block.begin, all ? J.rows() : block.size, block.size);
@@ -328,10 +332,12 @@ void NormEvaluator::InnerProduct(const MatrixXd& J, MatrixXd& H) const {
   KeepPositive(H);
 }
 
-// Dofs that move no mass get a little of what others of their kind have, so that H can be factored.
+// Adds to the diagonal kShare times its mean over all dofs of the same kind (translation or
+// rotation), plus a small constant, so that H can be factored even if a dof moves no mass.
 void NormEvaluator::KeepPositive(MatrixXd& H) const {
-  constexpr double kShare = 1e-8;                  // of the mean of slides, of turns
-  constexpr double kSlide = 1e-12, kTurn = 1e-10;  // at least: [1], [size²]
+  constexpr double kShare = 1e-8;
+  // The constant for translations [1] and for rotations [square of the scene's size].
+  constexpr double kSlide = 1e-12, kTurn = 1e-10;
   double sums[2] = {}, counts[2] = {};
   for (const JointEntry& joint : tables_.joints) {
     for (int k = 0; k < joint.ndof; ++k) {
@@ -355,7 +361,7 @@ double NormEvaluator::TermSigma(const NormTerm& term, const VectorXd& r) const {
 std::string NormEvaluator::TermName(const NormTerm& term) const {
   const bool is_joint = term.joint >= 0;
   const int id = is_joint ? tables_.joints[term.joint].id : term.body;
-  // The top body's own joints are the root's pose change, where it is the root.
+  // With the top body as root link, its own joints make the root's pose change.
   const int root = metric_ == Metric::kSequential ? tables_.root_body : -1;
   if (root >= 0 &&
       (!is_joint || tables_.joints[term.joint].body == TopBody(*tables_.model, root))) {
@@ -402,7 +408,7 @@ void NormEvaluator::RetractRotation(const NormTerm& term, const VectorXd& q, con
   const Eigen::Quaterniond to = QuatAt(q_in_, adr) * moved;
   out.segment<4>(adr) << to.w(), to.x(), to.y(), to.z();
   if (!is_free) return;
-  // r is linear in the centre of mass: place that, whatever the rotation about it.
+  // The centre of mass moves as dq says, however the piece turns: r is linear in its position.
   const Vector3d com_shift = dq.segment<3>(joint.col) + from * w.cross(term.com_B);
   out.segment<3>(joint.qadr) =
       q.segment<3>(joint.qadr) + from * term.com_B + weight * com_shift - to * term.com_B;

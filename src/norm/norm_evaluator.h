@@ -1,10 +1,12 @@
-// The object norm as a least-squares residual, for the solver: σ = ‖r(q)‖², J = ∂r/∂dq.
+// The object norm σ(q_in, q) as a sum of squares, σ = ‖r(q)‖², with J = ∂r/∂dq: what the
+// optimization, the paper's method and the public ObjectNorm compute σ from.
 //
-// Source: Tang & Kim, Eq. 13-19, 26, 28. For the paper's metric without another root, r stacks
-// √(H_j/M) X_j joint by joint, so J is square and block-diagonal and Retract can move along X.
-// H, here and in the solver, is JᵀJ: the paper's H (Eq. 28), a metric for X, divided by M and
-// carried over to dq.
-// Differs from it: the other metrics of object_norm.h fit the same form with a full J.
+// Source: Tang & Kim, Eq. 13-19, 26, 28. With the sequential metric and no root link given, r
+// stacks √(H_j/M) X_j joint by joint, so that J is square and block-diagonal and Retract can move
+// along X. H, here and in the solver, is JᵀJ: the paper's H (Eq. 28), which is a metric for X,
+// divided by M and transformed to dq.
+// Differs from the paper: the displacement metric and other root links (mjcf_pdg/object_norm.h)
+// fit the same form, with a full J.
 #ifndef MJCF_PDG_SRC_NORM_NORM_EVALUATOR_H_
 #define MJCF_PDG_SRC_NORM_NORM_EVALUATOR_H_
 
@@ -17,60 +19,78 @@
 
 namespace mjcf_pdg {
 
-// One term of Eq. 19: a joint, the pose of a rigid piece, or both (a free joint).
+// One term of Eq. 19. It measures how a rigid piece, a set of bodies as they are posed at q_in, is
+// moved by one joint or by the pose of one body (kFree: by a free joint, which sets its body's
+// pose).
 struct NormTerm {
   enum class Kind { kSlide, kHinge, kBall, kFree, kBodyPose };
   Kind kind = Kind::kSlide;
-  int joint = -1;                         // index into SceneTables::joints; -1 for kBodyPose
-  int body = -1;                          // kBodyPose: whose pose carries the piece
-  int row = 0;                            // first row of r; 1 (slide, hinge), 3 (ball) or 6 rows
-  double mass = 0.0;                      // of the piece that moves [kg]
-  double inertia = 0.0;                   // hinge: ωᵀ I ω [kg m²]
-  Matrix3d inertia_W = Matrix3d::Zero();  // ball: about the anchor; pose: about the CoM
+  int joint = -1;        // index into SceneTables::joints; -1 for kBodyPose
+  int body = -1;         // kBodyPose and kFree: the body that carries the piece
+  int row = 0;           // first row of r; 1 row (slide, hinge), 3 (ball) or 6 (free, body pose)
+  double mass = 0.0;     // of the piece [kg]
+  double inertia = 0.0;  // hinge: ωᵀ I ω [kg m²]
+  // The piece's rotational inertia I at q_in [kg m²]: of a free joint or body pose about the centre
+  // of mass, of the others about the joint's anchor.
+  Matrix3d inertia_W = Matrix3d::Zero();
   Matrix3d sqrt_inertia_W = Matrix3d::Zero();  // L with I = L Lᵀ
   Matrix3d R_in = Matrix3d::Identity();        // frame of the joint's body, or of `body`, at q_in
-  Vector3d com_W = Vector3d::Zero();           // the piece's centre of mass at q_in
-  Vector3d com_B = Vector3d::Zero();           // the same in the carrying body's frame
+  // Free joint and body pose: the piece's centre of mass at q_in [m], in W and in `body`'s frame.
+  Vector3d com_W = Vector3d::Zero();
+  Vector3d com_B = Vector3d::Zero();
 };
 
+// Poses private mjData and has scratch memory: use one object per thread. Call SetReference before
+// all else. n is the length of dq.
 class NormEvaluator {
  public:
+  // `tables` must outlive this object.
   NormEvaluator(const SceneTables& tables, Metric metric);
 
-  // Poses q_in and evaluates masses, inertias and moment arms there.
+  // Sets q_in, poses the model there, and computes the terms: masses, inertias and moment arms.
   void SetReference(const VectorXd& q_in, const MocapPoses& mocap = {});
 
-  double total_mass() const { return total_mass_; }  // M [kg]
-  int rows() const { return rows_; }                 // k
+  double total_mass() const { return total_mass_; }  // M, of the bodies that may move [kg]
+  int rows() const { return rows_; }                 // the length of r
   const std::vector<NormTerm>& terms() const { return terms_; }
   const VectorXd& q_in() const { return q_in_; }
 
-  // Column ranges of the blocks of H: a joint each where H is block-diagonal, else all in one.
+  // The column ranges of the blocks of H: one per joint with the sequential metric and no root link
+  // given, else one for all joints.
   const std::vector<ColumnRange>& blocks() const { return blocks_; }
 
+  // σ(q_in, q) [m²].
   double Sigma(const VectorXd& q);
+  // r (rows() entries) at q [m].
   void Residual(const VectorXd& q, VectorXd& r);
+  // r at q and J (rows() × n).
   void Linearize(const VectorXd& q, VectorXd& r, MatrixXd& J);
-  // H (n × n, only its blocks are written), made definite where the norm does not see a joint.
+  // H = JᵀJ (n × n; only the blocks are written), with something small added to the diagonal so
+  // that it is positive definite even where a joint moves no mass.
   void InnerProduct(const MatrixXd& J, MatrixXd& H) const;
-  // σ of one term, given the residual at q.
+  // One term's part of σ [m²], from the residual r at q.
   double TermSigma(const NormTerm& term, const VectorXd& r) const;
+  // The name of the term's joint or body; "root" if it belongs to another root link's pose change.
   std::string TermName(const NormTerm& term) const;
 
-  // out = q moved by dq along X where the chart is sound (away from half turns): r(out) = r + J dq
-  // exactly for those joints; q ⊕ dq for the others. A rotation that would leave the chart is cut
-  // short by Sec. 3.2's weight w, and a free joint's translation with it.
+  // out := q moved by dq. With the sequential metric and no root link given, hinges, balls and free
+  // joints move along X, so that r(out) = r(q) + J dq exactly for them. A rotation Q that would
+  // come close to a half turn is shortened by Sec. 3.2's weight w, a free joint's translation with
+  // it. All other joints, those of other metrics, and rotations that are near a half turn already
+  // (or, for a hinge, would come there) move by q ⊕ dq.
   void Retract(const VectorXd& q, const VectorXd& dq, VectorXd& out) const;
 
  private:
   void KeepPositive(MatrixXd& H) const;
   struct Piece;
-  // What a term is about, whatever q_in: a joint or a body's pose, and the bodies that move with
-  // it, parents first.
+  // The part of a term that does not depend on q_in: a joint (index into SceneTables::joints) or
+  // else the body whose pose counts, and the bodies that move with it, parents first.
   struct Moved {
     int joint = -1, body = -1;
     std::vector<int> bodies;
   };
+  // These fill moved_: for the sequential metric, for it with another root link, for the
+  // displacement metric.
   void ListSequential();
   void ListWithRoot(int root_body);
   void ListDisplacements();
@@ -78,8 +98,10 @@ class NormEvaluator {
   NormTerm JointTerm(int joint_index, const std::vector<int>& bodies) const;
   NormTerm PoseTerm(int body, const std::vector<int>& bodies) const;
   Piece RigidPiece(const std::vector<int>& bodies) const;
+  // nbody entries: 1 for `body` and all bodies of its subtree.
   std::vector<char> Outboard(int body) const;
   std::vector<int> Moving(const std::vector<char>& marked) const;
+  // True if r depends on the poses of bodies, so that J is full and the model must be posed at q.
   bool NeedsPose() const;
   void Fill(const VectorXd& q, VectorXd& r, MatrixXd* J);
   void FillScalar(const NormTerm& term, const VectorXd& q, VectorXd& r, MatrixXd* J) const;
@@ -95,10 +117,10 @@ class NormEvaluator {
   Metric metric_;
   PosedModel posed_;
   VectorXd q_in_;
-  std::vector<Moved> moved_;     // per term, but for massless ones
-  std::vector<int> all_moving_;  // bodies
+  std::vector<Moved> moved_;     // one per term, or per massless body (displacement metric)
+  std::vector<int> all_moving_;  // the bodies that may move
   double total_mass_ = 0.0;
-  double scale_ = 0.0;  // 1/√M
+  double scale_ = 0.0;  // 1/√M [kg^-½]
   int rows_ = 0;
   std::vector<NormTerm> terms_;
   std::vector<ColumnRange> blocks_;

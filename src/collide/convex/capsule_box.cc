@@ -8,8 +8,10 @@
 namespace mjcf_pdg {
 namespace {
 
-constexpr double kParallel = 1e-11;  // sine of an angle: none
-constexpr double kPierces = 1e-8;    // a segment so near to the box meets it [half its diagonal]
+// The segment counts as parallel to a face if the sine of the angle between them is smaller.
+constexpr double kParallel = 1e-11;
+// A segment nearer to the box than this counts as meeting it [half the box's diagonal].
+constexpr double kPierces = 1e-8;
 
 using Eigen::Vector3d;
 
@@ -23,7 +25,8 @@ double Slope(const Vector3d& a, const Vector3d& v, const Vector3d& half, double 
   return v.dot(p - NearestInBox(p, half));
 }
 
-// The parameter in [0, 1] nearest to the box; exact, since Slope is linear between breakpoints.
+// The t in [0, 1] at which a + t v is nearest to the box; exact, since Slope is linear between
+// breakpoints.
 double NearestParameter(const Vector3d& a, const Vector3d& v, const Vector3d& half) {
   std::array<double, 8> breaks;
   breaks.fill(1.0);
@@ -50,21 +53,23 @@ double NearestParameter(const Vector3d& a, const Vector3d& v, const Vector3d& ha
   return 1.0;
 }
 
-// A direction n along which the box leaves the segment, and how far it must go.
+// A direction n along which the box can leave the segment, and the length of that translation.
 struct WayOut {
   double depth = std::numeric_limits<double>::infinity();
   Vector3d n = Vector3d::UnitX();
   int edge = -1;  // n = edge direction × segment; -1: n is a face normal
 };
 
-// Keeps the shallowest: the box moved along n by `depth` just touches the segment.
+// Replaces `best` if a shorter translation along n than best.depth separates the box from the
+// segment.
 void Consider(const Vector3d& n, int edge, const Vector3d& a, const Vector3d& b,
               const Vector3d& half, WayOut& best) {
   const double reach = std::max(n.dot(a), n.dot(b)) + n.cwiseAbs().dot(half);
   if (reach < best.depth) best = {reach, n, edge};
 }
 
-// Where, seen along n, the segment crosses the box's edge that faces it: the common perpendicular.
+// The parameter at which, seen along n, the segment a + t v crosses the edge of the box that faces
+// it. There the common perpendicular of segment and edge meets the segment.
 double CrossingParameter(const Vector3d& a, const Vector3d& v, const Vector3d& half,
                          const WayOut& out) {
   const Vector3d corner = (out.n.array() > 0.0).select(-half, half);
@@ -72,7 +77,7 @@ double CrossingParameter(const Vector3d& a, const Vector3d& v, const Vector3d& h
   return std::clamp(across.dot(corner - a) / across.dot(v), 0.0, 1.0);
 }
 
-// The segment meets the box: how far, and along which n, the box must move to leave it.
+// The gap of a segment that meets the box: the shortest translation of the box that separates them.
 SignedGap PiercingGap(const Vector3d& a, const Vector3d& b, const Vector3d& half) {
   WayOut out;
   for (int i = 0; i < 3; ++i) {
@@ -84,8 +89,9 @@ SignedGap PiercingGap(const Vector3d& a, const Vector3d& b, const Vector3d& half
       }
     }
   }
-  // Witnesses: at a face the segment's deepest point (its middle if parallel) and its shadow; at an
-  // edge the crossing, since only there n · (v_2 - v_1) is the rate of the depth.
+  // The witness point on the segment: if n is a face's normal, the segment's deepest point, or, if
+  // parallel, the point nearest to the box's centre; if n belongs to an edge, the crossing, since
+  // only there n · (v_2 - v_1) is the rate of change of the signed distance.
   const double lean = out.n.dot(b) - out.n.dot(a);
   double t = lean > 0.0 ? 1.0 : 0.0;
   if (out.edge >= 0) {

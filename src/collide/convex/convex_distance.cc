@@ -7,14 +7,19 @@
 namespace mjcf_pdg {
 namespace {
 
-// Ellipsoids need the most: of 23,000 random pairs with one, one does not end in so many steps.
+// The most steps of one GJK search. Ellipsoids need the most steps: of 23,000 random pairs with an
+// ellipsoid, one pair does not converge in this many.
 constexpr int kMaxSteps = 100;
-constexpr int kMaxGrowth = 250;  // of a polytope [corners]
-// Where the two bounds of a distance or depth meet: [scene's size], and as a share of it.
+constexpr int kMaxGrowth = 250;  // the most corners that Overlap adds to a polytope
+// The upper and the lower bound of a distance (or depth) agree if they differ by at most kMeet
+// [scene's size] plus kMeetShare of that distance (or depth).
 constexpr double kMeet = 1e-8, kMeetShare = 1e-6;
-constexpr double kTouching = 1e-6;  // the direction between nearer cores is not certain [size]
-// How far off the pose is that tells the normal of touching cores [size], and how well the distance
-// must be known there: a normal errs by the root of twice that share.
+// Cores closer than this have no certain normal, and a Minkowski difference thinner than this in
+// some direction counts as flat [scene's size].
+constexpr double kTouching = 1e-6;
+// SearchTouching shifts geom 2 by kAside [scene's size]. There the bounds of the distance must
+// agree to kAsideShare of it (to kLastShare in the last step): the angle by which the normal errs
+// is about the square root of twice that share [rad].
 constexpr double kAside = 1e-4;
 constexpr double kAsideShare = 1e-7, kLastShare = 1e-4;
 
@@ -83,6 +88,7 @@ bool ConvexDistance::Overlap(const RelativePose& pose, const KeptPair& pair, Fou
   for (int step = 0; step < kMaxGrowth; ++step) {
     const ExpandingPolytope::Face face = polytope_.Nearest();
     const Corner farthest = Support(pair, pose, face.n);
+    // Translating geom 2 by this length along face.n separates the cores: an upper bound.
     const double parts = farthest.x.dot(face.n);
     if (parts < least) {
       least = parts;
@@ -112,6 +118,7 @@ ConvexDistance::Ending ConvexDistance::Search(const RelativePose& pose, const Ke
       return Enclose(pose, pair) && Overlap(pose, pair, found) ? Ending::kFound : Ending::kTouching;
     }
     simplex_.Add(Support(pair, pose, -nearest.x));
+    // The plane normal to nearest.x through the new corner separates the cores: a lower bound.
     const double at_least = simplex_.Last().dot(nearest.x) / between;
     const bool last = step + 1 == kMaxSteps;
     const double wanted = last ? accuracy.last * between
@@ -126,6 +133,7 @@ ConvexDistance::Ending ConvexDistance::Search(const RelativePose& pose, const Ke
 }
 
 bool ConvexDistance::Enclose(const RelativePose& pose, const KeptPair& pair) {
+  // Adds the support point along n, unless the Minkowski difference ends there at the simplex.
   const auto add_beyond = [&](const Vector3d& n) {
     const Corner corner = Support(pair, pose, n);
     if (n.dot(corner.x - simplex_[0].x) <= kTouching * tables_.size) return false;
@@ -144,11 +152,13 @@ bool ConvexDistance::Enclose(const RelativePose& pose, const KeptPair& pair) {
   }
   const Vector3d n =
       (simplex_[1].x - simplex_[0].x).cross(simplex_[2].x - simplex_[0].x).stableNormalized();
-  return add_aside(n.dot(simplex_[0].x) > 0.0 ? Vector3d(-n) : n);  // the origin's side first
+  // The side of the triangle on which the origin is comes first.
+  return add_aside(n.dot(simplex_[0].x) > 0.0 ? Vector3d(-n) : n);
 }
 
-// A direction in which geom 2 leaves geom 1 where the cores touch: across what the simplex knows of
-// the boundary there, on the side of geom 2's centre. What it knows may be of the inside.
+// The direction is normal to the simplex, taking that for a piece of the Minkowski difference's
+// boundary; the simplex may as well lie inside, so the direction is only a first guess. The caller
+// chooses the sign.
 Vector3d ConvexDistance::WayOut(const RelativePose& pose) const {
   Vector3d out = pose.t;
   if (simplex_.size() == 3) {
@@ -164,18 +174,23 @@ Vector3d ConvexDistance::WayOut(const RelativePose& pose) const {
 ConvexDistance::Ending ConvexDistance::SearchTouching(const RelativePose& pose,
                                                       const KeptPair& pair, Found& found) {
   const Accuracy accuracy{.gap = 0.0, .share = kAsideShare, .zero = 0.0, .last = kLastShare};
-  // The others are no edge or face of anything, so that what is deep inside has a depth there.
+  // Directions in which to shift geom 2. The last three are oblique to the edges and faces that
+  // geoms usually have along their own axes: such a shift takes deeply overlapping cores out of a
+  // pose in which only flat simplices contain the origin, so that Overlap can measure the depth.
   const Vector3d ways[] = {WayOut(pose), {0.48, 0.6, 0.64}, {0.6, 0.64, -0.48}, {0.64, -0.48, 0.6}};
   for (int k = 0; k < 4; ++k) {
     const Vector3d& way = ways[k];
     RelativePose aside = pose;
     aside.t += (way.dot(pose.t) < 0.0 ? -kAside : kAside) * tables_.size * way;
     simplex_.Clear();
-    simplex_.Add(Support(pair, aside, ways[(k + 1) % 4]));  // out of a plane of symmetry
+    // The first corner is sought in another direction than the shift: were all of them in a plane
+    // of symmetry, the simplex would stay in that plane.
+    simplex_.Add(Support(pair, aside, ways[(k + 1) % 4]));
     const double anywhere = std::numeric_limits<double>::infinity();
     if (Search(aside, pair, anywhere, accuracy, found) != Ending::kFound) continue;
-    // The plane's overlap at the real pose; of what is deep, at most the depth aside less the
-    // shift.
+    // `here` is the signed gap of the cores along the normal at the real pose. If the cores overlap
+    // at the shifted pose by more than the shift, the real depth is at least the depth there less
+    // the shift; of this lower bound and the upper bound -here, the smaller depth is taken.
     const double here = -Support(pair, pose, found.n).x.dot(found.n);
     const double way_there = kAside * tables_.size;
     found.distance =

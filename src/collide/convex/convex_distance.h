@@ -1,13 +1,18 @@
-// Signed distances of convex geoms, starting from what was nearest when last asked.
+// The narrow phase for convex geoms: signed distance, witness points and normal of one kept pair.
+// ContactFinder (collide/contacts.h) asks it.
 //
-// From one configuration to the next the nearest features hardly change: a farthest point or two
-// prove that, where mj_geomDistance starts anew (measured in bench/README.md). Apart, the distance
-// of the points found so far is an upper bound and a plane between the geoms gives a lower one;
-// overlapping, see expanding_polytope.h. Cores that all but touch have no nearest points to tell a
-// normal: it is that of a pose a little aside. Where two bounds do not meet there is no answer.
+// The search is the GJK algorithm on the Minkowski difference of the two cores (support_points.h):
+// geom 1 minus geom 2, in the frame of geom 1. Each search starts from the simplex that the last
+// search of the same pair ended with. Between close configurations that simplex hardly changes, so
+// one or two support points are enough to confirm it, while mj_geomDistance starts anew each time
+// (measured in bench/README.md). If the cores are apart, the points found so far give an upper
+// bound of the distance and a separating plane gives a lower bound; the search ends when the two
+// agree. If the cores overlap, the penetration depth comes from the expanding polytope algorithm.
+// If the cores nearly touch, their nearest points are too close to define a normal; the normal is
+// then the one found with geom 2 shifted a little.
 //
 // Source: Gilbert, Johnson, Keerthi: A fast procedure for computing the distance between complex
-// objects in three-dimensional space, 1988.
+// objects in three-dimensional space, 1988. For overlaps see expanding_polytope.h.
 #ifndef MJCF_PDG_SRC_COLLIDE_CONVEX_CONVEX_DISTANCE_H_
 #define MJCF_PDG_SRC_COLLIDE_CONVEX_CONVEX_DISTANCE_H_
 
@@ -21,77 +26,98 @@
 
 namespace mjcf_pdg {
 
-// One per thread.
+// Not thread-safe, since it remembers a simplex per pair: use one object per thread.
 class ConvexDistance {
  public:
+  // `tables` must outlive this object.
   explicit ConvexDistance(const SceneTables& tables);
 
-  // What follows does not depend on the questions before.
+  // Drops the remembered simplices, so that later answers do not depend on earlier questions.
   void Forget();
 
+  // kNear: `gap` holds the answer. kBeyond: the distance is `cutoff` or more. kUnknown: one of the
+  // geoms is of a type without support points (SDF, height field) or the search did not converge.
   enum class Answer { kNear, kBeyond, kUnknown };
-  // The signed distance of a kept pair [m], in world axes. kBeyond: it is not below `cutoff`.
+  // Measures the signed distance of SceneTables::pairs[pair] at the pose in `posed`: the geoms'
+  // Euclidean distance if they are apart, minus their penetration depth if they overlap. Meshes
+  // count as their convex hulls; geom 1 may be a plane. `cutoff` is in m. `gap` (in the world frame
+  // W) is valid only after kNear.
   Answer Ask(const PosedModel& posed, int pair, double cutoff, SignedGap& gap);
 
  private:
   using Corner = Simplex::Corner;
-  // Points of geom 1 and geom 2 in their own frames: of the geoms wherever these are.
+  // A point of core 1 in the frame of geom 1 and a point of core 2 in the frame of geom 2. They
+  // stay points of the cores when the geoms move.
   struct Points {
     Vector3d p1_G, p2_G;
   };
-  struct Memory {  // the last simplex
+  // The simplex with which the last search of a pair ended; empty (size 0) if there is none.
+  struct Memory {
     int size = 0;
     Points corners[4];
   };
-  // Geom 2 in the frame of geom 1.
+  // Rotation and origin [m] of geom 2's frame in the frame of geom 1.
   struct RelativePose {
     Matrix3d R;
     Vector3d t;
 
-    Corner CornerOf(const Points& points) const;  // in the frame of geom 1
+    Corner CornerOf(const Points& points) const;  // the corner is in the frame of geom 1
     Points PointsOf(const Corner& corner) const;
   };
 
+  // As Ask, for a pair whose geom 1 is a plane: one support point of geom 2 gives the distance.
   Answer AskPlane(const PosedModel& posed, const KeptPair& pair, double cutoff,
                   SignedGap& gap) const;
-  // What is nearest of two cores, or the foot of their depth, in the frame of geom 1.
+  // The signed distance of two cores with its witness points, in the frame of geom 1.
   struct Found {
-    Corner nearest;
-    Vector3d n;       // unit, from geom 1 to geom 2
-    double distance;  // signed [m]
+    Corner nearest;   // p1 and p2: the witness points on core 1 and core 2
+    Vector3d n;       // unit normal, from core 1 to core 2
+    double distance;  // negative: minus the cores' penetration depth [m]
   };
-  // How near the upper and the lower bound of a distance must come: `gap` and `share` of how far
-  // the distance is from `zero`; in the last step `last` of the distance. Lengths in m.
+  // When the upper bound d of the cores' distance counts as found: its excess over the lower bound
+  // is at most gap + share · |d - zero| or, in the last step that a search may make, last · d.
+  // `gap` and `zero` are in m. With `zero` the sum of the core radii, |d - zero| is the magnitude
+  // of the geoms' signed distance.
   struct Accuracy {
     double gap, share, zero, last;
   };
+  // How a search ended. kFound: `found` holds the answer. kBeyond: the cores' distance is the
+  // cutoff or more. kTouching: the cores are too close for a normal, and no polytope around the
+  // origin was found. kUnknown: it did not converge.
   enum class Ending { kFound, kBeyond, kTouching, kUnknown };
 
-  // Continues from simplex_. kBeyond: not below `cutoff` [m]; kTouching: the cores are too near for
-  // a direction.
+  // GJK from the corners in simplex_, or from a first support point if it is empty. Leaves the last
+  // simplex there. `cutoff` applies to the distance of the cores [m].
   Ending Search(const RelativePose& pose, const KeptPair& pair, double cutoff,
                 const Accuracy& accuracy, Found& found);
-  // Where the origin is on the simplex: adds corners until there are four. False where the cores'
-  // difference is flat there.
+  // If the origin lies on a simplex of fewer than four corners, adds support points until simplex_
+  // is a tetrahedron. Whether the origin is inside is for ExpandingPolytope::Start to tell. Returns
+  // false if the Minkowski difference is too flat for a tetrahedron (two parallel segments, say).
   bool Enclose(const RelativePose& pose, const KeptPair& pair);
-  // Of cores whose difference is flat or that are apart by hardly anything.
+  // The second attempt, after Search ended with kTouching or kUnknown: takes the normal from a pose
+  // with geom 2 shifted a little, and the distance along that normal at the real pose. Returns
+  // kFound or kUnknown; overwrites simplex_.
   Ending SearchTouching(const RelativePose& pose, const KeptPair& pair, Found& found);
+  // A unit direction, in the frame of geom 1, in which to shift geom 2 off geom 1.
   Vector3d WayOut(const RelativePose& pose) const;
-  // The corner of the geoms' Minkowski difference that is farthest along n.
+  // The support point of the cores' Minkowski difference: the corner farthest along n.
   Corner Support(const KeptPair& pair, const RelativePose& pose, const Vector3d& n) const;
   void RecallSimplex(const RelativePose& pose, const Memory& memory);
   void RememberSimplex(const RelativePose& pose, int pair);
-  // The depth that no move can undercut, along the normal along which the shortest known move parts
-  // the cores. Where the two do not meet, as for deep round bodies, they differ by up to 1e-4 of
-  // it. False where the simplex is too flat to begin.
+  // The penetration depth of overlapping cores, by a polytope that grows from the tetrahedron in
+  // simplex_. The depth is the polytope's lower bound: no shorter translation separates the cores.
+  // The normal is the direction of the shortest separating translation found. The lengths of the
+  // two agree to kMeet and kMeetShare where the search converges; for deeply overlapping round
+  // geoms they may differ by 1e-4 of the depth. Returns false if the tetrahedron is too flat or
+  // does not contain the origin.
   bool Overlap(const RelativePose& pose, const KeptPair& pair, Found& found);
 
   const SceneTables& tables_;
-  std::vector<char> knows_;       // per kept pair
+  std::vector<char> knows_;       // per kept pair: Ask can measure geoms of these types
   std::vector<Memory> memories_;  // per kept pair
-  std::vector<int> remembered_;   // those that are not empty
-  Simplex simplex_;               // in the frame of geom 1
-  ExpandingPolytope polytope_;    // ... around the origin, if that is in the simplex
+  std::vector<int> remembered_;   // the pairs whose memory is not empty
+  Simplex simplex_;               // of the search under way, in the frame of geom 1
+  ExpandingPolytope polytope_;    // scratch of Overlap
 };
 
 }  // namespace mjcf_pdg

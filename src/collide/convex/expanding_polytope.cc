@@ -8,9 +8,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A point so near to a face's plane is not beyond it [farthest of the first corners].
+// A point beyond a face's plane by less than this counts as on it [distance from the origin of the
+// farthest of the first four corners].
 constexpr double kBeside = 1e-10;
-constexpr double kFlat = 1e-9;  // sine of a triangle's angle: none
+constexpr double kFlat = 1e-9;  // a triangle counts as degenerate if an angle's sine is smaller
 
 }  // namespace
 
@@ -41,10 +42,9 @@ bool ExpandingPolytope::AddFace(int a, int b, int c) {
   if (!(squared > kFlat * kFlat * ab.squaredNorm() * ac.squaredNorm())) return false;
   const Vector3d n = normal / std::sqrt(squared);
   faces_.push_back({{a, b, c}, n, n.dot(corners_[a].x)});
-  return faces_.back().distance > -beside_;  // the origin is inside
+  return faces_.back().distance > -beside_;  // else the origin is outside
 }
 
-// Puts the edges in their order.
 bool ExpandingPolytope::HorizonIsOneLoop() {
   for (std::size_t k = 0; k + 1 < horizon_.size(); ++k) {
     const auto next = std::find_if(horizon_.begin() + k + 1, horizon_.end(),
@@ -63,7 +63,9 @@ bool ExpandingPolytope::Add(const Corner& corner) {
       ++k;
       continue;
     }
-    for (int side = 0; side < 3; ++side) {  // an edge that two such faces share is not on it
+    // The corner sees this face: its edges are on the horizon, unless another such face shares
+    // them.
+    for (int side = 0; side < 3; ++side) {
       const Edge edge{face.corners[side], face.corners[(side + 1) % 3]};
       const auto twin = std::find_if(horizon_.begin(), horizon_.end(), [&](const Edge& e) {
         return e.from == edge.to && e.to == edge.from;

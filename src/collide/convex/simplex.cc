@@ -8,19 +8,21 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kFlat = 1e-12;  // height of a tetrahedron over an edge: none
+// A tetrahedron counts as flat if its fourth corner's height over a face is smaller than this share
+// of an edge.
+constexpr double kFlat = 1e-12;
 
-// Some of the corners, and their weights in the mean that is nearest to the origin.
+// A face of the simplex (vertex, edge or triangle) with its point nearest to the origin.
 struct Face {
   int corners[4];
-  double weights[4];
+  double weights[4];  // barycentric coordinates of that point
   int size = 0;
-  double squared = std::numeric_limits<double>::infinity();  // of that distance
+  double squared = std::numeric_limits<double>::infinity();  // its squared distance from the origin
 };
 
 Face VertexFace(int a, const Vector3d& x) { return {{a}, {1.0}, 1, x.squaredNorm()}; }
 
-// Between a and b, at `t` of the way.
+// The face with corners a and b whose nearest point is xa + t (xb - xa).
 Face EdgeFace(int a, int b, const Vector3d& xa, const Vector3d& xb, double t) {
   return {{a, b}, {1.0 - t, t}, 2, (xa + t * (xb - xa)).squaredNorm()};
 }
@@ -33,8 +35,9 @@ Face NearestOfEdge(int a, int b, const Vector3d x[4]) {
   return EdgeFace(a, b, x[a], x[b], at / length);
 }
 
-// By the Voronoi regions of the triangle's corners, edges and middle. Areas are measured by the
-// normal, since differences of products of lengths lose the digits of thin triangles.
+// By the Voronoi regions of the triangle's vertices, edges and interior (Ericson, Real-Time
+// Collision Detection, 5.1.5). Signed areas (of_a, of_b, of_c) come from cross products along the
+// normal: differences of products of lengths would cancel for thin triangles.
 Face NearestOfTriangle(int a, int b, int c, const Vector3d x[4]) {
   const Vector3d ab = x[b] - x[a], ac = x[c] - x[a];
   const double ab_a = -ab.dot(x[a]), ac_a = -ac.dot(x[a]);
@@ -64,13 +67,15 @@ Face NearestOfTriangle(int a, int b, int c, const Vector3d x[4]) {
   return face;
 }
 
-// The plane through a, b and c parts the origin from d, or the volume is too small to tell.
+// True if the plane through a, b and c separates the origin from d, or if the tetrahedron is too
+// flat to tell.
 bool Beyond(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& d) {
   const Vector3d normal = (b - a).cross(c - a);
   const double origin = -normal.dot(a), fourth = normal.dot(d - a);
   return origin * fourth <= 0.0 || std::abs(fourth) < kFlat * normal.norm() * (d - a).norm();
 }
 
+// If the origin is inside, the face returned is empty (size 0).
 Face NearestOfTetrahedron(const Vector3d x[4]) {
   constexpr int kFaces[4][4] = {{0, 1, 2, 3}, {0, 1, 3, 2}, {0, 2, 3, 1}, {1, 2, 3, 0}};
   Face best;
@@ -112,7 +117,7 @@ void Simplex::KeepClosestSubSimplex() {
       face = NearestOfTetrahedron(x);
       if (face.size == 0) return;  // the origin is inside
   }
-  for (int k = 0; k < face.size; ++k) {  // in their order: none is overwritten
+  for (int k = 0; k < face.size; ++k) {  // face.corners ascend, so none is overwritten too early
     corners_[k] = corners_[face.corners[k]];
     corners_[k].weight = face.weights[k];
   }

@@ -1,4 +1,5 @@
-// The point nearest to the origin of the hull of at most four points.
+// A simplex of one to four points and its point nearest to the origin: the inner step of the GJK
+// search in ConvexDistance.
 #ifndef MJCF_PDG_SRC_COLLIDE_CONVEX_SIMPLEX_H_
 #define MJCF_PDG_SRC_COLLIDE_CONVEX_SIMPLEX_H_
 
@@ -6,12 +7,13 @@
 
 namespace mjcf_pdg {
 
-// Corners are differences p1 - p2 of points of two bodies.
+// Its corners are points of the Minkowski difference of two bodies. All points are in one frame and
+// lengths in one unit, both of the caller's choice.
 class Simplex {
  public:
   struct Corner {
-    Eigen::Vector3d x, p1, p2;  // x = p1 - p2
-    double weight = 1.0;
+    Eigen::Vector3d x, p1, p2;  // x = p1 - p2, with p1 on body 1 and p2 on body 2
+    double weight = 1.0;        // barycentric coordinate of the nearest point
   };
 
   int size() const { return size_; }
@@ -19,14 +21,16 @@ class Simplex {
   const Eigen::Vector3d& Last() const { return corners_[size_ - 1].x; }
 
   void Clear() { size_ = 0; }
-  void Add(const Corner& corner) { corners_[size_++] = corner; }
+  void Add(const Corner& corner) { corners_[size_++] = corner; }  // at most four
   void DropLast() { --size_; }
 
-  // Weighs the corners so that their mean is nearest to the origin and drops those without weight;
-  // four are left only if the origin is inside.
+  // Reduces a non-empty simplex to the corners of its smallest face that contains the point nearest
+  // to the origin, and sets their weights. Four corners are left only if the origin is inside;
+  // their weights are then not set.
   void KeepClosestSubSimplex();
 
-  // The weighted mean of the corners: the nearest point, and where it is on either body.
+  // The weighted mean of the corners: after KeepClosestSubSimplex with at most three corners left,
+  // x is the point nearest to the origin, p1 and p2 the witness points on the bodies.
   Corner Nearest() const;
 
  private:

@@ -11,10 +11,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-// MuJoCo's own collision queries use all vertices below this, the hull from here on.
+// Meshes with fewer vertices are searched vertex by vertex, as in MuJoCo's own collision queries;
+// others by climbing along the hull's edges.
 constexpr int kHullFromVertices = 10;
 
-// Directions by the faces of a cube, each cut into squares.
+// Directions are sorted into cells: the six faces of a cube, each cut into kCells × kCells squares.
 constexpr int kCells = 8;
 
 int CellOf(const Vector3d& direction) {
@@ -104,7 +105,8 @@ bool SupportPoints::Knows(int geom) const {
   }
 }
 
-// From neighbour to neighbour, the farthest each time: on a convex hull it ends at the farthest.
+// Goes to the farthest neighbour until none is farther: on a convex hull that is the farthest
+// vertex.
 int SupportPoints::Climb(const Hull& hull, const Vector3d& direction, int vertex) const {
   double farthest = Along(direction, vertices_[hull.begin + vertex]);
   for (int at = -1; at != vertex;) {

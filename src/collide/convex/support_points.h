@@ -1,5 +1,5 @@
-// Support points of convex geoms, farthest along a direction: all that distances, depths and
-// separating planes ask of them.
+// Support functions of convex geoms: the point of a geom that is farthest along a direction. This
+// is all that distances (ConvexDistance), depths and separating planes need to know of a geom.
 #ifndef MJCF_PDG_SRC_COLLIDE_CONVEX_SUPPORT_POINTS_H_
 #define MJCF_PDG_SRC_COLLIDE_CONVEX_SUPPORT_POINTS_H_
 
@@ -13,45 +13,55 @@
 
 namespace mjcf_pdg {
 
-// What is taken off a round geom to get its core: its radius, 0 for other types [m].
+// The core of a sphere is its centre, that of a capsule its axis segment; the geom is the set of
+// points no farther from the core than this radius [m]. Other types are their own cores: 0.
 double CoreRadius(const mjModel& model, int geom);
 
-// Spheres, capsules, ellipsoids, cylinders, boxes and meshes, these as MuJoCo collides them: hulls.
-// A sphere's core is its centre, a capsule's its segment; the geom exceeds it by a radius.
-// Immutable after construction.
+// For spheres, capsules, ellipsoids, cylinders, boxes and meshes; a mesh counts as its convex hull,
+// as in MuJoCo. Immutable after construction, so threads may share it.
 class SupportPoints {
  public:
-  // Of the geoms of these pairs. Refers to the model.
+  // Prepares the hulls of the mesh geoms in `pairs`. `model` must outlive this object.
   SupportPoints(const mjModel& model, const std::vector<KeptPair>& pairs);
 
-  // False for planes, SDFs and height fields.
+  // True for the geom types above; false for planes, SDFs and height fields.
   bool Knows(int geom) const;
-  // A point of the core that is farthest along `direction_G`, both in the frame of the geom, which
-  // is one that Knows knows and in one of the pairs [m].
+  // A point of the core that is farthest along `direction_G` (any length), both in the frame of the
+  // geom [m]. Knows(geom) must hold, and a mesh geom must be in one of the pairs.
   Eigen::Vector3d Support(int geom, const Eigen::Vector3d& direction_G) const;
-  // Of a mesh geom of the pairs: points whose hull it is, in its frame [m].
+  // Points whose convex hull a mesh geom is, in its frame [m]. The geom must be in one of the
+  // pairs. Valid as long as this object.
   std::span<const Eigen::Vector3f> HullPoints(int geom) const;
 
  private:
+  // Vertices of a hull are numbered from 0; number k is vertices_[begin + k].
   struct Hull {
-    int begin = 0, end = 0;  // vertices
-    int starts = -1;         // its part of starts_; -1: without edges
+    int begin = 0, end = 0;
+    int starts = -1;  // where its entries in starts_ begin; -1: small, without edges
   };
+  // A vertex at the other end of an edge, with its position, so that climbing reads memory in
+  // order.
   struct Neighbour {
     Eigen::Vector3f p;
     int vertex = 0;
   };
 
   void AddHull(int mesh);
+  // The farthest vertex of a hull along the direction, by hill climbing from `vertex` (Climb) or by
+  // looking at all vertices.
   int Climb(const Hull& hull, const Eigen::Vector3d& direction, int vertex) const;
   int LookAtAll(const Hull& hull, const Eigen::Vector3d& direction) const;
 
   const mjModel& model_;
-  std::vector<Hull> hulls_;                // nmesh
+  std::vector<Hull> hulls_;                // nmesh; empty for meshes that no pair needs
   std::vector<Eigen::Vector3f> vertices_;  // of all hulls
-  std::vector<int> first_neighbour_;       // of each vertex, and of one beyond the last
-  std::vector<Neighbour> neighbours_;      // joined to it by an edge; counted from the hull's first
-  std::vector<int> starts_;                // the farthest vertex along some direction of each cell
+  // Entry v: where the neighbours of vertices_[v] begin in neighbours_. One more entry ends the
+  // last.
+  std::vector<int> first_neighbour_;
+  std::vector<Neighbour> neighbours_;
+  // Per hull with edges and cell of directions: the farthest vertex along the cell's middle, where
+  // Climb starts.
+  std::vector<int> starts_;
 };
 
 }  // namespace mjcf_pdg

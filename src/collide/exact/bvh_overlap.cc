@@ -8,17 +8,23 @@
 namespace mjcf_pdg {
 namespace {
 
-constexpr double kNoDepth = 1e-7;    // depths below this have no direction (2e-11 m)
-constexpr double kDeepEnough = 1.1;  // stop when nothing is deeper than this factor
-constexpr double kWorthARow = 0.3;   // of the deepest found so far
-constexpr double kShallow = 1e-3;    // of the smaller mesh's radius
-constexpr int kMaxWays = 8;          // rows of one overlap
-// Faces that rest on each other cross by rounding of their vertices, which is 6e-8 of the size:
-// some six times that (4e-8 m in scenes of 0.1 m).
+// Smaller depths define no direction [tree units; 2e-11 m in scenes of size 0.1 m].
+constexpr double kNoDepth = 1e-7;
+// The search ends when no point can be deeper than this factor times the deepest found.
+constexpr double kDeepEnough = 1.1;
+// A point is reported if it is deeper than this share of the deepest found so far on its side.
+constexpr double kWorthARow = 0.3;
+// Where no point is deeper than this, AppendCommonPoint tries, too [smaller mesh's radius].
+constexpr double kShallow = 1e-3;
+constexpr int kMaxWays = 8;  // the most gaps of one overlap
+// Vertices are rounded to 6e-8 of the scene's size (MuJoCo stores float). Triangles of resting
+// faces cross by that; this is some six times as much [tree units; 4e-8 m in scenes of size 0.1 m].
 constexpr double kGrazing = 1.6e-4;
+// Above this cosine of the angle between their normals, gaps in one place count as the same.
 constexpr double kSameDirection = 0.9;
 
-// Points of each mesh inside the other, by branch and bound on their depth.
+// Searches for the deepest points of each mesh inside the other, by branch and bound over both
+// hierarchies. A mesh that is not closed has no inside.
 class DepthSearch {
  public:
   DepthSearch(const BvhPair& pair, int most_parts, std::vector<WayOut>& ways)
@@ -49,13 +55,14 @@ class DepthSearch {
   }
 
  private:
-  // Points of one mesh in the other one's frame.
+  // One direction of the search: points of the mesh `from` inside the mesh `in`. All points of a
+  // Part are in the frame of `in`.
   struct Side {
     const TriangleBvh& from;
     const TriangleBvh& in;
-    const RelativePose pose;  // from -> in
+    const RelativePose pose;  // from frame `from` to frame `in`
 
-    // How far the box reaches from x.
+    // An upper bound of the distance from x to the points of a box of `from`.
     double Reach(int box, const Vector3d& x) const {
       const OrientedBox& shape = from.tree().BoxOf(box);
       const Vector3d away = pose * shape.Center().cast<double>() - x;
@@ -63,14 +70,15 @@ class DepthSearch {
       return (local.cwiseAbs() + shape.half.cast<double>()).norm();
     }
   };
-  // Asked: how deep some vertex x of it is. If not, x and what is known of it are its parent's.
+  // A box of one side's mesh, in the queue. Once it is `asked`, the depth of one of its vertices,
+  // x, is known; until then x, nearest and winding are those of its parent.
   struct Part {
-    double bound = std::numeric_limits<double>::infinity();  // no point of it is deeper
+    double bound = std::numeric_limits<double>::infinity();  // of the depth of the box's points
     int side = 0;
     int box = BoxTree::kRoot;
     Vector3d x = Vector3d::Zero();
-    SurfacePoint nearest = {};  // to x
-    int winding = 0;            // round x
+    SurfacePoint nearest = {};  // the other surface's nearest point to x
+    int winding = 0;            // of the other surface round x; not 0: x is inside
     bool asked = false;
 
     bool Knows() const { return nearest.triangle >= 0; }
@@ -81,8 +89,8 @@ class DepthSearch {
     }
   };
 
-  // Depths change no faster than points move, and none is farther from the surface than from x's
-  // nearest point.
+  // Sets the upper bound of the box's depths by two facts: a depth changes no faster than the point
+  // moves, and no point is deeper than its distance from the surface point part.nearest.
   void Bound(Part& part) const {
     const Side& side = sides_[part.side];
     part.bound = std::min({part.bound, part.Depth() + side.Reach(part.box, part.x),
@@ -101,8 +109,9 @@ class DepthSearch {
     if (part.winding != 0) Record(part.side, part.nearest, x, triangle);
   }
 
-  // Of a point near the part's own; the same, if no surface is between the two. On a surface it is
-  // neither inside nor outside.
+  // The winding number of x, a point near part.x. It is that of part.x if x is nearer to part.x
+  // than the surface; else crossings between the two are counted. Where part.x is on the surface
+  // its own winding number means nothing, and that of x is computed anew.
   int WindingBeside(const Part& part, const Vector3d& x) const {
     const TriangleBvh& in = sides_[part.side].in;
     if ((x - part.x).norm() < part.nearest.distance) return part.winding;
@@ -110,7 +119,8 @@ class DepthSearch {
     return on_surface ? in.Winding(x) : in.WindingFrom(part.x, part.winding, x);
   }
 
-  // Those that may have points inside the other mesh: its root's box holds all of it.
+  // Pushes the children that may have points inside the other mesh: those that may meet its root's
+  // box.
   void PushChildren(const Part& parent) {
     const bool of_a = parent.side == 0;
     const BvhPair::Boxes boxes =
@@ -130,7 +140,7 @@ class DepthSearch {
     Vector3d x[3];
     for (int k = 0; k < 3; ++k) x[k] = side.pose * side.from.Corner(triangle, k);
     for (const Vector3d& p : {x[1], x[2], Vector3d((x[0] + x[1] + x[2]) / 3.0)}) AskPoint(p, leaf);
-    // No surface within: its edges cross nothing.
+    // If the other surface is farther from leaf.x than all of the triangle, no edge crosses it.
     if (leaf.nearest.distance > side.Reach(leaf.box, leaf.x)) return;
     for (int k = 0; k < 3; ++k) AskEdge(x[k], x[(k + 1) % 3], leaf);
   }
@@ -156,7 +166,8 @@ class DepthSearch {
     return depth > std::max(kNoDepth, kWorthARow * deepest_[of]);
   }
 
-  // x, of a triangle of the side's mesh, is inside the other.
+  // Appends the way out of x, a point of `triangle` of the mesh sides_[of].from inside the other
+  // mesh, if it is deep enough. `way_out` is the other surface's nearest point.
   void Record(int of, const SurfacePoint& way_out, const Vector3d& x, int triangle) {
     if (!WorthARow(of, way_out.distance)) return;
     deepest_[of] = std::max(deepest_[of], way_out.distance);
@@ -175,16 +186,17 @@ class DepthSearch {
   }
 
   const BvhPair& pair_;
-  const Side sides_[2];   // a in b, b in a
-  const int most_parts_;  // asked for the depth of some vertex
-  std::priority_queue<Part> parts_;
-  std::vector<double> crossings_;
-  double deepest_[2] = {0.0, 0.0};  // of each side
-  std::vector<WayOut>& ways_;       // in the frame of a
+  const Side sides_[2];              // points of a in b, points of b in a
+  const int most_parts_;             // the most boxes to be asked
+  std::priority_queue<Part> parts_;  // the largest bound first
+  std::vector<double> crossings_;    // scratch of AskEdge
+  double deepest_[2] = {0.0, 0.0};   // the largest depth found on each side
+  std::vector<WayOut>& ways_;        // the result, in the frame of a
 };
 
-// Where the surfaces coincide, or nearly, their points say little: a point below one's surface may
-// be deep inside both.
+// Where the two surfaces nearly coincide, no point of one is deep inside the other. This looks
+// along the inward normal of a triangle of a that is nearest to b, for the point inside both meshes
+// that is deepest in b, and appends its ways out of b.
 void AppendCommonPoint(const BvhPair& pair, std::vector<WayOut>& ways) {
   if (!pair.a().closed() || !pair.b().closed()) return;
   const NearestTriangles near = pair.Nearest(std::numeric_limits<double>::infinity());
@@ -288,7 +300,7 @@ double TriangleOverlap(const Vector3d first[3], const Vector3d second[3], Vector
       low2 = std::min(low2, u.dot(second[k]));
       high2 = std::max(high2, u.dot(second[k]));
     }
-    const double forward = high1 - low2, backward = high2 - low1;  // the second moves by ±u
+    const double forward = high1 - low2, backward = high2 - low1;  // along u, along -u
     if (std::min(forward, backward) >= least) return;
     least = std::min(forward, backward);
     n = forward <= backward ? u : Vector3d(-u);

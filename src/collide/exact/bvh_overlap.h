@@ -1,20 +1,24 @@
-// How deep two triangle meshes overlap, as rows for a contact matrix.
+// How deep two triangle meshes overlap, as features from which a contact matrix gets its rows.
 //
-// Definition. A point of one surface inside the other mesh has as depth its distance from that
-// other surface. Asked are the vertices, the triangles' middles and, of every edge, the middles of
-// its parts inside: where two closed polyhedra overlap one of these is inside, unless they
-// coincide, so the depth is never 0 there. `depth` is the largest one found by branch and bound (a
-// point's depth changes no faster than the point moves), within a budget of nodes and 10 %. The
-// direction is that of the shortest way out. This is the two-sided Hausdorff depth on vertices and
-// edges (Tang, Lee, Kim: Interactive Hausdorff distance computation for general polygonal models,
-// 2009), not the penetration depth by translation: that one is at least as large.
+// Definition. The depth of a point of one surface that is inside the other mesh is its distance
+// from that other surface; the direction is that to its nearest point there. The points tried are
+// the vertices, the centroids of the triangles and, on every edge, the middle of each segment
+// between crossings of the other surface. Where two closed polyhedra overlap and do not coincide,
+// one of these points is inside, so that the depth is not 0. The reported depth is the largest that
+// branch and bound finds (a point's depth changes no faster than the point moves): at least 1/1.1
+// of the largest among these points, unless the budget of boxes ends the search earlier. This is
+// the two-sided Hausdorff depth on vertices and edges (Tang, Lee, Kim: Interactive Hausdorff
+// distance computation for general polygonal models, 2009). The translational penetration depth is
+// at least as large.
 //
-// A deepest point may lie past the middle of the other mesh, with its shortest way out on the far
-// side: ways out along which the two surfaces face the same way are used only if there is no other.
+// A point may lie past the middle of the other mesh, so that its shortest way out is on the far
+// side. Then the two surfaces face the same way along it. Such ways out are reported only if there
+// are no others.
 //
-// Where no such point is found (meshes that are not closed; meshes that coincide), the depth is the
-// largest of the least overlaps of two intersecting triangles: triangle-sized.
-// Tree units (triangle_bvh.h), in the frame of mesh a.
+// Where these points are hardly inside, as of meshes that coincide, points inside both meshes are
+// tried, too. Where none is found (meshes that are not closed), the depth is the smallest overlap
+// of two intersecting triangles.
+// Lengths are in tree units (triangle_bvh.h), points and directions in the frame of mesh a.
 #ifndef MJCF_PDG_SRC_COLLIDE_EXACT_BVH_OVERLAP_H_
 #define MJCF_PDG_SRC_COLLIDE_EXACT_BVH_OVERLAP_H_
 
@@ -25,39 +29,43 @@
 
 namespace mjcf_pdg {
 
-// A way out of an overlap: distance = n · (p2 - p1) < 0, as SignedGap.
+// A translation by which one point of an overlap gets out: gap.distance = n · (p2 - p1) < 0.
 struct WayOut {
   SignedGap gap;
-  bool faces_apart = true;  // the surfaces face each other along it
+  // The two surfaces face each other along n (their outward normals oppose), as at a contact.
+  bool faces_apart = true;
 };
 
-// A point of some piece of one mesh is inside the other. To be asked when no triangles intersect.
+// True if a mesh has a connected piece with a point inside the other mesh. If no triangles
+// intersect, that piece is wholly inside.
 bool Contained(const BvhPair& pair);
 
-// How many parts of the two meshes to look at for the depth of an overlap: a quick look, and one
-// that finds the threads of a nut.
+// The number of boxes of the two hierarchies of which AppendOverlaps measures a vertex: for a quick
+// search, and for one that is thorough enough to find the threads of a nut on its bolt.
 constexpr int kFewParts = 75, kManyParts = 1700;
 
-// The overlap of two meshes that intersect or contain each other: appends at least one gap of
-// distance <= 0, those along which the surfaces face each other first, of those the deepest; others
-// are at other places or in other directions. Of the meshes at most `most_parts` parts are looked
-// at.
+// Measures the overlap of two meshes that intersect or contain each other: appends at least one gap
+// with distance <= 0, in the order and number of AppendDeepest. `most_parts` is kFewParts or
+// kManyParts. If nothing can be measured the gap is a default SignedGap.
 void AppendOverlaps(const BvhPair& pair, int most_parts, std::vector<SignedGap>& out);
 
-// The deepest first; those of the same place and direction left out, then those beyond the most.
+// Appends the gaps of `ways`, the deepest first: those whose surfaces face each other or, if there
+// are none, one of the others. Of ways of nearly the same direction whose p1 are closer than
+// `patch` the deepest is kept. Sorts `ways`.
 void AppendDeepest(std::vector<WayOut>& ways, double patch, std::vector<SignedGap>& out);
 
-// The overlap of two meshes of which some triangles intersect, as of faces that rest on each other
-// and cross by rounding: if a move of kGrazing along the normal of one of `crossing` parts the
-// meshes, that. None if not.
+// Faces that rest on each other cross by rounding of their vertices. If a translation of mesh b by
+// kGrazing along a normal of the two triangles `crossing`, which intersect, separates the meshes,
+// returns that translation as a gap of distance -kGrazing; else nothing.
 std::optional<SignedGap> Graze(const BvhPair& pair, const NearestTriangles& crossing);
 
-// What two crossing triangles tell by themselves: the least move that parts them.
+// The shortest translation that separates the two triangles `crossing`, which intersect.
 SignedGap TriangleGap(const BvhPair& pair, const NearestTriangles& crossing);
 
-// The least overlap of two triangles' projections on an axis: how far they must be moved apart, at
-// most, and the direction from the first to the second. Negative when an axis separates them.
-// Both triangles may be degenerate.
+// The smallest overlap of the projections of two triangles on the axes of the separating-axis test.
+// A translation of the second triangle by it along n, a unit vector, separates the two. Negative if
+// they are apart along some axis. Either triangle may be degenerate; if no axis has a length,
+// returns infinity and leaves n alone.
 double TriangleOverlap(const Vector3d first[3], const Vector3d second[3], Vector3d& n);
 
 }  // namespace mjcf_pdg

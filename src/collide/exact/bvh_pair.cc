@@ -10,17 +10,22 @@
 namespace mjcf_pdg {
 namespace {
 
-constexpr double kFaceLike = 0.9;         // cosine between a row's normal and a face's
-constexpr double kSameDirection = 0.999;  // cosine; nearer ones are merged
-constexpr int kGuesses = 3;
-constexpr std::size_t kMaxPatches = 32;  // pairs of patches asked
-constexpr int kPerPatch = 2;             // ... of which as many of the same patches
-constexpr int kMaxParts = 3000;          // pairs of nodes looked at
-constexpr double kLargestMargin = 0.1;   // of the smaller mesh's radius
+// A feature's normal counts as a face's above this cosine of the angle between the two.
+constexpr double kFaceLike = 0.9;
+// Features in one place are merged above this cosine of the angle between their normals.
+constexpr double kSameDirection = 0.999;
+constexpr int kGuesses = 3;              // rounds of the alternating projection in Guess
+constexpr std::size_t kMaxPatches = 32;  // the most pairs of patches whose distance is measured
+// A pair of patches is skipped if both were already measured this many times, with others.
+constexpr int kPerPatch = 2;
+constexpr int kMaxParts = 3000;         // the most pairs of boxes that Patches looks at
+constexpr double kLargestMargin = 0.1;  // of features [smaller mesh's radius]
+// The width of a patch, per margin and at least per radius of the smaller mesh.
 constexpr double kPatchPerMargin = 0.5, kPatchPerRadius = 0.25;
 
+// A box of each mesh, waiting in the queue of Patches.
 struct Part {
-  double bound = 0.0;  // no triangles of it are nearer
+  double bound = 0.0;  // a lower bound of the distance of their triangles
   int a = BoxTree::kRoot, b = BoxTree::kRoot;
 };
 
@@ -37,7 +42,7 @@ Matrix4f Homogeneous(const RelativePose& pose) {
   return matrix;
 }
 
-// Between the projections of two triangles.
+// The signed gap between the projections of two triangles on n, times the length of n.
 double GapAlong(const Vector3d& n, const Vector3d a[3], const Vector3d b[3]) {
   const Eigen::Array3d on_a(n.dot(a[0]), n.dot(a[1]), n.dot(a[2]));
   const Eigen::Array3d on_b(n.dot(b[0]), n.dot(b[1]), n.dot(b[2]));
@@ -89,7 +94,6 @@ NearestTriangles BvhPair::OfTriangles(int a, int b, const Corners& at) {
   return near;
 }
 
-// By the directions of the two planes and of the nearest points so far.
 bool BvhPair::Apart(int a, int b, const Corners& at, double cutoff,
                     const NearestTriangles& best) const {
   if (GapAlong(a_.Normal(a), at.a, at.b) >= cutoff) return true;
@@ -109,7 +113,8 @@ NearestTriangles BvhPair::Nearest(Boxes boxes, double cutoff, const NearestTrian
   return best;
 }
 
-// From the middle of b to the surfaces, to and fro: often the nearest, and a bound in any case.
+// Alternating projection: from the centre of b to the nearest point of a, from there to the nearest
+// point of b, and so on. The result is often the nearest pair, and an upper bound in any case.
 NearestTriangles BvhPair::Guess() const {
   const RelativePose a_in_b = pose_.Inverse();
   SurfacePoint on_a, on_b;
@@ -148,15 +153,15 @@ Vector3d BvhPair::Normal(const NearestTriangles& near) const {
   return -(pose_.R * b_.Normal(near.b));
 }
 
-// Best first: the parts with the smallest bound are split until both are patches; those are asked
-// for their nearest triangles.
+// Best-first search: the two boxes with the smallest lower bound are split until each is a patch or
+// a leaf; then the nearest triangles of the two patches are sought.
 void BvhPair::Patches(double margin, double patch, std::vector<NearestTriangles>& out) const {
   std::priority_queue<Part, std::vector<Part>, NearestFirst> parts;
   parts.push({});
   auto is_patch = [patch](const BoxTree& tree, int box) {
     return tree.IsLeaf(box) || tree.HalfDiagonal(box) <= 0.5 * patch;
   };
-  std::vector<int> asked_a, asked_b;  // patches; none is asked again and again
+  std::vector<int> asked_a, asked_b;  // the pairs of patches measured so far
   auto known = [](const std::vector<int>& asked, int patch_box) {
     return std::count(asked.begin(), asked.end(), patch_box) >= kPerPatch;
   };
@@ -184,8 +189,9 @@ void BvhPair::Patches(double margin, double patch, std::vector<NearestTriangles>
   }
 }
 
-// The other side of a patch's border is no obstacle: a direction that is neither a face's nor that
-// of mutually nearest points says nothing about where the meshes would meet.
+// The nearest points of two patches may be on a patch's border, beyond which the surface goes on:
+// the direction between them then says nothing about where the meshes would meet. It does if it is
+// nearly the normal of one of the two faces, or if each point is the other mesh's nearest one.
 bool BvhPair::BoundsMotion(const NearestTriangles& near) const {
   const Vector3d n = (near.pb - near.pa) / near.distance;
   if (std::abs(n.dot(a_.Normal(near.a))) > kFaceLike) return true;

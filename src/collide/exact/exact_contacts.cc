@@ -9,14 +9,18 @@
 namespace mjcf_pdg {
 namespace {
 
-constexpr double kBeside = 1e-2;  // of the smaller mesh
+// Where surfaces cross, features that are apart are sought only with a margin of at least this
+// share of the smaller mesh's radius.
+constexpr double kBeside = 1e-2;
 
 SignedGap Unmeasured(SignedGap gap) {
   gap.distance = -std::numeric_limits<double>::infinity();
   return gap;
 }
 
-// Appends the overlaps and what is wanted of the features that are apart; warm is renewed.
+// The answer for two triangle meshes, in tree units (triangle_bvh.h) and the frame of mesh a.
+// `rough`: the first feature need not be the nearest (BvhPair::RoughlyNearest). `warm` is where the
+// search starts, and receives the triangles it finds.
 void AskBvhs(const BvhPair& pair, double margin, ExactQuery query, bool rough,
              NearestTriangles& warm, std::vector<SignedGap>& out) {
   const bool nearest_alone = query == ExactQuery::kNearest;
@@ -37,12 +41,15 @@ void AskBvhs(const BvhPair& pair, double margin, ExactQuery query, bool rough,
     if (nearest_alone) return;
   }
   if (near.a < 0 || near.distance >= margin) return;
-  // Beside surfaces that cross, all are near.
+  // Close to where the surfaces cross, all triangles are nearer to each other than a small margin:
+  // such features tell nothing that the overlap does not.
   if (crossing && margin < kBeside * std::min(pair.a().radius(), pair.b().radius())) return;
   if (nearest_alone) return out.push_back({near.distance, near.pa, near.pb, pair.Normal(near)});
   pair.Features(margin, near, out);
 }
 
+// The answer for a primitive and a mesh, in tree units and the mesh's frame. `warm`, a triangle of
+// the mesh or -1, is where the search starts, and receives the triangle it finds.
 void AskField(const SdfMesh& pair, double margin, ExactQuery query, int& warm,
               std::vector<SignedGap>& out) {
   const bool nearest_alone = query == ExactQuery::kNearest;
@@ -79,7 +86,7 @@ void ExactContacts::Ask(const PosedModel& posed, int pair, double margin, ExactQ
     const BvhPair solids(*tables_.solids[g1], *tables_.solids[g2], second_in_first);
     AskBvhs(solids, reach, query, rough_, warm_[pair], out);
     box_tests_ += solids.box_tests();
-  } else {  // MuJoCo's order: the mesh comes last
+  } else {  // geom 2 is the mesh, since MuJoCo orders a pair by geom type
     const PrimitiveSdf field{m.geom_type[g1], tables_.tree_units * AsVector(m.geom_size + 3 * g1)};
     AskField({field, *tables_.solids[g2], second_in_first}, reach, query, warm_[pair].b, out);
   }

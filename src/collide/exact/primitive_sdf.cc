@@ -12,20 +12,22 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Nearer to an ellipsoid's plane of symmetry than this, in half sizes: on it.
+// A point nearer than this to the ellipsoid's plane of symmetry across its shortest axis counts as
+// on it [half size along that axis].
 constexpr double kOnPlane = 1e-14;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kMaxCuts = 120;  // of a triangle
+constexpr int kMaxCuts = 120;  // the most cuts that MinimumOnTriangle makes
 
-// What cuts leave of a triangle: a convex polygon in its plane.
+// The convex polygon that is left of a triangle after cuts.
 class Remainder {
  public:
   explicit Remainder(const Vector3d corners[3]) { std::copy_n(corners, 3, corners_.begin()); }
 
   bool empty() const { return count_ == 0; }
 
-  // By triangles about the first corner; of a thin polygon, the corners' mean.
+  // The area's centroid, by a fan of triangles about the first corner; if the area is 0, the mean
+  // of the corners.
   Vector3d Centroid() const {
     Vector3d centroid = Vector3d::Zero(), mean = Vector3d::Zero();
     double area = 0.0;
@@ -40,7 +42,7 @@ class Remainder {
     return mean;
   }
 
-  // Of direction · (x - origin) over the polygon.
+  // The minimum of direction · (x - origin) over the points x of the polygon.
   double Least(const Vector3d& direction, const Vector3d& origin) const {
     double least = kInfinity;
     for (int k = 0; k < count_; ++k) {
@@ -49,7 +51,7 @@ class Remainder {
     return least;
   }
 
-  // Keeps what is on the plane through `origin` or on the far side of its normal.
+  // Keeps the part where normal · (x - origin) <= 0.
   void Cut(const Vector3d& normal, const Vector3d& origin) {
     std::array<Vector3d, 3 + kMaxCuts> kept;
     int count = 0;
@@ -71,6 +73,7 @@ class Remainder {
   int count_ = 3;
 };
 
+// For a ball of `radius` swept along a core; `away` leads from the core's nearest point to x.
 SdfValue FromCore(const Vector3d& away, double radius) {
   const double length = away.norm();
   return {length - radius, length > 0.0 ? Vector3d(away / length) : Vector3d(Vector3d::UnitX())};
@@ -88,13 +91,15 @@ SdfValue CylinderAt(const Vector3d& x, double radius, double half) {
   return a > b ? SdfValue{a, side} : SdfValue{b, cap};
 }
 
-// In the first octant with descending half sizes e: the nearest surface point.
+// The surface point nearest to y, for descending half sizes e and y in the first octant.
 Vector3d NearestOnEllipsoid(const Vector3d& e, const Vector3d& y) {
   constexpr int kMaxSteps = 100;
   const Vector3d z = y.cwiseQuotient(e);
-  if (y.z() > 0.0) {  // the root of Σ (r_i z_i / (s + r_i))² = 1 in the least half size's units
+  if (y.z() > 0.0) {
+    // s is the root of Σ (r_i z_i / (s + r_i))² = 1, where lengths are per smallest half size.
     const Vector3d r(std::pow(e.x() / e.z(), 2), std::pow(e.y() / e.z(), 2), 1.0);
-    // Convex and falling: Newton's steps from where one term alone is 1 never pass the root.
+    // The function is convex and falling, so Newton steps that start left of the root, where one
+    // term alone is 1, never pass it.
     double s = (r.cwiseProduct(z) - r).maxCoeff();
     for (int i = 0; i < kMaxSteps; ++i) {
       const Eigen::Array3d quotient = r.cwiseProduct(z).array() / (s + r.array());
@@ -106,7 +111,7 @@ Vector3d NearestOnEllipsoid(const Vector3d& e, const Vector3d& y) {
     }
     return (r.cwiseProduct(y).array() / (s + r.array())).matrix();
   }
-  // On the plane of symmetry across the shortest axis: the nearest point may leave that plane.
+  // y is on the plane of symmetry across the shortest axis; its nearest point need not be.
   auto ratio_of = [](double numerator, double denominator) {
     if (numerator == 0.0) return 0.0;
     return numerator < denominator ? numerator / denominator : 2.0;
@@ -187,9 +192,9 @@ double PrimitiveSdf::OuterRadius() const {
   }
 }
 
-// Cuts through the centroid: where the gradient at the centroid rises, f is larger than there. Each
-// cut leaves at most 1 - 1/e of the area; the gradient inequality at the centroid bounds what the
-// rest can hold.
+// The centre of gravity method of convex optimization: where ∇f · (x - centroid) > 0, f is larger
+// than at the centroid, so that part is cut off. Each cut leaves at most 1 - 1/e of the area. The
+// gradient inequality at the centroid gives a lower bound of f on what is left.
 SdfMinimum MinimumOnTriangle(const PrimitiveSdf& field, const Vector3d corners[3], double cutoff,
                              double accuracy) {
   SdfMinimum best{kInfinity, corners[0]};
@@ -200,7 +205,8 @@ SdfMinimum MinimumOnTriangle(const PrimitiveSdf& field, const Vector3d corners[3
   };
   for (int k = 0; k < 3; ++k) ask(corners[k]);
   Remainder rest(corners);
-  double proven = -kInfinity, lowest = kInfinity;  // below `lowest` no part cut off can be
+  // Lower bounds of f: `proven` on the whole triangle, `lowest` on the parts cut off so far.
+  double proven = -kInfinity, lowest = kInfinity;
   for (int cut = 0; cut < kMaxCuts && !rest.empty(); ++cut) {
     const Vector3d centroid = rest.Centroid();
     const SdfValue value = ask(centroid);

@@ -11,13 +11,22 @@
 namespace mjcf_pdg {
 namespace {
 
-constexpr double kAccuracy = 1e-7;        // of a minimum (2e-11 m)
-constexpr double kSameDirection = 0.999;  // cosine; nearer ones are merged
+// How exactly minima of f are found, and the smallest depth that defines a direction [tree units;
+// 2e-11 m in scenes of size 0.1 m].
+constexpr double kAccuracy = 1e-7;
+// Features in one place are merged above this cosine of the angle between their normals.
+constexpr double kSameDirection = 0.999;
+// Patches ends after this many patches, or searches below a box.
 constexpr int kMaxPatches = 32, kMaxQueries = 128;
+// The width of a patch, per margin and at least per size: the smaller of the mesh's radius and the
+// primitive's.
 constexpr double kPatchPerMargin = 0.5, kPatchPerSize = 0.25;
-constexpr int kAscents = 3;
-constexpr double kBeyond = 1e-3;  // a surface this near counts as met (2e-7 m)
+constexpr int kAscents = 3;  // the most steps to deeper points in AppendWayFromWithin
+// How far from p the straight way out may meet the surface [tree units; 2e-7 m in scenes of size
+// 0.1 m].
+constexpr double kBeyond = 1e-3;
 
+// A box of the mesh with its minimum of f, waiting in the queue of Patches.
 struct Patch {
   SdfNearest nearest;
   int box = BoxTree::kRoot;
@@ -60,7 +69,8 @@ void SdfMesh::AskTriangle(int triangle, SdfNearest& best) const {
     Vector3d on_core;
     const double distance = TriangleDistance(corners, core, least.x, on_core);
     least.f = distance - field_.size[0];
-    if (distance == 0.0) {  // no points then
+    if (distance == 0.0) {
+      // The points mean nothing: take the one where the segment crosses the triangle's plane.
       const Vector3d n = pose_.R * mesh_.Normal(triangle);
       const double low = n.dot(-end - corners[0]), high = n.dot(end - corners[0]);
       const double along = low == high ? 0.5 : std::clamp(low / (low - high), 0.0, 1.0);
@@ -145,7 +155,7 @@ void SdfMesh::Features(double margin, const SdfNearest& first, std::vector<Signe
   const std::size_t begin = out.size();
   for (const SdfNearest& nearest : found) {  // nearest first
     if (out.size() - begin >= static_cast<std::size_t>(BvhPair::kMaxFeatures)) break;
-    if (nearest.f <= 0.0 && !out.empty()) continue;  // an overlap, told already
+    if (nearest.f <= 0.0 && !out.empty()) continue;  // AppendOverlaps has reported the overlap
     const SignedGap gap = Gap(nearest);
     auto same = [&](const SignedGap& other) {
       return other.n.dot(gap.n) > kSameDirection && (other.p2 - gap.p2).norm() < 0.5 * patch;
@@ -155,8 +165,9 @@ void SdfMesh::Features(double margin, const SdfNearest& first, std::vector<Signe
   }
 }
 
-// From the primitive's farthest point against an outward normal of the mesh at p: straight out
-// through p's tangent plane, if the way is inside the mesh up to there; then towards deeper points.
+// The first way leads from the support point along `outward` to the tangent plane at p, if the
+// surface is not met before. The second comes from a few ascents: from a support point to its
+// nearest surface point, and on to the support point against that direction, while that is deeper.
 void SdfMesh::AppendWayFromWithin(const Vector3d& p, Vector3d outward,
                                   std::vector<WayOut>& ways) const {
   const Vector3d start = pose_.Inverse() * field_.Support(pose_.R * -outward);
@@ -193,7 +204,7 @@ void SdfMesh::AppendOverlaps(std::vector<SignedGap>& out) const {
     way.gap = Gap(nearest);
     way.faces_apart = !mesh_.closed() || way.gap.n.dot(mesh_.Normal(nearest.triangle)) < 0.0;
     if (field_.type == mjGEOM_PLANE) way.faces_apart = true;
-    // Through the middle of a sphere or capsule: no direction.
+    // Where the mesh passes through the core of a sphere or capsule, ∇f is not defined.
     const bool round = field_.type == mjGEOM_SPHERE || field_.type == mjGEOM_CAPSULE;
     if (round && nearest.f + field_.size[0] < kAccuracy) way.faces_apart = false;
     ways.push_back(way);

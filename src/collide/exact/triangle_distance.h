@@ -1,4 +1,5 @@
-// The distance of two triangles: FCL's test, which it keeps in an internal header.
+// The distance of two triangles, by FCL's test. This unit keeps FCL's internal header out of the
+// others.
 #ifndef MJCF_PDG_SRC_COLLIDE_EXACT_TRIANGLE_DISTANCE_H_
 #define MJCF_PDG_SRC_COLLIDE_EXACT_TRIANGLE_DISTANCE_H_
 
@@ -6,8 +7,9 @@
 
 namespace mjcf_pdg {
 
-// 0 where they intersect, and on_a, on_b are then any points; else the nearest points. Tree units
-// (triangle_bvh.h); `b` may be a segment, with two equal corners.
+// Returns the distance of the triangles with corners a and b, and their nearest points on_a, on_b.
+// If they intersect it returns 0, and the points mean nothing. All in tree units (triangle_bvh.h),
+// since FCL's test has absolute thresholds. `b` may be a segment: two of its corners are equal.
 double TriangleDistance(const Eigen::Vector3d a[3], const Eigen::Vector3d b[3],
                         Eigen::Vector3d& on_a, Eigen::Vector3d& on_b);
 
