@@ -7,13 +7,13 @@
 #include "apps/audit/examine.h"
 #include "apps/audit/mended_text.h"
 #include "apps/cli.h"
-#include "apps/interrupt.h"
-#include "apps/junit.h"
+#include "apps/console/interrupt.h"
+#include "apps/console/progress.h"
+#include "apps/console/text.h"
 #include "apps/options.h"
-#include "apps/output_files.h"
-#include "apps/progress.h"
-#include "apps/report.h"
-#include "apps/text.h"
+#include "apps/output/junit.h"
+#include "apps/output/output_files.h"
+#include "apps/output/report.h"
 
 namespace mjcf_pdg::app {
 namespace {

@@ -6,13 +6,13 @@
 
 #include "apps/check_motion.h"
 #include "apps/cli.h"
-#include "apps/configurations.h"
-#include "apps/interrupt.h"
+#include "apps/console/interrupt.h"
+#include "apps/console/progress.h"
+#include "apps/console/text.h"
+#include "apps/input/configurations.h"
 #include "apps/options.h"
-#include "apps/output_files.h"
-#include "apps/progress.h"
-#include "apps/report.h"
-#include "apps/text.h"
+#include "apps/output/output_files.h"
+#include "apps/output/report.h"
 #include "mjcf_pdg/pdg.h"
 
 namespace mjcf_pdg::app {

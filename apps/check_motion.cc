@@ -1,9 +1,9 @@
 #include "apps/check_motion.h"
 
 #include "apps/cli.h"
-#include "apps/output_files.h"
-#include "apps/report.h"
-#include "apps/text.h"
+#include "apps/console/text.h"
+#include "apps/output/output_files.h"
+#include "apps/output/report.h"
 #include "mjcf_pdg/motion.h"
 
 namespace mjcf_pdg::app {

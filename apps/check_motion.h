@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "apps/configurations.h"
+#include "apps/input/configurations.h"
 #include "apps/options.h"
 
 namespace mjcf_pdg::app {

@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "apps/cli.h"
-#include "apps/import_scene.h"
-#include "apps/imported_mesh.h"
+#include "apps/console/text.h"
+#include "apps/import/import_scene.h"
+#include "apps/import/imported_mesh.h"
 #include "apps/options.h"
-#include "apps/output_files.h"
-#include "apps/report.h"
-#include "apps/text.h"
+#include "apps/output/output_files.h"
+#include "apps/output/report.h"
 
 namespace mjcf_pdg::app {
 namespace {

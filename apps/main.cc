@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "apps/cli.h"
-#include "apps/mujoco_log.h"
-#include "apps/text.h"
+#include "apps/console/mujoco_log.h"
+#include "apps/console/text.h"
 #include "mjcf_pdg/types.h"
 
 namespace mjcf_pdg::app {

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "apps/cli.h"
-#include "apps/configurations.h"
+#include "apps/console/text.h"
+#include "apps/input/configurations.h"
 #include "apps/options.h"
-#include "apps/output_files.h"
-#include "apps/report.h"
-#include "apps/text.h"
+#include "apps/output/output_files.h"
+#include "apps/output/report.h"
 #include "mjcf_pdg/object_norm.h"
 
 namespace mjcf_pdg::app {

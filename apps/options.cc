@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "apps/text.h"
+#include "apps/console/text.h"
 
 namespace mjcf_pdg::app {
 namespace {

@@ -7,16 +7,16 @@
 #include <vector>
 
 #include "apps/cli.h"
-#include "apps/interrupt.h"
-#include "apps/junit.h"
+#include "apps/console/interrupt.h"
+#include "apps/console/progress.h"
+#include "apps/console/text.h"
 #include "apps/options.h"
-#include "apps/output_files.h"
-#include "apps/progress.h"
+#include "apps/output/junit.h"
+#include "apps/output/output_files.h"
+#include "apps/output/report.h"
 #include "apps/regress/golden.h"
 #include "apps/regress/run_case.h"
 #include "apps/regress/suite.h"
-#include "apps/report.h"
-#include "apps/text.h"
 
 namespace mjcf_pdg::app {
 namespace {

@@ -8,21 +8,21 @@
 #include <vector>
 
 #include "apps/cli.h"
-#include "apps/configurations.h"
-#include "apps/interrupt.h"
-#include "apps/npy.h"
+#include "apps/console/interrupt.h"
+#include "apps/console/progress.h"
+#include "apps/console/text.h"
+#include "apps/input/configurations.h"
+#include "apps/input/npy.h"
+#include "apps/input/qpos_file.h"
 #include "apps/options.h"
-#include "apps/output_files.h"
-#include "apps/progress.h"
-#include "apps/qpos_file.h"
-#include "apps/repaired_mjcf.h"
-#include "apps/report.h"
-#include "apps/resume.h"
-#include "apps/solve_rows.h"
-#include "apps/text.h"
+#include "apps/output/output_files.h"
+#include "apps/output/repaired_mjcf.h"
+#include "apps/output/report.h"
+#include "apps/solve/resume.h"
+#include "apps/solve/solve_rows.h"
 #include "mjcf_pdg/pdg.h"
 #ifdef MJCF_PDG_HAVE_RENDER
-#include "apps/render.h"
+#include "apps/picture/render.h"
 #endif
 
 namespace mjcf_pdg::app {

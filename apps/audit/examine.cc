@@ -8,9 +8,9 @@
 #include <map>
 #include <memory>
 
-#include "apps/configurations.h"
-#include "apps/interrupt.h"
-#include "apps/random_configuration.h"
+#include "apps/console/interrupt.h"
+#include "apps/input/configurations.h"
+#include "apps/input/random_configuration.h"
 #include "mjcf_pdg/pdg.h"
 
 namespace mjcf_pdg::app {

@@ -9,9 +9,9 @@
 #include <regex>
 #include <vector>
 
-#include "apps/configurations.h"
-#include "apps/qpos_file.h"
-#include "apps/repaired_mjcf.h"
+#include "apps/input/configurations.h"
+#include "apps/input/qpos_file.h"
+#include "apps/output/repaired_mjcf.h"
 #include "mjcf_pdg/pdg.h"
 
 namespace mjcf_pdg::app {

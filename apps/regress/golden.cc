@@ -6,7 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "apps/report.h"
+#include "apps/output/report.h"
 
 namespace mjcf_pdg::app {
 namespace {

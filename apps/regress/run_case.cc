@@ -4,9 +4,9 @@
 #include <exception>
 #include <set>
 
-#include "apps/configurations.h"
-#include "apps/random_configuration.h"
-#include "apps/solve_rows.h"
+#include "apps/input/configurations.h"
+#include "apps/input/random_configuration.h"
+#include "apps/solve/solve_rows.h"
 #include "mjcf_pdg/pdg.h"
 
 namespace mjcf_pdg::app {

@@ -1,0 +1,15 @@
+// Ctrl-C and SIGTERM end long work between two rows, so that what is written is whole.
+#ifndef MJCF_PDG_APPS_CONSOLE_INTERRUPT_H_
+#define MJCF_PDG_APPS_CONSOLE_INTERRUPT_H_
+
+namespace mjcf_pdg::app {
+
+// From now on the first SIGINT or SIGTERM only asks to end; the second one ends the program.
+void CatchInterrupts();
+
+// The signal that asked to end; 0: none.
+int Interrupted();
+
+}  // namespace mjcf_pdg::app
+
+#endif  // MJCF_PDG_APPS_CONSOLE_INTERRUPT_H_
