@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "ccd/motion_bound.h"
-
 namespace mjcf_pdg {
 
 Vector3d ConvexGeom::Support(const Vector3d& n) const {

@@ -62,9 +62,9 @@ class Filter {
   const mjModel& m_;
 };
 
-bool ContactOnly(int type) { return type == mjGEOM_SDF || type == mjGEOM_HFIELD; }
-
 }  // namespace
+
+bool ContactOnly(int type) { return type == mjGEOM_SDF || type == mjGEOM_HFIELD; }
 
 std::vector<CheckedPair> FindPairs(const mjModel& m, const SceneOptions& options,
                                    const std::vector<char>& exact) {

@@ -15,10 +15,14 @@
 
 namespace mjcf_pdg::verify {
 
+// True if geoms of this type (mjtGeom) have no signed distances here: only MuJoCo's contacts tell
+// whether they overlap.
+bool ContactOnly(int type);
+
 struct CheckedPair {
   int geom1 = 0, geom2 = 0;   // ids, ordered by type (mjtGeom), then by id
   double allowed = 0.0;       // overlap that a negative margin + gap allows [m], >= 0
-  bool contact_only = false;  // has an SDF or a height field: no signed distance, only contacts
+  bool contact_only = false;  // one of the geoms is ContactOnly
   bool exact = false;         // not contact_only, and a mesh of it collides as its triangles
   bool separable = true;      // some movable joint lies between the two geoms
 };

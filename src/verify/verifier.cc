@@ -38,8 +38,6 @@ double SizeOf(const mjModel& m) {
   return m.ngeom > 0 ? *std::max_element(m.geom_rbound, m.geom_rbound + m.ngeom) : 0.0;
 }
 
-bool ContactOnly(int type) { return type == mjGEOM_SDF || type == mjGEOM_HFIELD; }
-
 bool AllFinite(std::span<const double> q) {
   return std::all_of(q.begin(), q.end(), [](double v) { return std::isfinite(v); });
 }
@@ -84,13 +82,13 @@ void Verifier::NeutraliseMargins() {
   pair_margin_.assign(model_.npair, 0.0);
   no_gap_.assign(std::max(model_.ngeom, model_.npair), 0.0);
   for (int g = 0; g < model_.ngeom; ++g) {
-    if (!ContactOnly(model_.geom_type[g])) continue;
+    if (!verify::ContactOnly(model_.geom_type[g])) continue;
     geom_margin_[g] = clearance_;
     body_margin_[model_.geom_bodyid[g]] = clearance_;
   }
   for (int k = 0; k < model_.npair; ++k) {
-    if (ContactOnly(model_.geom_type[model_.pair_geom1[k]]) ||
-        ContactOnly(model_.geom_type[model_.pair_geom2[k]])) {
+    if (verify::ContactOnly(model_.geom_type[model_.pair_geom1[k]]) ||
+        verify::ContactOnly(model_.geom_type[model_.pair_geom2[k]])) {
       pair_margin_[k] = clearance_;
     }
   }

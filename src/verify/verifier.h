@@ -104,7 +104,6 @@ class Verifier {
   verify::Proof Judge(int pair) const;
   bool KeepsApart(int pair);
 
-  double ContactDistance(int pair) const;  // of MuJoCo's deepest contact; infinite: no contact
   void CheckPairs(verify::Depths depths);
   void CheckContacts();
   void CheckLimits(std::span<const double> q);
