@@ -29,7 +29,8 @@ class BudgetMeter {
     }
   }
   // What is left for a search within this one that has a finder of its own: `queries` is the count
-  // of that finder now, `own` that of ours.
+  // of that finder now, `own` that of ours. It is a copy, because the steps of that search take
+  // other times: reported to ours, they would make it forget its longest one.
   BudgetMeter For(std::int64_t queries, std::int64_t own) const {
     BudgetMeter other = *this;
     if (last_query_ != kNoLimit) other.last_query_ += queries - own;

@@ -23,6 +23,7 @@ Outcome& AutoMethod::Run(const StrategyInput& given) {
     if (const VectorXd* q = hulls_.Run(work_)) search_.Try(*q, Component::kHulls);
   }
   search_.Finish(input);
+  search_.FrameSearched();
   return search_.trials().outcome();
 }
 

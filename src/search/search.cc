@@ -48,7 +48,6 @@ void Search::Finish(const StrategyInput& input) {
     trials_.RenewQueries();  // the search for a nearer answer begins here
     if (trials_.HasFree()) varied_.TryUntilDone();
   }
-  meshes_.FrameSearched(trials_.BestSigma());
 }
 
 bool Search::WorthPolishing() const {

@@ -29,6 +29,9 @@ class Search {
   // Tries all other starts until the search is done.
   void Finish(const StrategyInput& input);
 
+  // After Finish: keeps the answer, for a frame of a trajectory that may follow it. The search on
+  // hulls has no use for that.
+  void FrameSearched() { meshes_.FrameSearched(trials_.BestSigma()); }
   // After Finish: whether a last descent to full precision is worth its time at this effort.
   bool WorthPolishing() const;
   Trials& trials() { return trials_; }
