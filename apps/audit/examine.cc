@@ -16,7 +16,6 @@
 namespace mjcf_pdg::app {
 namespace {
 
-constexpr double kLimitTolerance = 1e-6;     // joint limits hold up to this [rad or m]
 constexpr double kEqualityTolerance = 1e-3;  // equalities, which MuJoCo holds softly [rad or m]
 constexpr double kConfidence = 0.95;
 constexpr double kGravity = 9.81;  // where a model has none [m/s²]

@@ -88,7 +88,7 @@ std::string Millimetres(double metres) {
 std::string Depth(double signed_distance) { return Millimetres(std::max(0.0, -signed_distance)); }
 
 std::string DepthIn(const Result& result) {
-  const bool limits = result.status != Status::kAlreadyFree && result.limit_excess_in > 1e-6;
+  const bool limits = result.status != Status::kAlreadyFree && result.limit_excess_in > kLimitTolerance;
   return Depth(result.depth_in) + (limits ? " limits" : "");
 }
 

@@ -53,7 +53,7 @@ class MJCF_PDG_API MotionChecker {
 
   // Checks the motion q(t) = q0 ⊕ t·(q1 ⊖ q0) for t from 0 to 1; q0 and q1 have nq entries. Hinges
   // and slides change linearly; balls and free joints turn the short way at a constant rate. A
-  // configuration is free if all joint limits hold within 1e-6 rad or m, and if every kept pair
+  // configuration is free if all joint limits hold within kLimitTolerance, and if every kept pair
   // keeps its required distance within the tolerance. That is the clearance (0 for pairs that no
   // joint can separate), less the overlap that the model's negative margins or `rest` allow. The
   // result is valid until the next call. Throws Error for a bad q0 or q1 (size, NaN, zero

@@ -109,12 +109,12 @@ struct Verdict {
   std::string reason;  // what is not free, in words; empty if all is free
 };
 
-// Decides whether q is free: joint limits hold within 1e-6 rad or m, and every kept pair keeps its
-// required distance within `tolerance`. That is the clearance (0 for pairs that no movable joint
-// can separate), less the overlap that the model or `options.rest` allows. A pair is decided by a
-// certificate: a plane that separates the two geoms, or points that show that they are too near.
-// FCL decides for meshes that collide as their triangles, mj_collision for height fields and SDFs.
-// No code is shared with the solver's own queries. `q_in` is the configuration whose contacts
+// Decides whether q is free: joint limits hold within kLimitTolerance, and every kept pair keeps
+// its required distance within `tolerance`. That is the clearance (0 for pairs that no movable
+// joint can separate), less the overlap that the model or `options.rest` allows. A pair is decided
+// by a certificate: a plane that separates the two geoms, or points that show that they are too
+// near. FCL decides for meshes that collide as their triangles, mj_collision for height fields and
+// SDFs. No code is shared with the solver's own queries. `q_in` is the configuration whose contacts
 // `options.rest` refers to; null: no contact rests. Throws Error for a bad q or option.
 MJCF_PDG_API Verdict Verify(const Scene& scene, const std::vector<double>& q,
                             const Options& options = {}, const std::vector<double>* q_in = nullptr);

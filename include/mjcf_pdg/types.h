@@ -80,6 +80,9 @@ struct Budget {
   double seconds = 0.0;  // [s]
 };
 
+// How far a joint may be outside its range in a configuration that is free [rad or m].
+inline constexpr double kLimitTolerance = 1e-6;
+
 // What a solve, a verdict or a checked motion is asked for. A value out of range is an Error of the
 // function that gets the options.
 struct Options {

@@ -38,8 +38,7 @@
 namespace mjcf_pdg {
 namespace {
 
-constexpr double kLimitTolerance = 1e-6;  // joint limits count as held up to this [rad or m]
-constexpr double kRounding = 1e-3;        // of distances, taken off what we claim [tolerances]
+constexpr double kRounding = 1e-3;  // of distances, taken off what we claim [tolerances]
 
 // The least sin²(Δ/2) over Δ in [low, high].
 double LeastChord(double low, double high) {

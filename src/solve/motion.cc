@@ -17,9 +17,6 @@
 namespace mjcf_pdg {
 namespace {
 
-// By how much q0 may leave a limit, as the verifier allows [rad or m].
-constexpr double kLimitTolerance = 1e-6;
-
 MotionOutcome ToPublic(CcdOutcome outcome) {
   switch (outcome) {
     case CcdOutcome::kFree:

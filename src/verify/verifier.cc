@@ -19,8 +19,9 @@ using verify::Reading;
 using verify::Vector3d;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// How far a joint may be outside its range in a configuration that is free [rad or m].
-constexpr double kLimitTolerance = 1e-6;
+// How far a joint may be outside its range in a configuration that is free [rad or m]: the
+// verifier's own kLimitTolerance.
+constexpr double kRangeTolerance = 1e-6;
 // A contact whose depth exceeds Options::rest by rounding alone still rests. The slack is the first
 // share of `rest` plus the second share of the pair's size.
 constexpr double kRestRounding = 1e-6, kSizeRounding = 1e-12;
@@ -393,7 +394,7 @@ void Verifier::CheckLimits(std::span<const double> q) {
       excess = std::max(low - *value, *value - high);
     }
     verdict_.limit_excess = std::max(verdict_.limit_excess, excess);
-    if (excess > kLimitTolerance) findings_.limits.push_back({j, excess});
+    if (excess > kRangeTolerance) findings_.limits.push_back({j, excess});
   }
 }
 

@@ -73,8 +73,18 @@ TEST_F(MotionTest, LimitsEndAMotionAtTheJointThatReachesThem) {
   EXPECT_EQ(outside.joint, 0);
   EXPECT_EQ(outside.t, 0.0);
   EXPECT_EQ(outside.q, (Numbers{-1.5, 0}));
-  // But the verifier's own slack is no reason to refuse.
-  EXPECT_EQ(CheckMotion(scene, Numbers{-1 - 5e-7, 0}, Numbers{0, 0}).outcome, MotionOutcome::kFree);
+}
+
+// The verifier has a constant of its own.
+TEST_F(MotionTest, LimitsBeginToCountWhereTheVerifiersDo) {
+  const Scene scene = Scene::FromString(kBalls);
+  for (const double share : {0.5, 0.99, 1.01}) {
+    const Numbers q = {-1 - share * kLimitTolerance, 0};
+    EXPECT_EQ(Verify(scene, q).free, share < 1.0) << share;
+    EXPECT_EQ(CheckMotion(scene, q, Numbers{0, 0}).outcome,
+              share < 1.0 ? MotionOutcome::kFree : MotionOutcome::kLimit)
+        << share;
+  }
 }
 
 TEST_F(MotionTest, ClearanceRestAndToleranceAreThoseOfTheOptions) {
