@@ -1,6 +1,7 @@
 #include "bound/lower_bound_geom.h"
 
 #include <cmath>
+#include <stdexcept>
 
 namespace mjcf_pdg {
 
@@ -23,26 +24,47 @@ void ConvexGeom::Fill(const PosedModel& posed, const SupportPoints& support_poin
   hull_ = {};
   num_points_ = 0;
   const Vector3d size = AsVector(m.geom_size + 3 * geom);
-  if (type == mjGEOM_MESH) {
-    hull_ = support->HullPoints(geom);
-    num_points_ = static_cast<int>(hull_.size());
-  } else if (type == mjGEOM_BOX) {
-    for (int i = 0; i < 8; ++i) {
-      AddPoint(i & 1 ? size[0] : -size[0], i & 2 ? size[1] : -size[1], i & 4 ? size[2] : -size[2]);
-    }
-  } else if (type == mjGEOM_CYLINDER) {
-    const double outer = size[0] / std::cos(mjPI / kSides);
-    for (int i = 0; i < kSides; ++i) {
-      const double x = outer * std::cos(2 * mjPI * i / kSides);
-      const double y = outer * std::sin(2 * mjPI * i / kSides);
-      AddPoint(x, y, size[1]);
-      AddPoint(x, y, -size[1]);
-    }
-  } else {
-    const double half = type == mjGEOM_CAPSULE ? size[1] : 0.0;
-    AddPoint(0, 0, half);
-    if (half > 0.0) AddPoint(0, 0, -half);
-    radius = type == mjGEOM_ELLIPSOID ? size.maxCoeff() : size[0];
+  switch (type) {
+    case mjGEOM_PLANE:
+      break;
+    case mjGEOM_MESH:
+      hull_ = support->HullPoints(geom);
+      num_points_ = static_cast<int>(hull_.size());
+      break;
+    case mjGEOM_BOX:
+      AddCorners(size);
+      break;
+    case mjGEOM_CYLINDER:
+      AddPrism(size[0], size[1]);
+      break;
+    case mjGEOM_SPHERE:
+    case mjGEOM_ELLIPSOID:
+      AddPoint(0, 0, 0);
+      radius = type == mjGEOM_ELLIPSOID ? size.maxCoeff() : size[0];
+      break;
+    case mjGEOM_CAPSULE:
+      AddPoint(0, 0, size[1]);
+      if (size[1] > 0.0) AddPoint(0, 0, -size[1]);
+      radius = size[0];
+      break;
+    default:
+      throw std::logic_error("a geom of this type has no extreme points");
+  }
+}
+
+void ConvexGeom::AddCorners(const Vector3d& half) {
+  for (int i = 0; i < 8; ++i) {
+    AddPoint(i & 1 ? half[0] : -half[0], i & 2 ? half[1] : -half[1], i & 4 ? half[2] : -half[2]);
+  }
+}
+
+void ConvexGeom::AddPrism(double inner, double half) {
+  const double outer = inner / std::cos(mjPI / kSides);
+  for (int i = 0; i < kSides; ++i) {
+    const double x = outer * std::cos(2 * mjPI * i / kSides);
+    const double y = outer * std::sin(2 * mjPI * i / kSides);
+    AddPoint(x, y, half);
+    AddPoint(x, y, -half);
   }
 }
 

@@ -38,6 +38,8 @@ struct ConvexGeom {
  private:
   static constexpr int kSides = 12;  // of a prism about a cylinder
 
+  void AddCorners(const Vector3d& half);
+  void AddPrism(double inner, double half);  // about a cylinder of these radius and half length
   void AddPoint(double x, double y, double z) { points_G_[num_points_++] = Vector3d(x, y, z); }
 
   // In the geom's frame: a mesh's are those of the hull, the others' a few of our own.

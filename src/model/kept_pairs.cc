@@ -3,13 +3,40 @@
 #include <algorithm>
 #include <limits>
 #include <set>
+#include <string>
 #include <utility>
+
+#include "base/names.h"
+#include "mjcf_pdg/types.h"
 
 namespace mjcf_pdg {
 namespace {
 
-// MuJoCo has a collision function for the two geom types.
+bool KnowsType(int type) {
+  switch (type) {
+    case mjGEOM_PLANE:
+    case mjGEOM_HFIELD:
+    case mjGEOM_SPHERE:
+    case mjGEOM_CAPSULE:
+    case mjGEOM_ELLIPSOID:
+    case mjGEOM_CYLINDER:
+    case mjGEOM_BOX:
+    case mjGEOM_MESH:
+    case mjGEOM_SDF:
+      return true;
+    default:
+      return false;
+  }
+}
+
+// MuJoCo has a collision function for the two geom types. Throws Error for a type that we do not
+// know: taken for another one, its geom would be called free where it overlaps.
 bool Collidable(const mjModel& m, int g1, int g2) {
+  for (const int g : {g1, g2}) {
+    if (KnowsType(m.geom_type[g])) continue;
+    throw Error("geom " + QuotedNameOrId(m, mjOBJ_GEOM, g) + " has the type " +
+                std::to_string(m.geom_type[g]) + ", which is not supported");
+  }
   const int low = std::min(m.geom_type[g1], m.geom_type[g2]);
   const int high = std::max(m.geom_type[g1], m.geom_type[g2]);
   return mjCOLLISIONFUNC[low][high] != nullptr;

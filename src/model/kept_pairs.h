@@ -10,7 +10,8 @@ namespace mjcf_pdg {
 // Fills tables.pairs, body_pairs, body_spheres and has_contact_only_pairs, which must be empty.
 // Reads tables.model, column_of_dof, exact and convex. Follows engine_collision_driver.c of MuJoCo
 // 4.0: explicit <pair>s always count; of all others those count that pass the contype/conaffinity,
-// weld, parent-child and <exclude> filters.
+// weld, parent-child and <exclude> filters. Throws Error for a geom of such a pair whose type we do
+// not know.
 void FillKeptPairs(SceneTables& tables);
 
 }  // namespace mjcf_pdg

@@ -1,6 +1,7 @@
 #include "verify/convex_shape.h"
 
 #include <cmath>
+#include <stdexcept>
 
 namespace mjcf_pdg::verify {
 namespace {
@@ -28,8 +29,10 @@ Vector3d ConvexShape::Support(const Vector3d& n) const {
     case mjGEOM_BOX:
       return {std::copysign(size[0], n.x()), std::copysign(size[1], n.y()),
               std::copysign(size[2], n.z())};
-    default:
+    case mjGEOM_MESH:
       return vertices->Support(n);
+    default:
+      throw std::logic_error("a geom of this type has no support points");
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -43,14 +44,15 @@ class Filter {
                         [signature](int excluded) { return excluded == signature; });
   }
 
+  // By their masks.
   bool KeepsGeoms(int a, int b) const {
-    return ((m_.geom_contype[a] & m_.geom_conaffinity[b]) != 0 ||
-            (m_.geom_contype[b] & m_.geom_conaffinity[a]) != 0) &&
-           HasCollisionFunction(a, b);
+    return (m_.geom_contype[a] & m_.geom_conaffinity[b]) != 0 ||
+           (m_.geom_contype[b] & m_.geom_conaffinity[a]) != 0;
   }
 
   bool HasCollisionFunction(int a, int b) const {
     const auto [low, high] = std::minmax(m_.geom_type[a], m_.geom_type[b]);
+    if (high >= mjNGEOMTYPES) throw std::logic_error("MuJoCo collides no geoms of this type");
     return mjCOLLISIONFUNC[low][high] != nullptr;
   }
 
@@ -83,7 +85,7 @@ std::vector<CheckedPair> FindPairs(const mjModel& m, const SceneOptions& options
       const auto [known, is_new] =
           kept_bodies.try_emplace({m.geom_bodyid[a], m.geom_bodyid[b]}, false);
       if (is_new) known->second = filter.KeepsBodies(m.geom_bodyid[a], m.geom_bodyid[b]);
-      if (!known->second) continue;
+      if (!known->second || !filter.HasCollisionFunction(a, b)) continue;
       reach.try_emplace({a, b},
                         m.geom_margin[a] + m.geom_margin[b] + m.geom_gap[a] + m.geom_gap[b]);
     }

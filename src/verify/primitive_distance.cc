@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace mjcf_pdg::verify {
 namespace {
@@ -74,8 +75,10 @@ double RoundDistanceAt(int type, const Vector3d& size, const Vector3d& x) {
       return std::min(std::max(side, cap), 0.0) +
              std::hypot(std::max(side, 0.0), std::max(cap, 0.0));
     }
-    default:
+    case mjGEOM_ELLIPSOID:
       return EllipsoidDistance(size, x);
+    default:
+      throw std::logic_error("a geom of this type is neither a plane nor round");
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <map>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -70,9 +71,16 @@ ConvexShape ShapeOf(const mjModel& m, int geom) {
       shape.size = Vector3d(size[0], size[1], size[2]);
       shape.extent = shape.size.maxCoeff();
       break;
-    default:
+    case mjGEOM_PLANE:
+    case mjGEOM_HFIELD:
+    case mjGEOM_BOX:
+    case mjGEOM_MESH:
+    case mjGEOM_SDF:
       shape.size = Vector3d(size[0], size[1], size[2]);
       shape.extent = shape.size.norm();
+      break;
+    default:
+      throw std::logic_error("a geom of this type has no shape");
   }
   return shape;
 }
@@ -171,18 +179,23 @@ VerifierModel::VerifierModel(std::shared_ptr<const mjModel> model_owner, const m
       pairs(verify::FindPairs(m, options, exact)) {
   unblinded = Unblinded(m, pairs);
   std::map<int, std::shared_ptr<const VertexTree>> trees;  // by mesh
-  for (int g = 0; g < m.ngeom; ++g) shapes.push_back(ShapeOf(m, g));
+  shapes.resize(m.ngeom);
+  std::vector<char> has_shape(m.ngeom);
   double largest = 0.0;  // extent of the largest box or mesh of an exact pair [m]
   for (const CheckedPair& pair : pairs) {
     has_contact_only_pairs |= pair.contact_only;
     for (const int g : {pair.geom1, pair.geom2}) {
-      if (m.geom_type[g] == mjGEOM_MESH && !shapes[g].vertices) {
-        std::shared_ptr<const VertexTree>& tree = trees[m.geom_dataid[g]];
-        if (!tree) tree = HullOf(m, m.geom_dataid[g]);
-        shapes[g].vertices = tree;
-        shapes[g].extent = Extent(*tree);
-      }
       const int type = m.geom_type[g];
+      if (!has_shape[g]) {
+        has_shape[g] = true;
+        shapes[g] = ShapeOf(m, g);
+        if (type == mjGEOM_MESH) {
+          std::shared_ptr<const VertexTree>& tree = trees[m.geom_dataid[g]];
+          if (!tree) tree = HullOf(m, m.geom_dataid[g]);
+          shapes[g].vertices = tree;
+          shapes[g].extent = Extent(*tree);
+        }
+      }
       if (pair.exact && (type == mjGEOM_BOX || type == mjGEOM_MESH)) {
         largest = std::max(largest, shapes[g].extent);
       }

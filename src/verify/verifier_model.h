@@ -28,7 +28,8 @@ struct VerifierModel {
   std::vector<char> exact;  // by geom: it collides as its triangles
   std::vector<verify::CheckedPair> pairs;
   bool has_contact_only_pairs = false;
-  // By geom; those of planes and of geoms without signed distances are not used.
+  // By geom, of the geoms in `pairs`; those of planes and of geoms without signed distances have
+  // nothing but their extents.
   std::vector<verify::ConvexShape> shapes;
   // By geom; null unless the geom is a box or mesh of an exact pair.
   std::vector<std::shared_ptr<const verify::MeshSolid>> solids;

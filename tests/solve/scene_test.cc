@@ -155,6 +155,23 @@ TEST_F(SceneTest, HeightFieldAgainstDistanceFieldIsRefusedSinceMujocoNeverSeesIt
   EXPECT_EQ(Scene::FromString(with("contype='0' conaffinity='0'")).num_kept_pairs(), 0);
 }
 
+// Taken for a known type, a geom of another would be called free where it overlaps.
+TEST_F(SceneTest, GeomsOfATypeThatNobodyKnowsAreRefusedByNameWhereTheyCollide) {
+  const ModelPtr model = LoadModel(R"(<mujoco><worldbody>
+      <geom name="ground" type="plane" size="1 1 1"/>
+      <body><freejoint/><geom name="crystal" size=".1"/><geom name="ball" size=".1"/></body>
+      </worldbody></mujoco>)");
+  const int crystal = mj_name2id(model.get(), mjOBJ_GEOM, "crystal");
+  for (const int type : {static_cast<int>(mjNGEOMTYPES), static_cast<int>(mjGEOM_ARROW)}) {
+    model->geom_type[crystal] = type;
+    EXPECT_THAT(ErrorOf([&] { Scene::FromModel(model.get()); }),
+                AllOf(HasSubstr("'crystal'"), HasSubstr("type " + std::to_string(type))));
+  }
+  // A geom that is only drawn may be of any type.
+  model->geom_contype[crystal] = model->geom_conaffinity[crystal] = 0;
+  EXPECT_EQ(Scene::FromModel(model.get()).num_kept_pairs(), 1);
+}
+
 TEST_F(SceneTest, BrokenXmlIsReportedOnOneLineWithItsPlace) {
   const std::string unknown =
       ErrorOf([] { Scene::FromString("<mujoco>\n<worldbody>\n<geomm/>\n</worldbody></mujoco>"); });

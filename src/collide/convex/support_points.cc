@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 
 #include "mesh/mesh_hull.h"
 
@@ -147,6 +148,8 @@ Vector3d SupportPoints::Support(int geom, const Vector3d& direction_G) const {
     return direction < 0.0 ? -length : length;
   };
   switch (model_.geom_type[geom]) {
+    case mjGEOM_SPHERE:
+      return Vector3d::Zero();
     case mjGEOM_CAPSULE:
       return {0.0, 0.0, signed_by(size[1], direction_G.z())};
     case mjGEOM_ELLIPSOID: {
@@ -170,7 +173,7 @@ Vector3d SupportPoints::Support(int geom, const Vector3d& direction_G) const {
       return vertices_[hull.begin + vertex].cast<double>();
     }
     default:
-      return Vector3d::Zero();
+      throw std::logic_error("a geom of this type has no support points");
   }
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 namespace mjcf_pdg {
 namespace {
@@ -17,6 +18,7 @@ using Eigen::Vector3d;
 constexpr double kOnPlane = 1e-14;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr char kNoPrimitive[] = "a geom of this type has no signed distance field of its own";
 constexpr int kMaxCuts = 120;  // the most cuts that MinimumOnTriangle makes
 
 // The convex polygon that is left of a triangle after cuts.
@@ -153,8 +155,10 @@ SdfValue PrimitiveSdf::At(const Vector3d& x) const {
       return FromCore(x - Vector3d(0.0, 0.0, std::clamp(x.z(), -size[1], size[1])), size[0]);
     case mjGEOM_CYLINDER:
       return CylinderAt(x, size[0], size[1]);
-    default:
+    case mjGEOM_ELLIPSOID:
       return EllipsoidAt(x, size);
+    default:
+      throw std::logic_error(kNoPrimitive);
   }
 }
 
@@ -170,10 +174,12 @@ Vector3d PrimitiveSdf::Support(const Vector3d& n) const {
       const double scale = rho > 0.0 ? size[0] / rho : 0.0;
       return {scale * n.x(), scale * n.y(), up * size[1]};
     }
-    default: {
+    case mjGEOM_ELLIPSOID: {
       const Vector3d scaled = n.cwiseProduct(size);
       return scaled.cwiseProduct(size) / scaled.norm();
     }
+    default:
+      throw std::logic_error(kNoPrimitive);
   }
 }
 
@@ -187,8 +193,10 @@ double PrimitiveSdf::OuterRadius() const {
       return size[0] + size[1];
     case mjGEOM_CYLINDER:
       return std::hypot(size[0], size[1]);
-    default:
+    case mjGEOM_ELLIPSOID:
       return size.maxCoeff();
+    default:
+      throw std::logic_error(kNoPrimitive);
   }
 }
 
