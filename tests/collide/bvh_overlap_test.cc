@@ -224,6 +224,28 @@ TEST(BvhOverlapTest, ABodyWhollyInsideIsAsDeepAsItsDeepestVertex) {
   EXPECT_GT(contained, 10);
 }
 
+// Hundreds of pieces lie in the hollow of a cup, where their boxes may be as deep in its wall as
+// the box of the one that is.
+TEST(BvhOverlapTest, APieceWhollyInsideIsSeenAmongMany) {
+  Random rng(76);
+  const MeshShape crumb = Globe(2, 3, [](const Vector3d&) { return 1e-4; });
+  MeshShape crumbs;
+  for (int k = 0; k < 600; ++k) {
+    const double angle = rng.Uniform(0.0, 2.0 * mjPI), z = rng.Uniform(0.05, 0.28);
+    const Vector3d p(0.19 * std::cos(angle), 0.19 * std::sin(angle), z);
+    crumbs.Append(MeshShape(crumb).Move(Matrix3d::Identity(), k == 0 ? Vector3d(p * 1.03) : p));
+  }
+  const TriangleBvh cup = MakeSolid(Cup(0.2, 0.3, 0.005, 48)), many = MakeSolid(crumbs);
+  const BvhPair pair(cup, many, {}), turned(many, cup, {});
+  ASSERT_TRUE(Contained(pair));
+  for (const BvhPair* one : {&pair, &turned}) {
+    std::vector<SignedGap> gaps;
+    AppendOverlaps(*one, kFewParts, gaps);
+    ExpectOverlaps(gaps);
+    EXPECT_LT(gaps.front().distance, -kTreeUnits * 1e-4);
+  }
+}
+
 TEST(BvhOverlapTest, SurfacesThatCoincideAndOpenMeshesHaveADepth) {
   const Matrix3d I = Matrix3d::Identity();
   for (const MeshShape& shape : SmallShapes()) {

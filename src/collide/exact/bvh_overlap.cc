@@ -215,6 +215,24 @@ void AppendCommonPoint(const BvhPair& pair, std::vector<WayOut>& ways) {
   }
 }
 
+// Where a mesh has many pieces, DepthSearch may end before it comes to one that is inside the other
+// mesh. This appends the ways out of the points of pieces by which Contained finds them.
+void AppendPieces(const BvhPair& pair, std::vector<WayOut>& ways) {
+  const RelativePose &b_in_a = pair.pose(), a_in_b = b_in_a.Inverse();
+  for (const Vector3d& x_b : pair.b().pieces()) {
+    const Vector3d x = b_in_a * x_b;
+    if (!pair.a().closed() || !pair.a().Contains(x)) continue;
+    const SurfacePoint way_out = pair.a().Nearest(x);
+    ways.push_back({{-way_out.distance, way_out.p, x, (way_out.p - x).normalized()}, true});
+  }
+  for (const Vector3d& x : pair.a().pieces()) {
+    if (!pair.b().closed() || !pair.b().Contains(a_in_b * x)) continue;
+    const SurfacePoint way_out = pair.b().Nearest(a_in_b * x);
+    const Vector3d p = b_in_a * way_out.p;
+    ways.push_back({{-way_out.distance, x, p, (x - p).normalized()}, true});
+  }
+}
+
 }  // namespace
 
 bool Contained(const BvhPair& pair) {
@@ -250,9 +268,10 @@ void AppendOverlaps(const BvhPair& pair, int most_parts, std::vector<SignedGap>&
   auto deep = [size](const WayOut& way) { return -way.gap.distance > kShallow * size; };
   if (std::none_of(ways.begin(), ways.end(), deep)) AppendCommonPoint(pair, ways);
   if (ways.empty()) {
-    const NearestTriangles crossing = pair.RoughlyNearest(BvhPair::kTouching, nullptr);
-    out.push_back(crossing.a < 0 ? SignedGap() : TriangleGap(pair, crossing));
-    return;
+    // What is roughly the nearest may be farther than kTouching where the nearest is not.
+    const NearestTriangles crossing = pair.RoughlyNearest(2.0 * BvhPair::kTouching, nullptr);
+    if (crossing.a >= 0) return out.push_back(TriangleGap(pair, crossing));
+    AppendPieces(pair, ways);
   }
   AppendDeepest(ways, 0.25 * size, out);
 }

@@ -46,7 +46,7 @@ constexpr int kFewParts = 75, kManyParts = 1700;
 
 // Measures the overlap of two meshes that intersect or contain each other: appends at least one gap
 // with distance <= 0, in the order and number of AppendDeepest. `most_parts` is kFewParts or
-// kManyParts. If nothing can be measured the gap is a default SignedGap.
+// kManyParts.
 void AppendOverlaps(const BvhPair& pair, int most_parts, std::vector<SignedGap>& out);
 
 // Appends the gaps of `ways`, the deepest first: those whose surfaces face each other or, if there
