@@ -10,6 +10,10 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kGoodEnough = 0.97;  // stop when within this factor of what can be proven
 
+// A vector whose part across another is no larger than this has no direction across it [its
+// length].
+constexpr double kAligned = 1e-9;
+
 // At least the largest eigenvalue of a symmetric 3 × 3 matrix: mean + √2 standard deviation.
 double LambdaMax(const Matrix3d& A) {
   const double mean = A.trace() / 3.0;
@@ -105,7 +109,7 @@ double PairProblem::RootFor(const Vector3d& n, double eps, double floor) const {
   };
   for (int step = 0; eps > 0.0 && step < 3; ++step) {
     const Vector3d v = a - b, across = v - n.dot(v) * n;
-    if (across.norm() < 1e-9) break;
+    if (across.norm() <= kAligned * v.norm()) break;
     const Vector3d gradient = std::cos(eps) * n - std::sin(eps) * across.normalized();
     const Vector3d a2 = geom[0].Support(gradient), b2 = geom[1].Support(-gradient);
     double best = held(v), share = 0.0;

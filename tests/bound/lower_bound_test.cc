@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 
+#include "tests/support/scaled_model.h"
 #include "tests/support/test_support.h"
 #include "verify/verifier.h"
 
@@ -39,8 +40,8 @@ struct AtStart {
   }
 
   double Bound(int max_cells = 200) const {
-    return LowerBound().Sigma(
-        {scene.tables(), norm, finder.posed(), near, required, metric, kTolerance, max_cells});
+    return LowerBound().Sigma({scene.tables(), norm, finder.posed(), near, required, metric,
+                               options.tolerance, max_cells});
   }
   bool Free(const VectorXd& q) { return verifier.Check(ToVector(q)).free; }
 
@@ -291,6 +292,31 @@ TEST_F(LowerBoundTest, HoldsOnRandomTwoBodyScenes) {
   }
   EXPECT_GT(ratios.values.size(), 60u);
   EXPECT_GT(ratios.Median(), 0.4);
+}
+
+// In a scene this small, lengths that are taken for 0 in one of usual size are a percent of a geom.
+TEST_F(LowerBoundTest, ASceneOfTenthsOfMicrometresHasTheSameBound) {
+  constexpr double kScale = 0x1p-20;
+  Options small;
+  small.tolerance = kScale * kTolerance;
+  Random rng(15);
+  int compared = 0;
+  for (int i = 0; i < 40; ++i) {
+    TwoGeoms geoms;
+    geoms.first = RandomShape(mjGEOM_BOX, rng);
+    geoms.second = RandomShape(mjGEOM_BOX, rng);
+    geoms.joint1 = "<joint axis='1 2 3' pos='0 .3 0'/>";
+    geoms.joint2 = "<joint type='ball' pos='.05 .2 -.1'/>";
+    const Scene scene = Scene::FromString(TwoGeomXml(geoms));
+    const ModelPtr model = Scaled(*scene.model(), kScale);
+    const VectorXd q = RandomConfiguration(scene, rng, 0.15);
+    const double bound = AtStart(scene, q).Bound();
+    const AtStart scaled(Scene::FromModel(model.get()), q, Metric::kSequential, small);
+    if (!(bound > 0.0)) continue;
+    ++compared;
+    EXPECT_NEAR(scaled.Bound() / (kScale * kScale), bound, 1e-6 * bound);
+  }
+  EXPECT_GT(compared, 10);
 }
 
 TEST_F(LowerBoundTest, HoldsOnRandomRobots) {
