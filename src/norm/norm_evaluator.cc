@@ -84,7 +84,7 @@ NormEvaluator::NormEvaluator(const SceneTables& tables, Metric metric)
   }
   if (metric_ == Metric::kDisplacement) {
     ListDisplacements();
-  } else if (tables_.root_body >= 0) {
+  } else if (HasOtherRoot()) {
     ListWithRoot(tables_.root_body);
   } else {
     ListSequential();
@@ -202,7 +202,6 @@ void NormEvaluator::ListSequential() {
 void NormEvaluator::ListWithRoot(int root_body) {
   const mjModel& m = *tables_.model;
   const int top = TopBody(m, root_body);
-  if (root_body == top) return ListSequential();
   const std::vector<char> tree = Outboard(top);
   std::vector<char> on_path(m.nbody, 0);
   for (int b = root_body; b != 0; b = m.body_parentid[b]) on_path[b] = 1;
@@ -222,9 +221,12 @@ void NormEvaluator::ListDisplacements() {
   for (const int b : all_moving_) moved_.push_back({.body = b, .bodies = {b}});
 }
 
-bool NormEvaluator::NeedsPose() const {
-  return metric_ == Metric::kDisplacement || tables_.root_body >= 0;
+bool NormEvaluator::HasOtherRoot() const {
+  const int root = tables_.root_body;
+  return root >= 0 && root != TopBody(*tables_.model, root);
 }
+
+bool NormEvaluator::NeedsPose() const { return metric_ == Metric::kDisplacement || HasOtherRoot(); }
 
 double NormEvaluator::Sigma(const VectorXd& q) {
   Residual(q, r_);

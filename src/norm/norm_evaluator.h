@@ -1,12 +1,12 @@
 // The object norm σ(q_in, q) as a sum of squares, σ = ‖r(q)‖², with J = ∂r/∂dq: what the
 // optimization, the paper's method and the public ObjectNorm compute σ from.
 //
-// Source: Tang & Kim, Eq. 13-19, 26, 28. With the sequential metric and no root link given, r
-// stacks √(H_j/M) X_j joint by joint, so that J is square and block-diagonal and Retract can move
-// along X. H, here and in the solver, is JᵀJ: the paper's H (Eq. 28), which is a metric for X,
-// divided by M and transformed to dq.
-// Differs from the paper: the displacement metric and other root links (mjcf_pdg/object_norm.h)
-// fit the same form, with a full J.
+// Source: Tang & Kim, Eq. 13-19, 26, 28. With the sequential metric, r stacks √(H_j/M) X_j joint by
+// joint, so that J is square and block-diagonal and Retract can move along X. H, here and in the
+// solver, is JᵀJ: the paper's H (Eq. 28), which is a metric for X, divided by M and transformed to
+// dq.
+// Differs from the paper: the displacement metric, and another root link than the top body of its
+// tree (mjcf_pdg/object_norm.h), fit the same form, with a full J.
 #ifndef MJCF_PDG_SRC_NORM_NORM_EVALUATOR_H_
 #define MJCF_PDG_SRC_NORM_NORM_EVALUATOR_H_
 
@@ -55,8 +55,8 @@ class NormEvaluator {
   const std::vector<NormTerm>& terms() const { return terms_; }
   const VectorXd& q_in() const { return q_in_; }
 
-  // The column ranges of the blocks of H: one per joint with the sequential metric and no root link
-  // given, else one for all joints.
+  // The column ranges of the blocks of H: one per joint with the sequential metric and no other
+  // root link, else one for all joints.
   const std::vector<ColumnRange>& blocks() const { return blocks_; }
 
   // σ(q_in, q) [m²].
@@ -73,7 +73,7 @@ class NormEvaluator {
   // The name of the term's joint or body; "root" if it belongs to another root link's pose change.
   std::string TermName(const NormTerm& term) const;
 
-  // out := q moved by dq. With the sequential metric and no root link given, hinges, balls and free
+  // out := q moved by dq. With the sequential metric and no other root link, hinges, balls and free
   // joints move along X, so that r(out) = r(q) + J dq exactly for them. A rotation Q that would
   // come close to a half turn is shortened by Sec. 3.2's weight w, a free joint's translation with
   // it. All other joints, those of other metrics, and rotations that are near a half turn already
@@ -101,6 +101,8 @@ class NormEvaluator {
   // nbody entries: 1 for `body` and all bodies of its subtree.
   std::vector<char> Outboard(int body) const;
   std::vector<int> Moving(const std::vector<char>& marked) const;
+  // True if the root link is not the top body of its tree.
+  bool HasOtherRoot() const;
   // True if r depends on the poses of bodies, so that J is full and the model must be posed at q.
   bool NeedsPose() const;
   void Fill(const VectorXd& q, VectorXd& r, MatrixXd* J);

@@ -139,6 +139,25 @@ TEST_F(NormEvaluatorTest, PlainHessianIsBlockDiagonalAndOtherRootsCoupleJoints) 
   EXPECT_GT(std::abs(H(0, 8)), 1e-3) << "the cart's slide and the tip's lift both move the tip";
 }
 
+TEST_F(NormEvaluatorTest, ATopBodyAsRootLeavesEverythingAsItIsWithoutRoot) {
+  for (const char* root : {"a", "b"}) {
+    const Scene plain_scene = MakeScene({TwoTreesXml(), ""});
+    const Scene scene = MakeScene({TwoTreesXml(), root});
+    NormEvaluator plain(plain_scene.tables(), Metric::kSequential);
+    NormEvaluator rooted(scene.tables(), Metric::kSequential);
+    const VectorXd q_in = RandomConfiguration(scene, rng_), q = Near(scene, q_in, 1.0);
+    const VectorXd dq = 0.5 * rng_.Normals(scene.dof()).normalized();
+    plain.SetReference(q_in);
+    rooted.SetReference(q_in);
+    EXPECT_EQ(rooted.Sigma(q), plain.Sigma(q));
+    EXPECT_EQ(rooted.blocks().size(), plain.blocks().size()) << "H is block-diagonal";
+    VectorXd out, expected;
+    rooted.Retract(q, dq, out);
+    plain.Retract(q, dq, expected);
+    EXPECT_EQ(out, expected);
+  }
+}
+
 TEST_F(NormEvaluatorTest, RetractMovesTheSequentialResidualExactlyAlongTheChart) {
   int moved = 0;
   for (const Case& c : Cases()) {
