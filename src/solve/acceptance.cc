@@ -32,7 +32,7 @@ bool Acceptance::Accept(Outcome& outcome, const VectorXd* hint) {
 bool Acceptance::AcceptCandidate(Candidate& candidate) {
   if (!work_.Spent()) strategy_.Polish(candidate);
   const bool proven = IsFree(candidate.q, candidate.start);
-  if (proven && !verifier_.disputed()) return true;
+  if (proven && !verifier_.disputed_by_contacts()) return true;
   if (!work_.Spent() && AcceptFartherOut(candidate, proven)) return true;
   return proven && IsFree(candidate.q, candidate.start);
 }
@@ -42,7 +42,7 @@ bool Acceptance::AcceptCandidate(Candidate& candidate) {
 // better.
 bool Acceptance::AcceptFartherOut(const Candidate& candidate, bool proven) {
   const auto better = [&] {
-    return IsFree(trial_, candidate.start) && !(proven && verifier_.disputed());
+    return IsFree(trial_, candidate.start) && !(proven && verifier_.disputed_by_contacts());
   };
   if (strategy_.Retreat(candidate, trial_) && better()) return true;
   const double last_beyond = proven ? tune::kBeyondDisputed : tune::kLastBeyond;

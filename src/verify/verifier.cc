@@ -5,6 +5,8 @@
 #include <limits>
 #include <tuple>
 
+#include "verify/limits.h"
+
 namespace mjcf_pdg {
 namespace {
 
@@ -19,9 +21,6 @@ using verify::Reading;
 using verify::Vector3d;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// How far a joint may be outside its range in a configuration that is free [rad or m]: the
-// verifier's own kLimitTolerance.
-constexpr double kRangeTolerance = 1e-6;
 // A contact whose depth exceeds Options::rest by rounding alone still rests. The slack is the first
 // share of `rest` plus the second share of the pair's size.
 constexpr double kRestRounding = 1e-6, kSizeRounding = 1e-12;
@@ -262,7 +261,7 @@ bool Verifier::IsFree(std::span<const double> q, std::span<const double> q_in) {
   if (!SetRest(q, q_in)) return false;
   Pose(q);
   findings_.Clear();
-  CheckLimits(q);
+  verdict_.limit_excess = verify::CheckLimits(model_, q, findings_.limits);
   if (!findings_.limits.empty()) return false;
   for (int k = 0; k < static_cast<int>(shared_->pairs.size()); ++k) {
     if (!shared_->pairs[k].contact_only && !KeepsApart(k)) return false;
@@ -291,7 +290,7 @@ const Verdict& Verifier::Check(std::span<const double> q, std::span<const double
   verdict_.min_distance = clearance_ + range_;
   CheckContacts();
   CheckPairs(depths);
-  CheckLimits(q);
+  verdict_.limit_excess = verify::CheckLimits(model_, q, findings_.limits);
   FillViolations();
   FindDisputes();
   verify::WriteVerdict(model_, words, findings_, verdict_);
@@ -374,27 +373,6 @@ void Verifier::CheckContacts() {
     Finding finding;
     finding.contact.geom = {d.contact[c].geom[0], d.contact[c].geom[1]};
     report(d.contact[c], finding);
-  }
-}
-
-// Checks all joints of the model, frozen ones too. The limit of a ball joint is on its total
-// rotation angle, twist included.
-void Verifier::CheckLimits(std::span<const double> q) {
-  verdict_.limit_excess = 0.0;
-  for (int j = 0; j < model_.njnt; ++j) {
-    const int type = model_.jnt_type[j];
-    if (!model_.jnt_limited[j] || type == mjJNT_FREE) continue;
-    const double* value = q.data() + model_.jnt_qposadr[j];
-    const double low = model_.jnt_range[2 * j], high = model_.jnt_range[2 * j + 1];
-    double excess = 0.0;
-    if (type == mjJNT_BALL) {
-      const double sine = std::hypot(value[1], value[2], value[3]);
-      excess = 2.0 * std::atan2(sine, std::abs(value[0])) - high;
-    } else {
-      excess = std::max(low - *value, *value - high);
-    }
-    verdict_.limit_excess = std::max(verdict_.limit_excess, excess);
-    if (excess > kRangeTolerance) findings_.limits.push_back({j, excess});
   }
 }
 

@@ -7,9 +7,9 @@
 //
 // mj_collision alone decides two cases: pairs with an SDF or a height field, which have no signed
 // distances here, and contacts between geoms that the verifier's own table of pairs lacks.
-// Elsewhere its contacts are only compared with the certificates (see disputed). It runs on a
-// private copy of the mjModel struct without margins and gaps, because a negative margin hides
-// contacts and a positive one falsifies their distances.
+// Elsewhere its contacts are only compared with the certificates (see disputed_by_contacts). It
+// runs on a private copy of the mjModel struct without margins and gaps, because a negative margin
+// hides contacts and a positive one falsifies their distances.
 #ifndef MJCF_PDG_SRC_VERIFY_VERIFIER_H_
 #define MJCF_PDG_SRC_VERIFY_VERIFIER_H_
 
@@ -72,7 +72,7 @@ class Verifier {
   // True if MuJoCo reports a contact of two convex geoms that is deeper than permitted. At a q that
   // is free it contradicts a certificate. Refers to the last Check, or to the last IsFree if that
   // returned true.
-  bool disputed() const { return disputed_; }
+  bool disputed_by_contacts() const { return disputed_; }
   // What Verdict::certified says of every configuration: no pair has an SDF or a height field.
   bool certified() const { return verdict_.certified; }
 
@@ -106,7 +106,6 @@ class Verifier {
 
   void CheckPairs(verify::Depths depths);
   void CheckContacts();
-  void CheckLimits(std::span<const double> q);
   void Report(int pair, const verify::Reading& reading, verify::Proof proof);
   void FillViolations();
   void FindDisputes();
