@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "tests/support/brute_distance.h"
 #include "tests/support/shallow_depths.h"
 #include "tests/support/test_support.h"
 

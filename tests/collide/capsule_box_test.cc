@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "tests/support/brute_distance.h"
 #include "tests/support/test_support.h"
 
 namespace mjcf_pdg::test {

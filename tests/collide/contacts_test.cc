@@ -9,6 +9,7 @@
 #include <map>
 
 #include "mjcf_pdg/pdg.h"
+#include "tests/support/brute_distance.h"
 #include "tests/support/mesh_shapes.h"
 #include "tests/support/test_support.h"
 

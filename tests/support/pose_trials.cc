@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "tests/support/brute_distance.h"
 #include "tests/support/test_support.h"
 #include "tests/support/verify_scenes.h"
 #include "verify/verifier.h"

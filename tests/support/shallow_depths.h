@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/brute_distance.h"
 #include "tests/support/test_support.h"
 #include "tests/support/verify_scenes.h"
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "tests/support/brute_distance.h"
 #include "tests/support/test_support.h"
 
 namespace mjcf_pdg::test {

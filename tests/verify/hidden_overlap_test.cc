@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "mjcf_pdg/pdg.h"
+#include "tests/support/brute_distance.h"
 #include "tests/support/shallow_depths.h"
 #include "tests/support/test_support.h"
 #include "tests/support/verify_scenes.h"
