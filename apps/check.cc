@@ -96,6 +96,7 @@ Verb AddCheckVerb(CLI::App& program) {
   AddMotion(*command, *arguments);
   AddMovable(*command, arguments->scene);
   AddExactMesh(*command, arguments->scene);
+  AddEquality(*command, arguments->scene);
   AddRest(*command, arguments->options);
   AddTolerance(*command, arguments->options);
   AddJson(*command, arguments->json);

@@ -147,6 +147,16 @@ void AddExactMesh(CLI::App& command, SceneArguments& arguments) {
                    "meshes collide as their triangles: those the model marks, or all");
 }
 
+void AddEquality(CLI::App& command, SceneArguments& arguments) {
+  AddChoice<EqualityMode>(command, "--equality",
+                          {{"hold", EqualityMode::kHold},
+                           {"all", EqualityMode::kAll},
+                           {"ignore", EqualityMode::kIgnore}},
+                          "active equality constraints: hold all but those to mocap bodies, all, "
+                          "or none",
+                          arguments.options.equality);
+}
+
 void AddMetric(CLI::App& command, Metric& metric) {
   AddChoice<Metric>(command, "--metric",
                     {{"sequential", Metric::kSequential}, {"displacement", Metric::kDisplacement}},

@@ -49,12 +49,13 @@ void AddModels(CLI::App& command, std::vector<std::string>& models);  // MODEL..
 void AddMovable(CLI::App& command, SceneArguments& arguments);        // --movable
 void AddRoot(CLI::App& command, SceneArguments& arguments);           // --root
 void AddExactMesh(CLI::App& command, SceneArguments& arguments);      // --exact-mesh
-void AddMetric(CLI::App& command, Metric& metric);                    // --metric
-void AddMethod(CLI::App& command, Method& method);                    // --method
-void AddEffort(CLI::App& command, Effort& effort);                    // --effort
-void AddTolerance(CLI::App& command, Options& options);               // --tolerance
-void AddRest(CLI::App& command, Options& options);                    // --rest
-void AddJson(CLI::App& command, std::string& path);                   // --json
+void AddEquality(CLI::App& command, SceneArguments& arguments);
+void AddMetric(CLI::App& command, Metric& metric);       // --metric
+void AddMethod(CLI::App& command, Method& method);       // --method
+void AddEffort(CLI::App& command, Effort& effort);       // --effort
+void AddTolerance(CLI::App& command, Options& options);  // --tolerance
+void AddRest(CLI::App& command, Options& options);       // --rest
+void AddJson(CLI::App& command, std::string& path);      // --json
 
 }  // namespace mjcf_pdg::app
 

@@ -50,6 +50,7 @@ void AddFlags(CLI::App& command, SolveArguments& arguments) {
   AddMovable(command, arguments.scene);
   AddRoot(command, arguments.scene);
   AddExactMesh(command, arguments.scene);
+  AddEquality(command, arguments.scene);
   AddRest(command, arguments.options);
   AddMetric(command, arguments.options.metric);
   AddTolerance(command, arguments.options);

@@ -87,15 +87,24 @@ std::string Millimetres(double metres) {
 
 std::string Depth(double signed_distance) { return Millimetres(std::max(0.0, -signed_distance)); }
 
+// The depth, and what else was wrong with the input.
 std::string DepthIn(const Result& result) {
-  const bool limits = result.status != Status::kAlreadyFree && result.limit_excess_in > kLimitTolerance;
-  return Depth(result.depth_in) + (limits ? " limits" : "");
+  std::string text = Depth(result.depth_in);
+  if (result.status == Status::kAlreadyFree) return text;
+  if (result.limit_excess_in > kLimitTolerance) text += " limits";
+  if (result.equality_residual_in > kEqualityTolerance) text += " equality";
+  return text;
 }
 
 std::string ReasonLine(const RowName& name, const Configuration& row, const std::string& reason) {
   const std::string model = name.model.empty() ? "" : OneLine(name.model) + " ";
   return model + "row " + std::to_string(name.index) + " (" + OneLine(row.label) +
          "): " + OneLine(reason) + "\n";
+}
+
+// The fields that only models with equality constraints have.
+bool HoldsEqualities(const Scene& scene) {
+  return scene.model()->neq > 0 && !scene.HeldEqualities().empty();
 }
 
 std::string LeftOut(std::size_t rows) {
@@ -140,6 +149,10 @@ std::string SolveJson(const Scene& scene, const RowName& name, const Configurati
   json["sigma_lower_bound"] = result.sigma_lower_bound;
   json["depth_in"] = result.depth_in;
   json["min_distance"] = result.min_distance;
+  if (HoldsEqualities(scene)) {
+    json["equality_residual_in"] = result.equality_residual_in;
+    json["equality_residual"] = result.equality_residual;
+  }
   json["iterations"] = result.stats.iterations;
   json["collision_queries"] = result.stats.collision_queries;
   json["time_us"] = std::round(result.stats.seconds * 1e9) / 1e3;
@@ -196,6 +209,7 @@ std::string CheckJson(const Scene& scene, const RowName& name, const Configurati
   json["qpos"] = row.q;
   json["min_distance"] = verdict.min_distance;
   json["limit_excess"] = verdict.limit_excess;
+  if (HoldsEqualities(scene)) json["equality_residual"] = verdict.equality_residual;
   json["contacts"] = ContactsJson(scene, verdict.contacts);
   json["certified"] = verdict.certified;
   json["geometry"] = GeometryName(scene);

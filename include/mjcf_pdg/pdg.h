@@ -37,8 +37,8 @@ MJCF_PDG_API std::vector<std::string> Components(Method method);
 // its own and never writes to the user's model or data.
 class MJCF_PDG_API Solver {
  public:
-  // Throws Error if an option is out of range, if Options::without has an unknown name, if the
-  // scene has an active equality constraint, or if the libmujoco of this process is not the 4.0.x
+  // Throws Error if an option is out of range, if Options::without has an unknown name, if method
+  // paper is to hold equality constraints, or if the libmujoco of this process is not the 4.0.x
   // that this library was built for.
   explicit Solver(const Scene& scene, const Options& options = {});
   ~Solver();
@@ -53,9 +53,9 @@ class MJCF_PDG_API Solver {
   // result have seen problems of this size, the call allocates nothing on the heap, except for
   // exact meshes and MuJoCo's own arena.
   Status Solve(std::span<const double> q_in, Result& result);
-  // Solves for the qpos of `data`, after SetMocap with its mocap poses, which stay set. `data` must
-  // belong to the scene's model and is only read. Also throws Error if `data` is null or an
-  // equality constraint is active in it.
+  // Solves for the qpos of `data`, after SetMocap with its mocap poses and with the equality
+  // constraints that are active in it; both stay set. `data` must belong to the scene's model and
+  // is only read. Also throws Error if `data` is null.
   Status Solve(const mjData* data, Result& result);
   // Solves for q_in with `free_hint` as a hint for this call alone, beside the one of SetHint.
   Result Solve(const std::vector<double>& q_in,
@@ -104,6 +104,7 @@ struct Verdict {
   bool certified = false;     // every kept pair has a signed distance (no SDF, no height field)
   double min_distance = 0.0;  // as in Result, but cut off 1 m beyond the clearance [m]
   double limit_excess = 0.0;  // largest violation of a joint limit [rad or m]
+  double equality_residual = 0.0;  // largest violation of a held equality constraint [m or rad]
   // Pairs that are nearer than the tolerance or than required, deepest first.
   std::vector<Contact> contacts;
   std::string reason;  // what is not free, in words; empty if all is free

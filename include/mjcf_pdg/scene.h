@@ -16,6 +16,13 @@ typedef struct mjModel_ mjModel;
 
 namespace mjcf_pdg {
 
+// Which equality constraints (joint and tendon couplings, connects, welds) are held while solving.
+enum class EqualityMode {
+  kHold,    // all but connects and welds to mocap bodies, by which people drive a robot
+  kAll,     // those too
+  kIgnore,  // none
+};
+
 // Which joints may move, which link the norm is measured from, and how meshes collide.
 struct SceneOptions {
   // Bodies whose own joints and subtrees may move; everything else is frozen. Empty: all joints.
@@ -28,6 +35,8 @@ struct SceneOptions {
   // name="mjcf_pdg.exact_mesh" data="geom geom ..."/></custom> names, or for all if the model has
   // no such text. Against SDF geoms and height fields they remain hulls.
   bool exact_mesh = false;
+  // Of the constraints that are active in the model, or in the mjData that is solved.
+  EqualityMode equality = EqualityMode::kHold;
 };
 
 struct SceneTables;    // internal, src/model/scene_tables.h
@@ -75,9 +84,9 @@ class MJCF_PDG_API Scene {
   // Throws Error if the sizes of the user's model have changed since the scene was made, as when
   // another model was compiled in its place. Solver calls this for every solve.
   void CheckUnchanged() const;
-  // The active equality constraints, each by its name (or "#id") and kind. Solver refuses scenes
-  // that have any.
-  std::vector<std::string> ActiveEqualities() const;
+  // The equality constraints that are active in the model and held, each by its name (or "#id") and
+  // kind.
+  std::vector<std::string> HeldEqualities() const;
 
  private:
   Scene(std::shared_ptr<const mjModel> owner, const mjModel& model, const SceneOptions& options);

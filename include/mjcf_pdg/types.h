@@ -82,6 +82,8 @@ struct Budget {
 
 // How far a joint may be outside its range in a configuration that is free [rad or m].
 inline constexpr double kLimitTolerance = 1e-6;
+// Equality constraints hold if none is violated by more than this [m or rad].
+inline constexpr double kEqualityTolerance = 1e-6;
 
 // What a solve, a verdict or a checked motion is asked for. A value out of range is an Error of the
 // function that gets the options.
@@ -147,6 +149,8 @@ struct Result {
   double depth_in = 0.0;
   double min_distance = 0.0;
   double limit_excess_in = 0.0;  // largest violation of a joint limit by q_in [rad or m]
+  // The largest violations of a held equality constraint by q_in and by q [m or rad].
+  double equality_residual_in = 0.0, equality_residual = 0.0;
   bool certified = false;      // that q is free rests on signed distances (no SDF, no height field)
   std::string start;           // the start that won (name from Components in pdg.h); "none": q_in
   std::string reason;          // why it is unsolved, in words; else empty

@@ -149,6 +149,17 @@ inline constexpr int kRounds = 3, kBisections = 3;
 inline constexpr double kFirstReach = 0.02, kLargestReach = 4.0;
 }  // namespace exact_meshes
 
+// How a configuration is brought onto the equality constraints (equality/).
+namespace equality {
+// Residuals are brought below this [m or rad]: a hundredth of what is accepted.
+inline constexpr double kAim = 1e-8;
+inline constexpr int kProjectionSteps = 30;  // Gauss-Newton; from nearby two or three are enough
+inline constexpr double kLargestTurn = 0.5;  // of a joint in one of them [rad]
+// Constraints that depend on each other are recognized by singular values below this share of the
+// largest [1].
+inline constexpr double kRank = 1e-9;
+}  // namespace equality
+
 // When a search ends (search/stopping_rule.cc).
 namespace stopping {
 inline constexpr double kSameAnswer = 1.01;  // two answers are the same up to this ratio of their σ

@@ -88,6 +88,8 @@ struct SceneTables {
   // ngeom: the triangles of meshes and boxes in exact pairs; null for all other geoms.
   std::vector<std::shared_ptr<const TriangleBvh>> solids;
   double tree_units = 1.0;  // the unit of length of `solids`: tree units per metre (triangle_bvh.h)
+  // By equality constraint of the model: it is held while it is active (equality/held.h).
+  std::vector<char> held_equalities;
   std::vector<std::string> warnings;  // for the user, a line each
 };
 

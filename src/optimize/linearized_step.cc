@@ -42,6 +42,7 @@ void LinearizedStep::Linearize(const VectorXd& q, const std::vector<NearPair>& n
   AppendLimitRows(tables, q, {tune::kLimitReach, tune::kSlideReach * problem_.size, problem_.size},
                   rows_);
   work_.norm.Linearize(q, r_, J_);
+  work_.equality.Linearize(q);
 }
 
 // The row of the pair's witness points, then those of witness points that it had at earlier steps.
@@ -107,6 +108,7 @@ void LinearizedStep::SolveLcp(const StepOptions& options) {
   G = rows_.C.topRows(m).transpose();
   whitening_.SolveLower(G);
   b = -rows_.gap.head(m);
+  if (work_.equality.any()) HoldEqualities(G, b);
   b.noalias() += G.transpose() * y_;
   bounds.setConstant(options.penalty);
   bounds.tail(m - contact_rows_).setConstant(tune::kLimitPenalty * options.scale);
@@ -116,6 +118,30 @@ void LinearizedStep::SolveLcp(const StepOptions& options) {
   lcp_steps_ += lcp_.Solve(G, b, bounds, lcp, lambda).steps;
   z_ = -y_;
   z_.noalias() += G * lambda;
+  if (work_.equality.any()) z_ += held_;
+}
+
+// The constraints are E dq + e = 0, or Kᵀz + e = 0 in whitened coordinates with K = L⁻¹Eᵀ. Of all
+// such z = z_e + w, z_e is the shortest and w is orthogonal to the columns of K: G and y lose their
+// parts along these, and b gets what z_e does to the gaps. Constraints that depend on each other
+// differ by rank.
+void LinearizedStep::HoldEqualities(Eigen::Ref<MatrixXd> G, Eigen::Ref<VectorXd> b) {
+  K_ = work_.equality.jacobian().transpose();
+  held_.setZero(problem_.tables.n);
+  if (K_.cols() == 0) return;
+  whitening_.SolveLower(K_);
+  range_of_K_.setThreshold(tuning::equality::kRank);
+  range_of_K_.compute(K_);
+  const Eigen::Index rank = range_of_K_.rank();
+  range_ = MatrixXd::Identity(K_.rows(), rank);
+  range_.applyOnTheLeft(range_of_K_.householderQ());
+  // K P = Q R: z_e = Q a with RᵀQᵀz_e = -Pᵀe, of which the first `rank` rows decide.
+  const auto R = range_of_K_.matrixR().topLeftCorner(rank, rank).triangularView<Eigen::Upper>();
+  const VectorXd e = range_of_K_.colsPermutation().transpose() * work_.equality.residual();
+  held_ = range_ * R.transpose().solve(-e.head(rank));
+  b -= G.transpose() * held_;
+  G -= range_ * (range_.transpose() * G);
+  y_ -= range_ * (range_.transpose() * y_);
 }
 
 double LinearizedStep::LargestTurn() const {

@@ -6,7 +6,8 @@
 //   1. Rows are elastic: a contact that cannot be held costs `penalty` per metre, so that contacts
 //      in conflict have an answer. Joint limits are far stiffer.
 //   2. Witness points of earlier steps add rows (witness_memory.h).
-//   3. Levenberg-Marquardt damping, and a trust radius in the units of the object norm.
+//   3. Equality constraints hold exactly: the step is sought in the null space of their Jacobian.
+//   4. Levenberg-Marquardt damping, and a trust radius in the units of the object norm.
 #ifndef MJCF_PDG_SRC_OPTIMIZE_LINEARIZED_STEP_H_
 #define MJCF_PDG_SRC_OPTIMIZE_LINEARIZED_STEP_H_
 
@@ -68,6 +69,7 @@ class LinearizedStep {
   void AppendContactRows(const NearPair& near, const RowOptions& options);
   void AddDamping(double damping);
   void SolveLcp(const StepOptions& options);
+  void HoldEqualities(Eigen::Ref<MatrixXd> G, Eigen::Ref<VectorXd> b);
   double LargestTurn() const;  // of dq [rad]
   void Predict();
 
@@ -86,6 +88,10 @@ class LinearizedStep {
   VectorXd lambda_, b_, bounds_, slack_;  // per row
   MatrixXd J_, H_, G_;
   BlockCholesky whitening_;
+  // Of the equality constraints, whitened: the step that makes them hold, and its decomposition.
+  VectorXd held_;
+  MatrixXd K_, range_;
+  Eigen::ColPivHouseholderQR<MatrixXd> range_of_K_;
 };
 
 }  // namespace mjcf_pdg

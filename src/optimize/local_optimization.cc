@@ -59,6 +59,9 @@ void LocalOptimization::Evaluate(double margin, Iterate& out) {
     of_pair = std::max(of_pair, excess);
     out.worst = std::max(out.worst, needed - accept_);
   }
+  const double torn = work_.equality.Violation(out.q) - kEqualityTolerance;
+  out.violation += std::max(0.0, torn);
+  out.worst = std::max(out.worst, torn);
 }
 
 // Replaces out.near[k], an exact pair that overlaps by an unknown depth: by the planes that the
@@ -109,6 +112,7 @@ void LocalOptimization::Step(Descent& d) {
       step_.Solve({.scale = scale_, .penalty = mu_, .damping = damping_, .trust_radius = d.radius});
   work_.norm.Retract(d.current.q, step_.dq(), next_);
   ClampToLimits(problem_.tables, next_);
+  work_.equality.Project(next_);
   const double reach =
       std::clamp(tune::kMarginPerStep * d.length, tune::kLeastMargin * problem_.size,
                  tune::kLargestMargin * problem_.size);
@@ -245,6 +249,7 @@ void LocalOptimization::Begin(const VectorXd& q, const LocalOptions& options, De
   depths_ = d.options.depths;
   next_ = q;
   ClampToLimits(problem_.tables, next_);
+  work_.equality.Project(next_);
   Look(next_, tune::kFirstMargin * problem_.size, d.current);
   Evaluate(tune::kFirstMargin * problem_.size, d.current);
   scale_ = std::max(problem_.size, tune::kSizePerDepth * d.current.worst) / tune::kDeskSize;

@@ -10,7 +10,8 @@
 //      judged by the merit function ½σ + ν Σ violation, where the penalty weight ν is a few times
 //      the largest contact force.
 //   3. The LCP is solved by an active-set method (lcp.h); Gauss-Seidel fails on pinched cases.
-//   4. Exact meshes: a step that ends in an overlap is made again, shorter, bounded by the planes
+//   4. Steps hold equality constraints to first order, and are then brought onto them (equality/).
+//   5. Exact meshes: a step that ends in an overlap is made again, shorter, bounded by the planes
 //      between features that the meshes had where they were apart (feature_memory.h).
 #ifndef MJCF_PDG_SRC_OPTIMIZE_LOCAL_OPTIMIZATION_H_
 #define MJCF_PDG_SRC_OPTIMIZE_LOCAL_OPTIMIZATION_H_

@@ -19,6 +19,7 @@ Tolerances::Tolerances(double tolerance, double scene_size)
 Workspace::Workspace(const SceneTables& tables, const Options& options)
     : norm(tables, options.metric),
       finder(tables, options.clearance),
+      equality(tables),
       problem_{.tables = tables,
                .options = options,
                .size = tables.size,
@@ -33,6 +34,7 @@ void Workspace::Begin(const Eigen::Ref<const VectorXd>& q_in, const MocapPoses& 
                       const VectorXd* rest) {
   finder.Forget();
   finder.SetMocap(mocap);
+  equality.SetMocap(mocap);
   problem_.mocap = mocap;
   problem_.q_in = q_in;
   SetMovable(problem_.tables, problem_.q_in, problem_.q_in);  // normalizes quaternions
@@ -45,6 +47,8 @@ void Workspace::Begin(const Workspace& other) {
   const Problem& same = other.problem();
   finder.Forget();
   finder.SetMocap(same.mocap);
+  equality.SetMocap(same.mocap);
+  equality.SetActive(other.equality.active());
   problem_.mocap = same.mocap;
   problem_.q_in = same.q_in;
   problem_.required = same.required;
@@ -67,9 +71,10 @@ void Workspace::SetRequired() {
 bool Workspace::Free(const VectorXd& q) {
   finder.Pose(q);
   const std::vector<NearPair>& near = finder.Find(problem_.options.clearance, Depths::kSkipped);
-  return std::none_of(near.begin(), near.end(), [this](const NearPair& n) {
+  const bool apart = std::none_of(near.begin(), near.end(), [this](const NearPair& n) {
     return problem_.Overlaps(n, problem_.tolerances.accept);
   });
+  return apart && equality.Violation(q) <= kEqualityTolerance;
 }
 
 const std::vector<NearPair>& Workspace::OverlapsAtInput() {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "collide/contacts.h"
+#include "equality/equality_constraints.h"
 #include "norm/norm_evaluator.h"
 #include "problem/budget.h"
 #include "problem/problem.h"
@@ -32,7 +33,8 @@ class Workspace {
 
   const Problem& problem() const { return problem_; }
 
-  // Whether no movable pair is nearer than required, by the solver's own distances. One query.
+  // Whether no movable pair is nearer than required, by the solver's own distances, and equality
+  // constraints hold. One query.
   bool Free(const VectorXd& q);
   // The pairs nearer than required at q_in, where the finder stays posed. One query. Valid until
   // the next call.
@@ -41,6 +43,7 @@ class Workspace {
 
   NormEvaluator norm;  // reference q_in
   ContactFinder finder;
+  EqualityConstraints equality;
   BudgetMeter budget;
 
  private:

@@ -56,6 +56,8 @@ bool Acceptance::AcceptFartherOut(const Candidate& candidate, bool proven) {
 bool Acceptance::IsFree(const VectorXd& q, Component start) {
   trial_ = q;
   Unwind(problem_.tables, problem_.q_in, trial_);
+  // Couplings may forbid whole turns of one joint alone.
+  if (work_.equality.Violation(trial_) > kEqualityTolerance) trial_ = q;
   q_.assign(trial_.data(), trial_.data() + trial_.size());
   start_ = start;
   work_.budget.Charge(1);

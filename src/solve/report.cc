@@ -21,6 +21,7 @@ void Reporter::Clear(Result& result) {
   result.cause = Cause::kNone;
   result.sigma = result.sigma_lower_bound = 0.0;
   result.depth_in = result.min_distance = result.limit_excess_in = 0.0;
+  result.equality_residual_in = result.equality_residual = 0.0;
   result.certified = false;
   result.start.reserve(kLongestStart);
   result.start.clear();
@@ -36,11 +37,14 @@ bool Reporter::Input(const std::vector<double>& q_in, Result& result) {
         verifier_.Check(q_in, q_in, verify::Depths::kMeasured, verify::Words::kSkipped);
     result.depth_in = verdict.min_distance;
     result.limit_excess_in = verdict.limit_excess;
+    result.equality_residual_in = verdict.equality_residual;
     if (problem_.options.report_contacts) result.contacts_in = verdict.contacts;
     if (!verdict.free) return false;
     Answer(verdict, result);
   } else {
-    if (!verifier_.IsFree(q_in, q_in)) return false;
+    const bool free = verifier_.IsFree(q_in, q_in);
+    result.equality_residual_in = verifier_.verdict().equality_residual;
+    if (!free) return false;
     AnswerUnmeasured(result);
     result.depth_in = result.min_distance;
   }
@@ -78,6 +82,7 @@ double Reporter::Sigma(const std::vector<double>& q) {
 void Reporter::Answer(const Verdict& verdict, Result& result) const {
   result.min_distance = verdict.min_distance;
   result.certified = verdict.certified;
+  result.equality_residual = verdict.equality_residual;
   if (problem_.options.report_contacts) result.contacts = verdict.contacts;
 }
 
@@ -85,12 +90,14 @@ void Reporter::Answer(const Verdict& verdict, Result& result) const {
 void Reporter::AnswerUnmeasured(Result& result) const {
   result.min_distance = problem_.options.clearance - problem_.options.tolerance;
   result.certified = verifier_.certified();
+  result.equality_residual = verifier_.verdict().equality_residual;
 }
 
 void Reporter::Unsolved(const std::vector<double>& q_in, const Outcome* outcome, bool frozen,
                         Result& result) {
   VectorXd inside = problem_.q_in;
   TurnInsideLimits(problem_.tables, inside);
+  work_.equality.Project(inside);
   const Candidate* candidate = nullptr;
   if (outcome && !outcome->free.empty()) {  // but for the verifier
     candidate = &outcome->free.front();
@@ -122,6 +129,8 @@ void Reporter::SayWhy(const Outcome* outcome, bool frozen, const Verdict& verdic
   const bool spent = work_.Spent();
   if (frozen) {
     result.cause = Cause::kFrozen;
+  } else if (verdict.equality_residual > kEqualityTolerance) {
+    result.cause = Cause::kEquality;
   } else if (!inseparable.empty()) {
     result.cause = Cause::kPermanent;
   } else if (spent) {

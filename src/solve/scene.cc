@@ -7,6 +7,7 @@
 
 #include "base/names.h"
 #include "collide/convex/support_points.h"
+#include "equality/held.h"
 #include "model/exact_mesh.h"
 #include "model/kept_pairs.h"
 #include "model/scene_tables.h"
@@ -140,6 +141,19 @@ mjModel UnblindedCopy(const SceneTables& tables) {
   return copy;
 }
 
+// What is left out is said, once.
+void WarnOfEqualities(EqualityMode mode, SceneTables& tables) {
+  const mjModel& m = *tables.model;
+  if (mode != EqualityMode::kHold || (m.opt.disableflags & mjDSBL_EQUALITY)) return;
+  int left_out = 0;
+  for (int e = 0; e < m.neq; ++e) left_out += m.eq_active0[e] && JoinsMocapBody(m, e);
+  if (left_out == 0) return;
+  tables.warnings.push_back(std::to_string(left_out) +
+                            (left_out == 1 ? " equality constraint joins a mocap body and is"
+                                           : " equality constraints join mocap bodies and are") +
+                            " left out: --equality all holds them, too");
+}
+
 std::shared_ptr<const SceneTables> MakeTables(std::shared_ptr<const mjModel> owner,
                                               const mjModel* model, const SceneOptions& options) {
   CheckMujocoVersion();
@@ -153,6 +167,8 @@ std::shared_ptr<const SceneTables> MakeTables(std::shared_ptr<const mjModel> own
   MarkExactGeoms(options, *tables);
   FillKeptPairs(*tables);
   RefuseUnseenPairs(*tables);
+  tables->held_equalities = HeldEqualities(*model, options.equality);
+  WarnOfEqualities(options.equality, *tables);
   BuildBvhs(*tables);
   tables->support = std::make_shared<const SupportPoints>(*model, tables->pairs);
   tables->query_model = UnblindedCopy(*tables);
@@ -271,16 +287,11 @@ void Scene::CheckConfiguration(std::span<const double> q) const {
   }
 }
 
-std::vector<std::string> Scene::ActiveEqualities() const {
+std::vector<std::string> Scene::HeldEqualities() const {
   const mjModel* m = model();
   std::vector<std::string> names;
-  if (m->opt.disableflags & mjDSBL_EQUALITY) return names;
   for (int e = 0; e < m->neq; ++e) {
-    if (!m->eq_active0[e]) continue;
-    static constexpr const char* kKind[] = {"connect", "weld", "joint", "tendon", "flex"};
-    const int type = m->eq_type[e];
-    names.push_back(std::string(type < 5 ? kKind[type] : "equality") + " " +
-                    QuotedNameOrId(*m, mjOBJ_EQUALITY, e));
+    if (m->eq_active0[e] && tables_->held_equalities[e]) names.push_back(DescribeEquality(*m, e));
   }
   return names;
 }

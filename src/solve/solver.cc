@@ -5,10 +5,11 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 
-#include "base/names.h"
 #include "bound/lower_bound.h"
+#include "equality/held.h"
 #include "mjcf_pdg/pdg.h"
 #include "paper/paper_method.h"
 #include "problem/effort.h"
@@ -33,6 +34,13 @@ std::unique_ptr<Strategy> MakeStrategy(Workspace& work) {
   return std::make_unique<AutoMethod>(work);
 }
 
+// The motions of method paper are straight, and so leave what equality constraints allow.
+void CheckMethodHolds(const Options& options, const std::string& equality) {
+  if (options.method != Method::kPaper) return;
+  throw Error("method paper cannot hold equality constraint " + equality +
+              ": use method auto, or ignore equality constraints");
+}
+
 // Puts the hint of SetHint back, however a solve with one of its own ends.
 struct RestoreHint {
   ~RestoreHint() { hint.swap(kept); }
@@ -49,6 +57,7 @@ struct MJCF_PDG_LOCAL Solver::Impl {
   bool Search(Result& result);
   void Remember(const Result& result);
   void SetMocap(std::span<const double> pos, std::span<const double> quat);
+  void SetActive(std::span<const mjtBool> active);
   void CheckInput(std::span<const double> q) const;
   std::int64_t Queries() const {
     return work.finder.queries() + strategy->other_queries() + verifier.queries();
@@ -150,6 +159,16 @@ void Solver::Impl::SetMocap(std::span<const double> pos, std::span<const double>
   verifier.SetMocap(pos, quat);
 }
 
+void Solver::Impl::SetActive(std::span<const mjtBool> active) {
+  for (std::size_t e = 0; e < active.size(); ++e) {
+    if (active[e] && scene.tables().held_equalities[e]) {
+      CheckMethodHolds(options, DescribeEquality(*scene.model(), static_cast<int>(e)));
+    }
+  }
+  work.equality.SetActive(active);
+  verifier.SetActive(active);
+}
+
 void Solver::Impl::CheckInput(std::span<const double> q) const {
   scene.CheckUnchanged();
   scene.CheckConfiguration(q);
@@ -158,11 +177,8 @@ void Solver::Impl::CheckInput(std::span<const double> q) const {
 Solver::Solver(const Scene& scene, const Options& options) {
   CheckMujocoVersion();
   CheckOptions(options, *scene.model());
-  const std::vector<std::string> equalities = scene.ActiveEqualities();
-  if (!equalities.empty()) {
-    throw Error("active equality constraint " + equalities.front() +
-                " is not supported yet; active=\"false\" solves without it");
-  }
+  const std::vector<std::string> equalities = scene.HeldEqualities();
+  if (!equalities.empty()) CheckMethodHolds(options, equalities.front());
   impl_ = std::make_unique<Impl>(scene, options);
 }
 
@@ -195,12 +211,7 @@ Status Solver::Solve(const mjData* data, Result& result) {
   if (!data) throw Error("the data is null");
   const mjModel& m = *impl_->scene.model();
   impl_->scene.CheckUnchanged();
-  for (int e = 0; e < m.neq; ++e) {
-    if (data->eq_active[e]) {
-      throw Error("equality constraint " + QuotedNameOrId(m, mjOBJ_EQUALITY, e) +
-                  " is active in the data: not supported yet");
-    }
-  }
+  impl_->SetActive({data->eq_active, static_cast<std::size_t>(m.neq)});
   const std::size_t nmocap = static_cast<std::size_t>(m.nmocap);
   impl_->SetMocap({data->mocap_pos, 3 * nmocap}, {data->mocap_quat, 4 * nmocap});
   return Solve(std::span<const double>(data->qpos, static_cast<std::size_t>(m.nq)), result);

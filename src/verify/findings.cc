@@ -48,11 +48,19 @@ std::string Describe(const mjModel& m, const LimitExcess& limit) {
          " outside its range";
 }
 
+std::string Describe(const mjModel& m, const EqualityExcess& excess) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", excess.residual);
+  return "equality constraint " + QuotedNameOrId(m, mjOBJ_EQUALITY, excess.equality) +
+         " is violated by " + text;
+}
+
 }  // namespace
 
 void Findings::Clear() {
   pairs.clear();
   limits.clear();
+  equalities.clear();
   arena_full = false;
 }
 
@@ -93,6 +101,7 @@ void WriteVerdict(const mjModel& m, Words words, Findings& findings, Verdict& ve
     }
   }
   for (const LimitExcess& limit : findings.limits) add([&] { return Describe(m, limit); });
+  for (const EqualityExcess& excess : findings.equalities) add([&] { return Describe(m, excess); });
   if (count > kNamed && words == Words::kWritten) {
     verdict.reason += "; and " + std::to_string(count - kNamed) + " more";
   }

@@ -27,9 +27,16 @@ struct LimitExcess {
   double excess = 0.0;  // how far outside [rad or m]
 };
 
+// An equality constraint that does not hold.
+struct EqualityExcess {
+  int equality = 0;       // id in the model
+  double residual = 0.0;  // [m or rad]
+};
+
 struct Findings {
   std::vector<Finding> pairs;
   std::vector<LimitExcess> limits;
+  std::vector<EqualityExcess> equalities;
   bool arena_full = false;  // MuJoCo dropped contacts for want of memory
 
   void Clear();

@@ -5,6 +5,7 @@
 #include <limits>
 #include <tuple>
 
+#include "verify/equalities.h"
 #include "verify/limits.h"
 
 namespace mjcf_pdg {
@@ -69,7 +70,15 @@ Verifier::Verifier(std::shared_ptr<const VerifierModel> model, const Options& op
   verdict_.contacts.reserve(pairs);
   rest_q_in_.reserve(model_.nq);
   verdict_.certified = !shared_->has_contact_only_pairs;
+  SetActive({});
   UpdateRest({});
+}
+
+void Verifier::SetActive(std::span<const mjtBool> active) {
+  active_ = shared_->equalities;
+  for (int e = 0; e < model_.neq; ++e) {
+    if (!(active.empty() ? model_.eq_active0[e] : active[e])) active_[e] = 0;
+  }
 }
 
 // Sets the margins and gaps of the private model to zero. MuJoCo detects contacts nearer than
@@ -262,7 +271,9 @@ bool Verifier::IsFree(std::span<const double> q, std::span<const double> q_in) {
   Pose(q);
   findings_.Clear();
   verdict_.limit_excess = verify::CheckLimits(model_, q, findings_.limits);
-  if (!findings_.limits.empty()) return false;
+  verdict_.equality_residual =
+      verify::CheckEqualities(model_, active_, *data_, findings_.equalities);
+  if (!findings_.limits.empty() || !findings_.equalities.empty()) return false;
   for (int k = 0; k < static_cast<int>(shared_->pairs.size()); ++k) {
     if (!shared_->pairs[k].contact_only && !KeepsApart(k)) return false;
   }
@@ -291,6 +302,8 @@ const Verdict& Verifier::Check(std::span<const double> q, std::span<const double
   CheckContacts();
   CheckPairs(depths);
   verdict_.limit_excess = verify::CheckLimits(model_, q, findings_.limits);
+  verdict_.equality_residual =
+      verify::CheckEqualities(model_, active_, *data_, findings_.equalities);
   FillViolations();
   FindDisputes();
   verify::WriteVerdict(model_, words, findings_, verdict_);
@@ -379,6 +392,7 @@ void Verifier::CheckContacts() {
 void Verifier::FillViolations() {
   violations_.arena_full = findings_.arena_full;
   violations_.limits = !findings_.limits.empty();
+  violations_.equalities = !findings_.equalities.empty();
   for (const Finding& finding : findings_.pairs) {
     if (!finding.violates) continue;
     (finding.frozen ? violations_.frozen : violations_.separable) = true;

@@ -44,6 +44,10 @@ class Verifier {
   // mocap body, in order of mocap id. An empty span leaves that part as in the model.
   void SetMocap(std::span<const double> pos, std::span<const double> quat);
 
+  // Sets which equality constraints are active, an entry for each of the model (mjData::eq_active);
+  // empty: as in the model.
+  void SetActive(std::span<const mjtBool> active);
+
   // True if q is free: the same answer as Check gives, without distances and words. `q` and `q_in`
   // are those of Check. After the first call it allocates nothing, unless meshes collide as their
   // triangles.
@@ -64,6 +68,7 @@ class Verifier {
     bool separable = false;     // a pair that a movable joint can separate is too near
     bool frozen = false;        // a pair that no movable joint can separate is too near
     bool limits = false;        // a joint is outside its range
+    bool equalities = false;    // an equality constraint does not hold
     bool uncertified = false;   // no certificate was found for some pair, either way
     bool arena_full = false;    // MuJoCo dropped contacts for want of memory
   };
@@ -127,6 +132,7 @@ class Verifier {
 
   std::vector<double> rest_q_in_;              // the q_in that required_ refers to; empty: none
   std::vector<std::pair<double, int>> order_;  // scratch: (bound of the distance [m], pair)
+  std::vector<char> active_;                   // by equality constraint: held, and active
   std::vector<int> contacts_of_other_pairs_;   // indices of MuJoCo's contacts between other geoms
   verify::Findings findings_;
   Violations violations_;

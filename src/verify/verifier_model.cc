@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "verify/equalities.h"
 #include "verify/triangles.h"
 
 namespace mjcf_pdg {
@@ -176,7 +177,8 @@ VerifierModel::VerifierModel(std::shared_ptr<const mjModel> model_owner, const m
                              const SceneOptions& options)
     : owner(std::move(model_owner)),
       exact(ExactGeoms(m, options).Take()),
-      pairs(verify::FindPairs(m, options, exact)) {
+      pairs(verify::FindPairs(m, options, exact)),
+      equalities(verify::EqualitiesToHold(m, options.equality)) {
   unblinded = Unblinded(m, pairs);
   std::map<int, std::shared_ptr<const VertexTree>> trees;  // by mesh
   shapes.resize(m.ngeom);

@@ -16,8 +16,8 @@ namespace mjcf_pdg {
 
 struct VerifierModel {
   // `owner` keeps `m` alive; it is null for the model of a running program, which must outlive this
-  // object. Of the options, `movable` and `exact_mesh` count. Throws Error for an unknown body or
-  // geom.
+  // object. Of the options, `movable`, `exact_mesh` and `equality` count. Throws Error for an
+  // unknown body or geom.
   VerifierModel(std::shared_ptr<const mjModel> owner, const mjModel& m,
                 const SceneOptions& options);
 
@@ -28,6 +28,7 @@ struct VerifierModel {
   std::vector<char> exact;  // by geom: it collides as its triangles
   std::vector<verify::CheckedPair> pairs;
   bool has_contact_only_pairs = false;
+  std::vector<char> equalities;  // by equality constraint: to be held while it is active
   // By geom, of the geoms in `pairs`; those of planes and of geoms without signed distances have
   // nothing but their extents.
   std::vector<verify::ConvexShape> shapes;

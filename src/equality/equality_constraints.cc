@@ -1,0 +1,148 @@
+#include "equality/equality_constraints.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/tuning.h"
+#include "mjcf_pdg/types.h"
+
+namespace mjcf_pdg {
+namespace {
+
+namespace tune = tuning::equality;
+
+// A copy of the model's struct for which MuJoCo makes rows of equality constraints alone, as a
+// dense matrix.
+mjModel WithEqualitiesAlone(const mjModel& query_model) {
+  mjModel m = query_model;
+  m.opt.disableflags |= mjDSBL_CONTACT | mjDSBL_LIMIT | mjDSBL_FRICTIONLOSS | mjDSBL_ISLAND;
+  m.opt.disableflags &= ~(mjDSBL_CONSTRAINT | mjDSBL_EQUALITY);
+  m.opt.jacobian = mjJAC_DENSE;
+  return m;
+}
+
+}  // namespace
+
+EqualityConstraints::EqualityConstraints(const SceneTables& tables)
+    : tables_(tables), model_(WithEqualitiesAlone(tables.query_model)) {
+  const std::vector<char>& held = tables.held_equalities;
+  if (std::find(held.begin(), held.end(), 1) == held.end()) return;
+  posed_ = std::make_unique<PosedModel>(&model_);
+  weight_.resize(tables.n);
+  for (const JointEntry& joint : tables.joints) {
+    for (int k = 0; k < joint.ndof; ++k) {
+      weight_[joint.col + k] = joint.Slides(k) ? 1.0 : 1.0 / tables.size;
+    }
+  }
+  SetActive({});
+}
+
+void EqualityConstraints::SetMocap(const MocapPoses& poses) {
+  if (posed_) posed_->SetMocap(poses);
+}
+
+void EqualityConstraints::SetActive(std::span<const mjtBool> active) {
+  if (!posed_) return;
+  const mjModel& m = *tables_.model;
+  any_ = has_tendons_ = false;
+  for (int e = 0; e < m.neq; ++e) {
+    const bool on = (active.empty() ? m.eq_active0[e] : active[e]) && tables_.held_equalities[e];
+    posed_->data()->eq_active[e] = on;
+    any_ |= on;
+    has_tendons_ |= on && m.eq_type[e] == mjEQ_TENDON;
+  }
+}
+
+std::span<const mjtBool> EqualityConstraints::active() const {
+  if (!posed_) return {};
+  return {posed_->data()->eq_active, static_cast<std::size_t>(model_.neq)};
+}
+
+void EqualityConstraints::Linearize(const VectorXd& q) {
+  if (!any_) return;
+  posed_->Pose(q);
+  mjData* d = posed_->data();
+  if (has_tendons_) mj_tendon(&model_, d);
+  mj_makeConstraint(&model_, d);
+  const int rows = d->ne;
+  residual_.resize(rows);
+  jacobian_.resize(rows, tables_.n);
+  const int nv = static_cast<int>(model_.nv);
+  for (int row = 0; row < rows; ++row) {
+    residual_[row] = d->efc_pos[row];
+    for (int dof = 0; dof < nv; ++dof) {
+      const int col = tables_.column_of_dof[dof];
+      if (col >= 0) jacobian_(row, col) = d->efc_J[static_cast<std::ptrdiff_t>(row) * nv + dof];
+    }
+  }
+  ScaleRows();
+}
+
+// The last three rows of a weld are the vector part of a quaternion times its torquescale, which
+// is half the angle for small ones: made radians here.
+void EqualityConstraints::ScaleRows() {
+  const mjData* d = posed_->data();
+  for (int row = 0; row < residual_.size(); ++row) {
+    const int id = d->efc_id[row];
+    if (model_.eq_type[id] != mjEQ_WELD) continue;
+    const bool turns = row >= 3 && d->efc_id[row - 3] == id;
+    const double scale = model_.eq_data[mjNEQDATA * id + 10];
+    if (!turns || !(scale > 0.0)) continue;
+    residual_[row] *= 2.0 / scale;
+    jacobian_.row(row) *= 2.0 / scale;
+  }
+}
+
+double EqualityConstraints::Violation(const VectorXd& q) {
+  if (!any_) return 0.0;
+  Linearize(q);
+  return Largest();
+}
+
+// Sets step_ to the least change that makes the linearized residual zero, without joints that are
+// at a limit and would leave it. Returns false if nothing can change.
+bool EqualityConstraints::Correct(const VectorXd& q) {
+  VectorXd weight = weight_;
+  for (std::size_t round = 0; round <= tables_.joints.size(); ++round) {
+    solver_.setThreshold(tune::kRank);
+    solver_.compute(jacobian_ * weight.asDiagonal());
+    step_ = solver_.solve(-residual_);
+    step_ = weight.cwiseProduct(step_).eval();
+    bool blocked = false;
+    for (const JointEntry& joint : tables_.joints) {
+      if (!joint.limited || joint.type == mjJNT_BALL) continue;
+      const double to = q[joint.qadr] + step_[joint.col];
+      const bool at_limit = (q[joint.qadr] >= joint.hi && to > joint.hi) ||
+                            (q[joint.qadr] <= joint.lo && to < joint.lo);
+      if (!at_limit || weight[joint.col] == 0.0) continue;
+      weight[joint.col] = 0.0;
+      blocked = true;
+    }
+    if (!blocked) break;
+  }
+  const double largest = step_.lpNorm<Eigen::Infinity>();
+  return std::isfinite(largest) && largest > 0.0;
+}
+
+bool EqualityConstraints::Project(VectorXd& q) {
+  if (!any_) return true;
+  Linearize(q);
+  double reached = Largest();
+  for (int k = 0; k < tune::kProjectionSteps && reached > tune::kAim; ++k) {
+    if (!Correct(q)) break;
+    double turn = 0.0;
+    for (const JointEntry& joint : tables_.joints) {
+      for (int i = 0; i < joint.ndof; ++i) {
+        if (!joint.Slides(i)) turn = std::max(turn, std::abs(step_[joint.col + i]));
+      }
+    }
+    if (turn > tune::kLargestTurn) step_ *= tune::kLargestTurn / turn;
+    Integrate(tables_, q, step_, q);
+    ClampToLimits(tables_, q);
+    Linearize(q);
+    reached = Largest();
+  }
+  return reached <= kEqualityTolerance;
+}
+
+}  // namespace mjcf_pdg

@@ -1,0 +1,43 @@
+#include "equality/held.h"
+
+#include "base/names.h"
+
+namespace mjcf_pdg {
+namespace {
+
+int BodyOf(const mjModel& m, int object_type, int object) {
+  if (object < 0) return 0;
+  return object_type == mjOBJ_SITE ? m.site_bodyid[object] : object;
+}
+
+}  // namespace
+
+bool JoinsMocapBody(const mjModel& m, int equality) {
+  const int type = m.eq_type[equality];
+  if (type != mjEQ_CONNECT && type != mjEQ_WELD) return false;
+  for (const int object : {m.eq_obj1id[equality], m.eq_obj2id[equality]}) {
+    if (m.body_mocapid[m.body_rootid[BodyOf(m, m.eq_objtype[equality], object)]] >= 0) return true;
+  }
+  return false;
+}
+
+std::string DescribeEquality(const mjModel& m, int equality) {
+  static constexpr const char* kKinds[] = {"connect", "weld", "joint", "tendon"};
+  const int type = m.eq_type[equality];
+  return std::string(type >= 0 && type < 4 ? kKinds[type] : "equality") + " " +
+         QuotedNameOrId(m, mjOBJ_EQUALITY, equality);
+}
+
+std::vector<char> HeldEqualities(const mjModel& m, EqualityMode mode) {
+  std::vector<char> held(m.neq, 0);
+  if (mode == EqualityMode::kIgnore || (m.opt.disableflags & mjDSBL_EQUALITY)) return held;
+  for (int e = 0; e < m.neq; ++e) {
+    const int type = m.eq_type[e];
+    const bool known =
+        type == mjEQ_CONNECT || type == mjEQ_WELD || type == mjEQ_JOINT || type == mjEQ_TENDON;
+    held[e] = known && (mode == EqualityMode::kAll || !JoinsMocapBody(m, e));
+  }
+  return held;
+}
+
+}  // namespace mjcf_pdg

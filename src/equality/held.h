@@ -1,0 +1,26 @@
+// Which equality constraints of a model are held while solving.
+#ifndef MJCF_PDG_SRC_EQUALITY_HELD_H_
+#define MJCF_PDG_SRC_EQUALITY_HELD_H_
+
+#include <mujoco/mujoco.h>
+
+#include <string>
+#include <vector>
+
+#include "mjcf_pdg/scene.h"
+
+namespace mjcf_pdg {
+
+// By equality constraint: it is of a kind that `mode` holds. Whether it is active is another
+// question, which the model or a mjData answers.
+std::vector<char> HeldEqualities(const mjModel& m, EqualityMode mode);
+
+// For messages: its kind and its name or "#id".
+std::string DescribeEquality(const mjModel& m, int equality);
+
+// Whether a connect or weld drives a robot by a mocap body: that is not structure.
+bool JoinsMocapBody(const mjModel& m, int equality);
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_EQUALITY_HELD_H_

@@ -1,0 +1,27 @@
+// How far equality constraints are from holding, by the verifier's own formulas.
+#ifndef MJCF_PDG_SRC_VERIFY_EQUALITIES_H_
+#define MJCF_PDG_SRC_VERIFY_EQUALITIES_H_
+
+#include <mujoco/mujoco.h>
+
+#include <vector>
+
+#include "mjcf_pdg/scene.h"
+#include "verify/findings.h"
+
+namespace mjcf_pdg::verify {
+
+// By equality constraint of the model: joint and tendon couplings, connects and welds that
+// SceneOptions::equality asks to hold, while they are active.
+std::vector<char> EqualitiesToHold(const mjModel& m, EqualityMode mode);
+
+// Appends the constraints, of those with an entry in `active`, that are violated by more than the
+// verifier's own kEqualityTolerance at the pose of `d`, for which mj_kinematics has run; where
+// tendons are coupled it runs mj_comPos and mj_tendon. Returns the largest violation, of distances
+// in m and of angles in rad.
+double CheckEqualities(const mjModel& m, const std::vector<char>& active, mjData& d,
+                       std::vector<EqualityExcess>& violated);
+
+}  // namespace mjcf_pdg::verify
+
+#endif  // MJCF_PDG_SRC_VERIFY_EQUALITIES_H_
