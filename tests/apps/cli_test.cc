@@ -177,10 +177,23 @@ TEST_F(CliTest, KeyframesMoveMocapBodies) {
   EXPECT_EQ(Run({"check", "mocap.xml", "--key", "far"}).exit_code, 0);
 }
 
-TEST_F(CliTest, EqualitiesStopSolveByNameButNotCheckAndNorm) {
+TEST_F(CliTest, EqualitiesAreHeldOrIgnored) {
   Write("coupled.xml", kTwoBalls);
-  ExpectRefused({"solve", "coupled.xml"}, "couple");
-  EXPECT_EQ(Run({"check", "coupled.xml", "--qpos", "0 1"}).exit_code, 0);
+  const nlohmann::json held = SolveJson({"coupled.xml", "--qpos", "0 1"})[0];
+  EXPECT_EQ(held["status"], "solved");
+  EXPECT_EQ(held["equality_residual_in"], 1.0);
+  EXPECT_LE(held["equality_residual"], 1e-6);
+  EXPECT_NEAR(held["qpos"][0].get<double>(), held["qpos"][1].get<double>(), 1e-6);
+  const nlohmann::json ignored =
+      SolveJson({"coupled.xml", "--qpos", "0 1", "--equality", "ignore"})[0];
+  EXPECT_EQ(ignored["status"], "already_free");
+  EXPECT_FALSE(ignored.contains("equality_residual"));
+  const Outcome check = Run({"check", "coupled.xml", "--qpos", "0 1"});
+  EXPECT_EQ(check.exit_code, 3);
+  EXPECT_NE(check.out.find("'couple' is violated by 1"), std::string::npos) << check.out;
+  EXPECT_EQ(Run({"check", "coupled.xml", "--qpos", "0 1", "--equality", "ignore"}).exit_code, 0);
+  ExpectRefused({"solve", "coupled.xml", "--equality", "some"}, "--equality");
+  ExpectRefused({"solve", "coupled.xml", "--method", "paper"}, "couple");
   EXPECT_EQ(Run({"norm", "coupled.xml", "--from", "0 0", "--to", "0 1"}).exit_code, 0);
 }
 

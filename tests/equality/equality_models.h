@@ -6,7 +6,7 @@ namespace mjcf_pdg::test {
 
 // Parallel jaws on a wrist that slides and turns: the right jaw copies the left one. A post stands
 // in their way.
-inline constexpr char kParallelJaw[] = R"(<mujoco><worldbody>
+inline constexpr char kParallelJaw[] = R"(<mujoco><compiler angle="radian"/><worldbody>
   <geom name="post" type="cylinder" size=".03 .2" pos=".3 0 0"/>
   <geom name="table" type="box" size=".5 .5 .02" pos="0 0 -.25"/>
   <body name="wrist"><joint name="reach" type="slide" axis="1 0 0" range="-.5 .5"/>
@@ -22,7 +22,7 @@ inline constexpr char kParallelJaw[] = R"(<mujoco><worldbody>
   <equality><joint joint1="right" joint2="left"/></equality></mujoco>)";
 
 // A four-bar linkage: crank and rocker joined by a coupler, over a floor with a ball on it.
-inline constexpr char kFourBar[] = R"(<mujoco><worldbody>
+inline constexpr char kFourBar[] = R"(<mujoco><compiler angle="radian"/><worldbody>
   <geom name="floor" type="plane" size="2 2 .1" pos="0 0 -.25"/>
   <geom name="ball" size=".1" pos=".35 0 .2"/>
   <body name="crank"><joint name="crank" axis="0 1 0"/>
@@ -37,7 +37,7 @@ inline constexpr char kFourBar[] = R"(<mujoco><worldbody>
   </mujoco>)";
 
 // Two arms of three joints that hold a bar between them, beside a wall.
-inline constexpr char kTwoArms[] = R"(<mujoco><worldbody>
+inline constexpr char kTwoArms[] = R"(<mujoco><compiler angle="radian"/><worldbody>
   <geom name="wall" type="box" size=".02 .6 .6" pos=".62 0 .3"/>
   <body name="a1"><joint axis="0 1 0"/><geom type="capsule" fromto="0 0 0 0 0 .3" size=".03"/>
     <body name="a2" pos="0 0 .3"><joint axis="0 1 0"/><geom type="capsule" fromto="0 0 0 .3 0 0" size=".03"/>
@@ -49,9 +49,9 @@ inline constexpr char kTwoArms[] = R"(<mujoco><worldbody>
   </worldbody>
   <equality><weld name="grip" body1="bar" body2="b3"/></equality></mujoco>)";
 
-// Two fingers of two joints each whose lower joints follow the upper ones by a polynomial, and whose
-// sums are coupled by tendons.
-inline constexpr char kCoupledFingers[] = R"(<mujoco><worldbody>
+// Two fingers of two joints each whose lower joints follow the upper ones by a polynomial, and
+// whose sums are coupled by tendons.
+inline constexpr char kCoupledFingers[] = R"(<mujoco><compiler angle="radian"/><worldbody>
   <geom name="cup" type="cylinder" size=".04 .1" pos="0 0 .12"/>
   <body name="l1" pos="-.06 0 0"><joint name="l1" axis="0 1 0" range="-1 1"/>
     <geom name="l1" type="capsule" fromto="0 0 .01 0 0 .09" size=".012"/>

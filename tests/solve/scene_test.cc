@@ -211,18 +211,18 @@ TEST_F(SceneTest, MocapBodiesAreObstaclesThatCanBePlaced) {
   EXPECT_NEAR(finder.Find(2)[0].distance, -0.05, 1e-12);
 }
 
-TEST_F(SceneTest, ActiveEqualitiesAreListedByKindAndName) {
+TEST_F(SceneTest, HeldEqualitiesAreListedByKindAndName) {
   const std::string xml = R"(<mujoco><worldbody>
       <body name="a"><joint name="x"/><geom size=".1"/></body>
       <body name="b"><joint name="y"/><geom size=".1"/></body></worldbody><equality>
       <connect name="loop" body1="a" body2="b" anchor="0 0 0"/><weld body1="a" body2="b"/>
       <joint name="off" joint1="x" joint2="y" active="false"/>
       <joint name="gear" joint1="x" joint2="y"/></equality></mujoco>)";
-  EXPECT_THAT(Scene::FromString(xml).ActiveEqualities(),
+  EXPECT_THAT(Scene::FromString(xml).HeldEqualities(),
               ElementsAre("connect 'loop'", "weld #1", "joint 'gear'"));
   const ModelPtr model = LoadModel(xml);
   model->opt.disableflags |= mjDSBL_EQUALITY;
-  EXPECT_TRUE(Scene::FromModel(model.get()).ActiveEqualities().empty());
+  EXPECT_TRUE(Scene::FromModel(model.get()).HeldEqualities().empty());
 }
 
 TEST_F(SceneTest, ConfigurationsAreCheckedForSizeNumbersAndQuaternions) {

@@ -322,21 +322,6 @@ TEST_F(SolverTest, ATimeLimitThatNoClockCountsIsNone) {
   }
 }
 
-TEST_F(SolverTest, ActiveEqualitiesAreRefusedByName) {
-  const std::string arm = World(R"(<body name="a"><joint name="j1" axis="0 1 0"/><geom size=".1"/>
-      </body><body name="b" pos="1 0 0"><joint name="j2" axis="0 1 0"/><geom size=".1"/></body>)");
-  auto with = [&arm](const std::string& active) {
-    std::string xml = arm;
-    xml.insert(xml.rfind("</mujoco>"),
-               "<equality><joint name='coupling' joint1='j1' joint2='j2' "
-               "active='" +
-                   active + "'/></equality>");
-    return Scene::FromString(xml);
-  };
-  EXPECT_THAT(ErrorOf([&] { Solver(with("true")); }), HasSubstr("coupling"));
-  EXPECT_EQ(Solver(with("false")).Solve({0, 0}).status, Status::kAlreadyFree);
-}
-
 TEST_F(SolverTest, BadInputThrowsAndTheSolverGoesOn) {
   const Scene scene = Scene::FromString(kSphereOnPlane);
   Solver solver(scene);
