@@ -128,12 +128,12 @@ void BuildBvhs(SceneTables& tables) {
                                                     tables.tree_units);
         }
       } catch (const Error& e) {
-        throw Error("geom " + QuotedNameOrId(m, mjOBJ_GEOM, g) + ": " + e.what());
+        throw Error("geom " + QuotedNameOrPlace(m, g) + ": " + e.what());
       }
       tables.bvhs[g] = bvh;
       if (bvh->closed()) continue;
-      tables.warnings.push_back("mesh geom " + QuotedNameOrId(m, mjOBJ_GEOM, g) +
-                                " is not closed (" + std::to_string(bvh->open_edges()) +
+      tables.warnings.push_back("mesh geom " + QuotedNameOrPlace(m, g) + " is not closed (" +
+                                std::to_string(bvh->open_edges()) +
                                 " open edges): a surface without inside");
     }
   }
