@@ -88,7 +88,8 @@ std::string Millimetres(double metres) {
 std::string Depth(double signed_distance) { return Millimetres(std::max(0.0, -signed_distance)); }
 
 std::string DepthIn(const Result& result) {
-  const bool limits = result.status != Status::kAlreadyFree && result.limit_excess_in > kLimitTolerance;
+  const bool limits =
+      result.status != Status::kAlreadyFree && result.limit_excess_in > kLimitTolerance;
   return Depth(result.depth_in) + (limits ? " limits" : "");
 }
 
