@@ -67,9 +67,10 @@ class MJCF_PDG_API Scene {
   int dof() const;              // n, the number of movable degrees of freedom
   bool HasExactMeshes() const;  // a mesh of some kept pair collides as its triangles
   int num_kept_pairs() const;   // pairs of geoms that MuJoCo's filters keep
-  // The name of the geom or joint with this id in the model, or "#id" if it has none.
+  // The name of the geom with this id in the model or, if it has none, its place: "torso/geom1" is
+  // the second geom of the body torso, "torso/body0/geom0" the first of torso's first child.
   std::string GeomName(int geom) const;
-  std::string JointName(int joint) const;
+  std::string JointName(int joint) const;  // "#id" if it has no name
 
   std::vector<std::string> KeyNames() const;   // by keyframe; "" for an unnamed one
   std::vector<double> KeyQpos(int key) const;  // nq entries; throws Error if there is no such key

@@ -14,6 +14,14 @@ std::string NameOrId(const mjModel& m, int kind, int id);
 // The same with the name in single quotes; "#id" stays without.
 std::string QuotedNameOrId(const mjModel& m, int kind, int id);
 
+// The name of a geom or, if it has none, its place, by which a reader of the XML finds it:
+// "torso/geom1" is the second geom of the body torso. A body without name is told by its place
+// among its parent's children: "torso/body0/geom1".
+std::string NameOrPlace(const mjModel& m, int geom);
+
+// The same with the name in single quotes; a place stays without.
+std::string QuotedNameOrPlace(const mjModel& m, int geom);
+
 }  // namespace mjcf_pdg
 
 #endif  // MJCF_PDG_SRC_BASE_NAMES_H_

@@ -98,7 +98,7 @@ inline constexpr double kSafetyMarginPerOverlap = 2.0, kSafetyMarginPerStep = 0.
 inline constexpr double kSafetyMarginKept = 0.25;
 // A step that ends in an overlap is made again, at this share of its length [1]: the first time a
 // long one, since what the overlap taught may suffice, then the shorter one.
-inline constexpr double kFirstRetreat = 0.7, kRetreat = 0.15;
+inline constexpr double kFirstShortened = 0.7, kShortened = 0.15;
 }  // namespace descent
 
 // The starts of a search (start/selection.cc, search/varied_starts.cc, search/trials.cc).
@@ -112,7 +112,7 @@ inline constexpr double kWiderWhenBlind = 0.5;  // spread added with every try w
 inline constexpr double kLeastGain =
     1e-3;                            // dofs that the norm hardly sees count as this [rms gain]
 inline constexpr int kHopEvery = 3;  // every third of the varied starts is a hop
-inline constexpr double kTouching = 20.0;  // a pair nearer than this may be hopped over [tolerance]
+inline constexpr double kHoppable = 20.0;  // a pair nearer than this may be hopped over [tolerance]
 inline constexpr double kUniformReach = 10.0;  // how far a start anywhere slides from q_in [size]
 // Motion coherence: frames that are kept, since longer motions seldom come back to where they were,
 // and the nearest of them that a start looks at.

@@ -105,35 +105,35 @@ void MarkExactGeoms(const SceneOptions& options, SceneTables& tables) {
 
 void BuildBvhs(SceneTables& tables) {
   const mjModel& m = *tables.model;
-  tables.solids.assign(m.ngeom, nullptr);
+  tables.bvhs.assign(m.ngeom, nullptr);
   tables.tree_units = TreeUnits(tables.size);
   // By mesh asset and whether the triangles are its own (true) or those of its hull.
   std::map<std::pair<int, bool>, std::shared_ptr<const TriangleBvh>> built;
   for (const KeptPair& pair : tables.pairs) {
     if (!pair.exact) continue;
     for (const int g : {pair.geom1, pair.geom2}) {
-      if (tables.solids[g]) continue;
+      if (tables.bvhs[g]) continue;
       if (m.geom_type[g] == mjGEOM_BOX) {
-        tables.solids[g] = std::make_shared<const TriangleBvh>(
+        tables.bvhs[g] = std::make_shared<const TriangleBvh>(
             BoxOf(Eigen::Map<const Vector3d>(m.geom_size + 3 * g), tables.tree_units));
       }
       if (m.geom_type[g] != mjGEOM_MESH) continue;
       const int mesh = m.geom_dataid[g];
       const bool exact = tables.exact[g];
-      std::shared_ptr<const TriangleBvh>& solid = built[{mesh, exact}];
+      std::shared_ptr<const TriangleBvh>& bvh = built[{mesh, exact}];
       try {
-        if (!solid) {
-          solid = std::make_shared<const TriangleBvh>(
-              MeshVertices(m, mesh), exact ? MeshFaces(m, mesh) : HullFaces(m, mesh),
-              tables.tree_units);
+        if (!bvh) {
+          bvh = std::make_shared<const TriangleBvh>(MeshVertices(m, mesh),
+                                                    exact ? MeshFaces(m, mesh) : HullFaces(m, mesh),
+                                                    tables.tree_units);
         }
       } catch (const Error& e) {
-        throw Error("geom " + QuotedNameOrId(m, mjOBJ_GEOM, g) + ": " + e.what());
+        throw Error("geom " + QuotedNameOrPlace(m, g) + ": " + e.what());
       }
-      tables.solids[g] = solid;
-      if (solid->closed()) continue;
-      tables.warnings.push_back("mesh geom " + QuotedNameOrId(m, mjOBJ_GEOM, g) +
-                                " is not closed (" + std::to_string(solid->open_edges()) +
+      tables.bvhs[g] = bvh;
+      if (bvh->closed()) continue;
+      tables.warnings.push_back("mesh geom " + QuotedNameOrPlace(m, g) + " is not closed (" +
+                                std::to_string(bvh->open_edges()) +
                                 " open edges): a surface without inside");
     }
   }

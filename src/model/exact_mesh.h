@@ -18,7 +18,7 @@ namespace mjcf_pdg {
 // it is exact and its mesh is its own hull (convex_mesh.h).
 void MarkExactGeoms(const SceneOptions& options, SceneTables& tables);
 
-// Fills tables.solids and tables.tree_units, once tables.pairs and tables.size are known. The
+// Fills tables.bvhs and tables.tree_units, once tables.pairs and tables.size are known. The
 // meshes and boxes of exact pairs get their triangles; a mesh that is not exact gets those of its
 // convex hull. Meshes that are not closed are named in tables.warnings. Throws Error for a mesh
 // without area or hull.

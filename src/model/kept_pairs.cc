@@ -34,7 +34,7 @@ bool KnowsType(int type) {
 bool Collidable(const mjModel& m, int g1, int g2) {
   for (const int g : {g1, g2}) {
     if (KnowsType(m.geom_type[g])) continue;
-    throw Error("geom " + QuotedNameOrId(m, mjOBJ_GEOM, g) + " has the type " +
+    throw Error("geom " + QuotedNameOrPlace(m, g) + " has the type " +
                 std::to_string(m.geom_type[g]) + ", which is not supported");
   }
   const int low = std::min(m.geom_type[g1], m.geom_type[g2]);

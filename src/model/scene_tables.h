@@ -86,8 +86,8 @@ struct SceneTables {
   std::vector<char> exact;   // ngeom: the geom is a mesh that collides as its triangles
   std::vector<char> convex;  // ngeom: exact, and the triangles are those of its convex hull
   // ngeom: the triangles of meshes and boxes in exact pairs; null for all other geoms.
-  std::vector<std::shared_ptr<const TriangleBvh>> solids;
-  double tree_units = 1.0;  // the unit of length of `solids`: tree units per metre (triangle_bvh.h)
+  std::vector<std::shared_ptr<const TriangleBvh>> bvhs;
+  double tree_units = 1.0;  // the unit of length of `bvhs`: tree units per metre (triangle_bvh.h)
   // By equality constraint of the model: it is held while it is active (equality/held.h).
   std::vector<char> held_equalities;
   std::vector<std::string> warnings;  // for the user, a line each

@@ -71,7 +71,7 @@ void ContactRow(const SceneTables& tables, const PosedModel& posed, int pair, co
   }
 }
 
-void AppendLimitRows(const SceneTables& tables, const VectorXd& q, const LimitReach& reach,
+void AppendLimitRows(const SceneTables& tables, const VectorXd& q, const LimitRowOptions& reach,
                      ContactRows& rows) {
   for (const JointEntry& joint : tables.joints) {
     if (!joint.limited) continue;

@@ -30,14 +30,14 @@ void ContactRow(const SceneTables& tables, const PosedModel& posed, int pair, co
                 const Vector3d& p2_W, const Vector3d& n_W, Eigen::Ref<Eigen::RowVectorXd> out);
 
 // Which joint limits get a row, and in which unit.
-struct LimitReach {
+struct LimitRowOptions {
   double turn;   // limits of hinges and balls get one if they are nearer than this [rad]
   double slide;  // limits of slides, if nearer than this [m]
   double
       radius;  // the gap of a turn is the arc at this distance, so that all rows are in metres [m]
 };
 // Appends a row for every joint limit that is near enough at q (nq).
-void AppendLimitRows(const SceneTables& tables, const VectorXd& q, const LimitReach& reach,
+void AppendLimitRows(const SceneTables& tables, const VectorXd& q, const LimitRowOptions& reach,
                      ContactRows& rows);
 
 }  // namespace mjcf_pdg

@@ -134,9 +134,9 @@ void LocalOptimization::AdaptSafetyMargin(const Descent& d) {
 // Takes back a step of exact meshes that ended in an overlap, since triangles that cross tell
 // little about the way out: it will be made again from where the meshes are apart, shorter and with
 // the planes that the overlap taught. Returns false when it would be too short.
-bool LocalOptimization::Retreat(Descent& d) {
+bool LocalOptimization::TakeBackStep(Descent& d) {
   AdaptDamping(d.current, d.trial);
-  const double share = d.retreats++ == 0 ? tune::kFirstRetreat : tune::kRetreat;
+  const double share = d.taken_back++ == 0 ? tune::kFirstShortened : tune::kShortened;
   d.radius = share * std::min(d.radius, d.length);
   work_.finder.Pose(d.current.q);
   d.finder_at_current = true;
@@ -192,7 +192,7 @@ bool LocalOptimization::GivesUp(Descent& d) {
 
 // The trial becomes the current iterate, and the best one if it is better.
 void LocalOptimization::Advance(Descent& d) {
-  d.retreats = 0;
+  d.taken_back = 0;
   SetMeritPenalty();
   AdaptDamping(d.current, d.trial);
   if (d.without_progress == 0) d.first_length = d.length;
@@ -271,7 +271,7 @@ const LocalResult& LocalOptimization::Run(const VectorXd& q, const LocalOptions&
     Keep(d.trial, d.result);
     if (GivesUp(d)) break;
     if (features_.learning() && Free(d.current) && !Free(d.trial)) {
-      if (!Retreat(d)) break;
+      if (!TakeBackStep(d)) break;
       continue;
     }
     Advance(d);

@@ -97,7 +97,7 @@ class LocalOptimization {
     double first_length = 0.0;                  // of the first step away from the best iterate
     double sigma_before = 0.0;                  // result.sigma before the last step [m²]
     int without_progress = 0;                   // steps since the best iterate
-    int retreats = 0;                           // steps made again since one was taken
+    int taken_back = 0;                         // steps made again since one was taken
     // Steps in a row that: hardly changed σ; promised nothing better than what is known; found no
     // lower σ.
     int settled = 0, hopeless = 0, idle = 0;
@@ -120,7 +120,7 @@ class LocalOptimization {
   // Completes what Look found, at the same pose: depths, σ, violation, worst.
   void Evaluate(double margin, Iterate& out);
   void AdaptSafetyMargin(const Descent& d);
-  bool Retreat(Descent& d);
+  bool TakeBackStep(Descent& d);
   void MeasureOverlap(std::size_t k, double margin, Iterate& out);
   bool NearKnown(const VectorXd& q, const LocalOptions& options);
   void AdaptDamping(const Iterate& current, const Iterate& trial);

@@ -45,9 +45,8 @@ void RefuseUnseenPairs(const SceneTables& tables) {
   const mjModel& m = *tables.model;
   for (const KeptPair& pair : tables.pairs) {
     if (m.geom_type[pair.geom1] == mjGEOM_HFIELD && m.geom_type[pair.geom2] == mjGEOM_SDF) {
-      throw Error("height field " + QuotedNameOrId(m, mjOBJ_GEOM, pair.geom1) + " against SDF " +
-                  QuotedNameOrId(m, mjOBJ_GEOM, pair.geom2) +
-                  " is not supported: exclude the pair");
+      throw Error("height field " + QuotedNameOrPlace(m, pair.geom1) + " against SDF " +
+                  QuotedNameOrPlace(m, pair.geom2) + " is not supported: exclude the pair");
     }
   }
 }
@@ -237,7 +236,7 @@ int Scene::num_kept_pairs() const { return static_cast<int>(tables_->pairs.size(
 
 bool Scene::HasExactMeshes() const { return mjcf_pdg::HasExactMeshes(*tables_); }
 
-std::string Scene::GeomName(int geom) const { return NameOrId(*model(), mjOBJ_GEOM, geom); }
+std::string Scene::GeomName(int geom) const { return NameOrPlace(*model(), geom); }
 std::string Scene::JointName(int joint) const { return NameOrId(*model(), mjOBJ_JOINT, joint); }
 
 std::vector<std::string> Scene::KeyNames() const {

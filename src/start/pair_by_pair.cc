@@ -39,7 +39,7 @@ std::optional<VectorXd> PairByPair::Start(const VectorXd& q) {
     for (const NearPair& overlap : overlaps) {
       if (work_.Spent()) return std::nullopt;
       if (!Overlaps(overlap.pair, at)) continue;  // an earlier pair's motion has parted it
-      const std::optional<VectorXd> out = WayOut(at, overlap);
+      const std::optional<VectorXd> out = Part(at, overlap);
       if (!out) continue;
       at = *out;
       parted = true;
@@ -72,7 +72,7 @@ void PairByPair::MoveTo(const VectorXd& q, const VectorXd& dq, double t) {
   ClampToLimits(problem_.tables, trial_);
 }
 
-std::optional<VectorXd> PairByPair::WayOut(const VectorXd& q, const NearPair& overlap) {
+std::optional<VectorXd> PairByPair::Part(const VectorXd& q, const NearPair& overlap) {
   VectorXd r;
   work_.norm.Linearize(q, r, J_);
   work_.norm.InnerProduct(J_, H_);

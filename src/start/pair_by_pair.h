@@ -27,7 +27,7 @@ class PairByPair {
  private:
   std::vector<NearPair> ExactOverlaps(const VectorXd& q);
   bool Overlaps(int pair, const VectorXd& q);
-  std::optional<VectorXd> WayOut(const VectorXd& q, const NearPair& overlap);
+  std::optional<VectorXd> Part(const VectorXd& q, const NearPair& overlap);
   bool Motion(const VectorXd& q, const NearPair& overlap, const Vector3d& n_W, VectorXd& dq);
   std::optional<double> PartedAt(const VectorXd& q, int pair, const VectorXd& dq,
                                  double largest_sigma);

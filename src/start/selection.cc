@@ -129,7 +129,7 @@ void StartSelection::FindDofSteps(const VectorXd& at, double length) {
 void StartSelection::MarkDofsOfSomeContact(const VectorXd& q, Random& random) {
   const SceneTables& tables = problem_.tables;
   const mjModel& m = *tables.model;
-  const double reach = tune::kTouching * problem_.tolerances.user;
+  const double reach = tune::kHoppable * problem_.tolerances.user;
   touching_.clear();
   work_.finder.Pose(q);
   for (const NearPair& near :

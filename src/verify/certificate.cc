@@ -13,7 +13,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Cores that overlap, or are nearer than this share of the pair's size, get their normal from
 // Climb: that of the minimum-norm point would be rounding.
-constexpr double kTouching = 1e-9;
+constexpr double kNoNormal = 1e-9;
 // A global search ends when no direction can reduce the depth by more than this share of it.
 constexpr double kShare = 1e-4;
 // Accuracy of measured depths, as a share of the pair's size.
@@ -42,7 +42,7 @@ void MarkCommonPoint(const ConvexPair& pair, const MinimumNorm& found, Certifica
   const double share = pair.radii() > 0.0 ? pair.first.radius / pair.radii() : 0.0;
   const Vector3d a = found.a(), b = found.b();
   const double apart = (b - a).norm();
-  if (apart > pair.radii() + kTouching * pair.size()) return;  // the shapes do not overlap
+  if (apart > pair.radii() + kNoNormal * pair.size()) return;  // the shapes do not overlap
   certificate.p1 = a + share * (b - a);
   certificate.p2 = pair.radii() > 0.0 ? certificate.p1 : b;
 }
@@ -130,7 +130,7 @@ Certificate Measure(const ConvexPair& pair, double cutoff, Search search) {
   if (pair.between.norm() > 0.0) question.start = pair.between;
   question.enough = cutoff + pair.radii();
   const MinimumNorm found = FindMinimumNorm(pair, question);
-  if (found.upper() > kTouching * pair.size()) {
+  if (found.upper() > kNoNormal * pair.size()) {
     return Make(pair, ToCoreGap(found), Proof::kPlane);
   }
   const Starts starts(pair, found);

@@ -11,11 +11,7 @@ namespace {
 
 constexpr std::size_t kNamed = 4;  // most findings that a reason names; it counts the rest
 
-std::string GeomLabel(const mjModel& m, int geom) {
-  const std::string name = QuotedNameOrId(m, mjOBJ_GEOM, geom);
-  if (name[0] != '#') return "geom " + name;
-  return "geom " + name + " (body " + QuotedNameOrId(m, mjOBJ_BODY, m.geom_bodyid[geom]) + ")";
-}
+std::string GeomLabel(const mjModel& m, int geom) { return "geom " + QuotedNameOrPlace(m, geom); }
 
 std::string Number(double value, const char* unit) {
   char text[64];

@@ -35,7 +35,7 @@ TriangleMesh Ring() { return TorusMesh(0.5, 0.05, 24); }
 
 TEST_F(CliImportTest, TwoMeshesBecomeAFreeAndAStaticBodyWhereTheirCoordinatesSay) {
   Write("a.obj", ObjText(Ring()));
-  Write("b.obj", ObjText(BoxMesh({0.1, 0.2, 0.3}, {1, 2, 3})));
+  Write("b.obj", ObjText(CuboidMesh({0.1, 0.2, 0.3}, {1, 2, 3})));
   const Outcome outcome = Run({"import", "a.obj", "b.obj", "-o", "out.xml"});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_EQ(outcome.err, "");
@@ -61,7 +61,7 @@ TEST_F(CliImportTest, TwoMeshesBecomeAFreeAndAStaticBodyWhereTheirCoordinatesSay
 TEST_F(CliImportTest, MassAndInertiaAreExactInMujocoAndInTheReport) {
   Random random(5);
   for (int i = 0; i < 5; ++i) {
-    TriangleMesh mesh = Together(Ring(), BoxMesh({0.3, 0.2, 0.1}, random.InBox(2.0)));
+    TriangleMesh mesh = Together(Ring(), CuboidMesh({0.3, 0.2, 0.1}, random.InBox(2.0)));
     mesh.vertices = (random.UnitQuat().toRotationMatrix() * mesh.vertices).eval();
     const std::string scene = "out" + std::to_string(i) + ".xml";
     const nlohmann::json json = ImportJson(mesh, scene, "700");
@@ -100,8 +100,8 @@ TEST_F(CliImportTest, EveryFlawIsSaidAndRepairedWhereThatIsUnambiguous) {
       {repeated, 1.0, "1 triangle with a corner twice: removed"},
       {duplicate, 1.0, "1 triangle there before: removed"},
       {Together(cube, CubeMesh({1, 1, 0})), 2.0, "1 edge of more than two triangles"},
-      {Together(BoxMesh({3, 3, 3}), CubeMesh({1, 1, 1})), 28.0, "1 closed part inside another"},
-      {BoxMesh({500, 500, 500}), 1.25e8, "500 m large: MuJoCo's unit is the metre"},
+      {Together(CuboidMesh({3, 3, 3}), CubeMesh({1, 1, 1})), 28.0, "1 closed part inside another"},
+      {CuboidMesh({500, 500, 500}), 1.25e8, "500 m large: MuJoCo's unit is the metre"},
       {CubeMesh({5000, 0, 0}), 1.0, "5001 m from the origin"},
   };
   int i = 0;
@@ -188,7 +188,7 @@ TEST_F(CliImportTest, TheSceneIsReadyForTheOtherVerbs) {
 }
 
 TEST_F(CliImportTest, TheSameInputGivesTheSameBytesAndMayBeWrittenOver) {
-  Write("a.obj", ObjText(BoxMesh({0.1, 0.7, 0.3}, {0.3, 0.6, 12.9})));
+  Write("a.obj", ObjText(CuboidMesh({0.1, 0.7, 0.3}, {0.3, 0.6, 12.9})));
   EXPECT_EQ(Run({"import", "a.obj", "-o", "out.xml"}).exit_code, 0);
   const std::string scene = Read("out.xml"), mesh = Read("out_meshes/a.obj");
   EXPECT_EQ(Run({"import", "a.obj", "-o", "out.xml"}).exit_code, 0);

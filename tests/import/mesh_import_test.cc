@@ -165,7 +165,7 @@ TEST_F(MeshImportTest, ScaleMultipliesCoordinates) {
 }
 
 TEST_F(MeshImportTest, CoordinatesAreThoseOfSinglePrecision) {
-  const TriangleMesh read = Import(Write("t.obj", ObjText(BoxMesh({0.1, 0.2, 0.3}))), 0.7);
+  const TriangleMesh read = Import(Write("t.obj", ObjText(CuboidMesh({0.1, 0.2, 0.3}))), 0.7);
   for (const double x : read.vertices.reshaped()) EXPECT_EQ(x, static_cast<float>(x));
 }
 

@@ -149,7 +149,7 @@ TEST(MeshRepairTest, SolidsThatShareAnEdgeOrVertexAreCutApart) {
 }
 
 TEST(MeshRepairTest, ACavityStaysACavityWhicheverWayTheFileFaces) {
-  const TriangleMesh outer = BoxMesh({3, 3, 3}), inner = CubeMesh({1, 1, 1});
+  const TriangleMesh outer = CuboidMesh({3, 3, 3}), inner = CubeMesh({1, 1, 1});
   const TriangleMesh hollow = Together(outer, InsideOut(inner));
   for (const TriangleMesh& mesh : {hollow, InsideOut(hollow)}) {
     const Repaired result = Repair(mesh);
@@ -162,7 +162,7 @@ TEST(MeshRepairTest, ACavityStaysACavityWhicheverWayTheFileFaces) {
 }
 
 TEST(MeshRepairTest, ASolidInsideASolidIsReported) {
-  const Repaired result = Repair(Together(BoxMesh({3, 3, 3}), CubeMesh({1, 1, 1})));
+  const Repaired result = Repair(Together(CuboidMesh({3, 3, 3}), CubeMesh({1, 1, 1})));
   EXPECT_EQ(result.topology.nested_components, 1);
   EXPECT_NEAR(result.solid.volume, 28.0, 1e-12);
 }

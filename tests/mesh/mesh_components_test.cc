@@ -85,7 +85,7 @@ TEST(MeshComponentsTest, ASolidInTheDentOfAnotherIsNotInsideIt) {
 
 TEST(MeshComponentsTest, APartThatReachesOutOfAnotherIsNotInsideIt) {
   // Through the dent of the L, within the box around it.
-  const TriangleMesh bar = BoxMesh({1.5, 0.2, 0.2}, {0.2, 0.9, 0.4});
+  const TriangleMesh bar = CuboidMesh({1.5, 0.2, 0.2}, {0.2, 0.9, 0.4});
   for (int first = 0; first < 12; ++first) {
     TriangleMesh turned = bar;
     for (int t = 0; t < 12; ++t) turned.triangles.col(t) = bar.triangles.col((first + t) % 12);
@@ -97,7 +97,8 @@ TEST(MeshComponentsTest, APartThatReachesOutOfAnotherIsNotInsideIt) {
 
 TEST(MeshComponentsTest, AHundredThousandPartsTakeSeconds) {
   std::vector<Vector3d> places = Grid(46, 1.0);
-  const TriangleMesh mesh = Together(Tetrahedra(places, 0.3), BoxMesh({50, 50, 50}, {-1, -1, -1}));
+  const TriangleMesh mesh =
+      Together(Tetrahedra(places, 0.3), CuboidMesh({50, 50, 50}, {-1, -1, -1}));
   const std::clock_t begin = std::clock();
   const MeshTopology topology = FindTopology(mesh);
   EXPECT_EQ(topology.components, 46 * 46 * 46 + 1);

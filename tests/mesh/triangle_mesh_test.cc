@@ -28,7 +28,7 @@ TEST(TriangleMeshTest, WeldingJoinsEqualVerticesAndDropsUnusedOnes) {
 
 TEST(TriangleMeshTest, BoxAndTetrahedronHaveTheirTextbookInertia) {
   const Vector3d size(1.0, 2.0, 3.0), low(10.0, -20.0, 30.0);
-  const SolidProperties box = FindSolidProperties(BoxMesh(size, low));
+  const SolidProperties box = FindSolidProperties(CuboidMesh(size, low));
   EXPECT_NEAR(box.volume, 6.0, 1e-12);
   EXPECT_TRUE(box.center.isApprox(low + size / 2, 1e-14));
   const Matrix3d expected = (6.0 / 12.0 * Vector3d(4 + 9, 1 + 9, 1 + 4)).asDiagonal();
@@ -60,7 +60,7 @@ TEST(TriangleMeshTest, TorusConvergesToItsFormulas) {
 TEST(TriangleMeshTest, MassPropertiesMoveAndTurnWithTheMesh) {
   Random random(3);
   for (int i = 0; i < 20; ++i) {
-    TriangleMesh mesh = BoxMesh(random.InBox(1.0).cwiseAbs() + Vector3d::Constant(0.1));
+    TriangleMesh mesh = CuboidMesh(random.InBox(1.0).cwiseAbs() + Vector3d::Constant(0.1));
     const SolidProperties before = FindSolidProperties(mesh);
     const Matrix3d turn = random.UnitQuat().toRotationMatrix();
     const Vector3d shift = random.InBox(1000.0);

@@ -38,20 +38,20 @@ int Geom(const Scene& scene, const char* name) {
 TEST_F(ExactMeshTest, WithoutTheOptionMeshesAreHulls) {
   const Scene scene = Scene::FromString(RingXml());
   EXPECT_FALSE(scene.HasExactMeshes());
-  for (const auto& solid : scene.tables().solids) EXPECT_EQ(solid, nullptr);
+  for (const auto& bvh : scene.tables().bvhs) EXPECT_EQ(bvh, nullptr);
   EXPECT_FALSE(Verify(scene, {0.0, 0.0}).free);
 }
 
 TEST_F(ExactMeshTest, WithoutATextAllMeshesAreExactAndShareTheirTriangles) {
   const Scene scene = Scene::FromString(RingXml(), Exact());
   EXPECT_TRUE(scene.HasExactMeshes());
-  const auto& solids = scene.tables().solids;
-  ASSERT_NE(solids[Geom(scene, "ring1")], nullptr);
-  EXPECT_EQ(solids[Geom(scene, "ring1")], solids[Geom(scene, "ring3")]);
-  EXPECT_EQ(solids[Geom(scene, "ring1")]->num_triangles(), 2 * 24 * 12);
-  EXPECT_EQ(solids[Geom(scene, "ring2")], nullptr) << "it collides with nothing";
-  EXPECT_TRUE(solids[Geom(scene, "box")]->closed());
-  EXPECT_EQ(solids[Geom(scene, "box")]->num_triangles(), 12);
+  const auto& bvhs = scene.tables().bvhs;
+  ASSERT_NE(bvhs[Geom(scene, "ring1")], nullptr);
+  EXPECT_EQ(bvhs[Geom(scene, "ring1")], bvhs[Geom(scene, "ring3")]);
+  EXPECT_EQ(bvhs[Geom(scene, "ring1")]->num_triangles(), 2 * 24 * 12);
+  EXPECT_EQ(bvhs[Geom(scene, "ring2")], nullptr) << "it collides with nothing";
+  EXPECT_TRUE(bvhs[Geom(scene, "box")]->closed());
+  EXPECT_EQ(bvhs[Geom(scene, "box")]->num_triangles(), 12);
   EXPECT_TRUE(scene.Warnings().empty());
   EXPECT_TRUE(Verify(scene, {0.0, 0.0}).free);
 }
@@ -61,7 +61,7 @@ TEST_F(ExactMeshTest, ATextNamesThoseThatAreExactAndTheOthersKeepTheirHulls) {
   const Scene scene = Scene::FromString(RingXml(text), Exact());
   EXPECT_TRUE(scene.tables().exact[Geom(scene, "ring1")]);
   EXPECT_FALSE(scene.tables().exact[Geom(scene, "ring3")]);
-  const TriangleBvh& hull = *scene.tables().solids[Geom(scene, "ring3")];
+  const TriangleBvh& hull = *scene.tables().bvhs[Geom(scene, "ring3")];
   EXPECT_TRUE(hull.closed());
   EXPECT_LT(hull.num_triangles(), 2 * 24 * 12);
   for (int t = 0; t < hull.num_triangles(); ++t) {

@@ -24,8 +24,8 @@ std::vector<std::string> AllBut(std::vector<std::string> all, const std::string&
 }
 
 const std::vector<std::string> kStarts = {
-    "direct",   "mirror",    "noise",           "hop", "constrained_translation",
-    "anywhere", "user_pose", "motion_coherence"};
+    "direct", "mirror",       "noise",    "hop",       "constrained_translation",
+    "hulls",  "pair_by_pair", "anywhere", "user_pose", "motion_coherence"};
 
 // A free sphere sunk into a box, by more than half of the box.
 const std::string kSphereInBox = InWorld(
@@ -57,6 +57,14 @@ TEST_F(ComponentsTest, EveryNameIsTakenAndNoneTwice) {
     std::sort(options.without.begin(), options.without.end());
     EXPECT_EQ(std::unique(options.without.begin(), options.without.end()), options.without.end());
   }
+}
+
+TEST_F(ComponentsTest, NoStartOfMethodAutoIsMissingHere) {
+  std::vector<std::string> starts = Components(Method::kAuto);
+  for (const char* step : {"polish", "early_exit", "witness_memory", "damping"}) {
+    starts = AllBut(starts, step);
+  }
+  EXPECT_THAT(starts, ::testing::UnorderedElementsAreArray(kStarts));
 }
 
 TEST_F(ComponentsTest, AStartLeftAloneSolvesByItself) {

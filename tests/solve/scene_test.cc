@@ -8,6 +8,7 @@
 
 #include "collide/contacts.h"
 #include "mjcf_pdg/object_norm.h"
+#include "mjcf_pdg/pdg.h"
 #include "model/scene_tables.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_support.h"
@@ -255,7 +256,27 @@ TEST_F(SceneTest, KeyframesAndNamesComeFromTheModel) {
   EXPECT_THAT(scene.KeyQpos(1), ElementsAre(3, 4));
   EXPECT_THAT(ErrorOf([&] { scene.KeyQpos(2); }), HasSubstr("2"));
   EXPECT_EQ(scene.JointName(0) + scene.JointName(1) + scene.GeomName(0) + scene.GeomName(1),
-            "#0t#0g");
+            "#0tworld/body0/geom0g");
+}
+
+TEST_F(SceneTest, GeomsWithoutNameAreToldByTheirPlaceInTheXml) {
+  const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
+      <geom type="plane" size="1 1 1"/><geom name="named" size=".1"/>
+      <body name="torso"><freejoint/><geom name="chest" size=".1"/><geom size=".1"/>
+        <body><geom size=".1"/>
+          <body><geom name="hand" size=".1"/><geom size=".1"/></body></body>
+        <body name="leg"><geom size=".1"/></body>
+        <body><geom size=".1"/></body></body>
+      <body><geom size=".1"/></body></worldbody></mujoco>)");
+  std::vector<std::string> names;
+  for (int g = 0; g < scene.model()->ngeom; ++g) names.push_back(scene.GeomName(g));
+  EXPECT_THAT(names, ElementsAre("world/geom0", "named", "chest", "torso/geom1",
+                                 "torso/body0/geom0", "hand", "torso/body0/body0/geom1",
+                                 "leg/geom0", "torso/body2/geom0", "world/body1/geom0"));
+  const Scene sunk = Scene::FromString(R"(<mujoco><worldbody><geom type="plane" size="1 1 1"/>
+      <body name="ball" pos="0 0 .05"><freejoint/><geom size=".1"/></body></worldbody></mujoco>)");
+  EXPECT_THAT(Verify(sunk, sunk.DefaultQpos()).reason,
+              HasSubstr("geom world/geom0 and geom ball/geom0 overlap"));
 }
 
 }  // namespace

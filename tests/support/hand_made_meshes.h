@@ -13,7 +13,8 @@
 namespace mjcf_pdg::test {
 
 // A box between `low` and `low + size` of 8 vertices and 12 triangles that face outwards.
-inline TriangleMesh BoxMesh(const Eigen::Vector3d& size, const Eigen::Vector3d& low = {0, 0, 0}) {
+inline TriangleMesh CuboidMesh(const Eigen::Vector3d& size,
+                               const Eigen::Vector3d& low = {0, 0, 0}) {
   TriangleMesh mesh = {Eigen::Matrix3Xd(3, 8), Eigen::Matrix3Xi(3, 12)};
   for (int i = 0; i < 8; ++i) {
     mesh.vertices.col(i) = low + size.cwiseProduct(Eigen::Vector3d(i & 1, i >> 1 & 1, i >> 2 & 1));
@@ -26,7 +27,7 @@ inline TriangleMesh BoxMesh(const Eigen::Vector3d& size, const Eigen::Vector3d& 
 
 // A unit cube.
 inline TriangleMesh CubeMesh(const Eigen::Vector3d& low = {0, 0, 0}) {
-  return BoxMesh(Eigen::Vector3d::Ones(), low);
+  return CuboidMesh(Eigen::Vector3d::Ones(), low);
 }
 
 // The corner of the unit cube at the origin: volume 1/6.

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "tests/support/brute_distance.h"
+#include "tests/support/mesh_shapes.h"
 #include "tests/support/test_support.h"
-#include "tests/support/verify_scenes.h"
 #include "verify/verifier.h"
 
 namespace mjcf_pdg::test {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "tests/support/brute_distance.h"
+#include "tests/support/mesh_shapes.h"
 #include "tests/support/test_support.h"
-#include "tests/support/verify_scenes.h"
 
 namespace mjcf_pdg::test {
 

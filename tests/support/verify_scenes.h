@@ -2,16 +2,9 @@
 #ifndef MJCF_PDG_TESTS_SUPPORT_VERIFY_SCENES_H_
 #define MJCF_PDG_TESTS_SUPPORT_VERIFY_SCENES_H_
 
-#include <Eigen/Dense>
 #include <string>
-#include <vector>
 
 namespace mjcf_pdg::test {
-
-// The configuration of a scene whose only joint is free.
-inline std::vector<double> FreePose(const Eigen::Vector3d& p, const Eigen::Quaterniond& r) {
-  return {p.x(), p.y(), p.z(), r.w(), r.x(), r.y(), r.z()};
-}
 
 // Two boxes of 0.2 m, the second on a slide along x; at qpos 0 their centres coincide. `extra` is
 // top-level XML, `geom` more attributes of the second box.

@@ -12,7 +12,6 @@
 #include "tests/support/brute_mesh.h"
 #include "tests/support/mesh_shapes.h"
 #include "tests/support/test_support.h"
-#include "tests/support/verify_scenes.h"
 #include "verify/verifier.h"
 
 namespace mjcf_pdg {

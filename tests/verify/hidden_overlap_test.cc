@@ -11,6 +11,7 @@
 
 #include "mjcf_pdg/pdg.h"
 #include "tests/support/brute_distance.h"
+#include "tests/support/mesh_shapes.h"
 #include "tests/support/shallow_depths.h"
 #include "tests/support/test_support.h"
 #include "tests/support/verify_scenes.h"

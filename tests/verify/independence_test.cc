@@ -10,8 +10,8 @@
 #include "collide/contacts.h"
 #include "collide/convex/support_points.h"
 #include "mjcf_pdg/pdg.h"
+#include "tests/support/mesh_shapes.h"
 #include "tests/support/test_support.h"
-#include "tests/support/verify_scenes.h"
 #include "verify/verifier.h"
 
 namespace mjcf_pdg::test {

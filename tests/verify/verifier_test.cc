@@ -13,6 +13,7 @@
 #include "mjcf_pdg/pdg.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/brute_distance.h"
+#include "tests/support/mesh_shapes.h"
 #include "tests/support/test_support.h"
 #include "tests/support/verify_scenes.h"
 

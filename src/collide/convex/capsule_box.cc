@@ -54,7 +54,7 @@ double NearestParameter(const Vector3d& a, const Vector3d& v, const Vector3d& ha
 }
 
 // A direction n along which the box can leave the segment, and the length of that translation.
-struct WayOut {
+struct Exit {
   double depth = std::numeric_limits<double>::infinity();
   Vector3d n = Vector3d::UnitX();
   int edge = -1;  // n = edge direction × segment; -1: n is a face normal
@@ -63,7 +63,7 @@ struct WayOut {
 // Replaces `best` if a shorter translation along n than best.depth separates the box from the
 // segment.
 void Consider(const Vector3d& n, int edge, const Vector3d& a, const Vector3d& b,
-              const Vector3d& half, WayOut& best) {
+              const Vector3d& half, Exit& best) {
   const double reach = std::max(n.dot(a), n.dot(b)) + n.cwiseAbs().dot(half);
   if (reach < best.depth) best = {reach, n, edge};
 }
@@ -71,7 +71,7 @@ void Consider(const Vector3d& n, int edge, const Vector3d& a, const Vector3d& b,
 // The parameter at which, seen along n, the segment a + t v crosses the edge of the box that faces
 // it. There the common perpendicular of segment and edge meets the segment.
 double CrossingParameter(const Vector3d& a, const Vector3d& v, const Vector3d& half,
-                         const WayOut& out) {
+                         const Exit& out) {
   const Vector3d corner = (out.n.array() > 0.0).select(-half, half);
   const Vector3d across = Vector3d::Unit(out.edge).cross(out.n);
   return std::clamp(across.dot(corner - a) / across.dot(v), 0.0, 1.0);
@@ -79,7 +79,7 @@ double CrossingParameter(const Vector3d& a, const Vector3d& v, const Vector3d& h
 
 // The gap of a segment that meets the box: the shortest translation of the box that separates them.
 SignedGap PiercingGap(const Vector3d& a, const Vector3d& b, const Vector3d& half) {
-  WayOut out;
+  Exit out;
   for (int i = 0; i < 3; ++i) {
     for (const double sign : {-1.0, 1.0}) {
       Consider(sign * Vector3d::Unit(i), -1, a, b, half, out);

@@ -16,7 +16,7 @@ constexpr int kMaxGrowth = 250;  // the most corners that Overlap adds to a poly
 constexpr double kMeet = 1e-8, kMeetShare = 1e-6;
 // Cores closer than this have no certain normal, and a Minkowski difference thinner than this in
 // some direction counts as flat [scene's size].
-constexpr double kTouching = 1e-6;
+constexpr double kTooThin = 1e-6;
 // SearchTouching shifts geom 2 by kAside [scene's size]. There the bounds of the distance must
 // agree to kAsideShare of it (to kLastShare in the last step): the angle by which the normal errs
 // is about the square root of twice that share [rad].
@@ -41,13 +41,13 @@ void ConvexDistance::Forget() {
   remembered_.clear();
 }
 
-ConvexDistance::Corner ConvexDistance::RelativePose::CornerOf(const Points& points) const {
-  const Vector3d p2 = R * points.p2_G + t;
+ConvexDistance::Corner ConvexDistance::CornerOf(const RelativePose& pose, const Points& points) {
+  const Vector3d p2 = pose * points.p2_G;
   return {points.p1_G - p2, points.p1_G, p2};
 }
 
-ConvexDistance::Points ConvexDistance::RelativePose::PointsOf(const Corner& corner) const {
-  return {corner.p1, R.transpose() * (corner.p2 - t)};
+ConvexDistance::Points ConvexDistance::PointsOf(const RelativePose& pose, const Corner& corner) {
+  return {corner.p1, pose.R.transpose() * (corner.p2 - pose.t)};
 }
 
 ConvexDistance::Answer ConvexDistance::AskPlane(const PosedModel& posed, const KeptPair& pair,
@@ -66,20 +66,20 @@ ConvexDistance::Answer ConvexDistance::AskPlane(const PosedModel& posed, const K
 ConvexDistance::Corner ConvexDistance::Support(const KeptPair& pair, const RelativePose& pose,
                                                const Vector3d& n) const {
   const SupportPoints& support = *tables_.support;
-  return pose.CornerOf(
-      {support.Support(pair.geom1, n), support.Support(pair.geom2, -(pose.R.transpose() * n))});
+  return CornerOf(pose, {support.Support(pair.geom1, n),
+                         support.Support(pair.geom2, -(pose.R.transpose() * n))});
 }
 
 void ConvexDistance::RecallSimplex(const RelativePose& pose, const Memory& memory) {
   simplex_.Clear();
-  for (int k = 0; k < memory.size; ++k) simplex_.Add(pose.CornerOf(memory.corners[k]));
+  for (int k = 0; k < memory.size; ++k) simplex_.Add(CornerOf(pose, memory.corners[k]));
 }
 
 void ConvexDistance::RememberSimplex(const RelativePose& pose, int pair) {
   Memory& memory = memories_[pair];
   if (memory.size == 0) remembered_.push_back(pair);
   memory.size = simplex_.size();
-  for (int k = 0; k < memory.size; ++k) memory.corners[k] = pose.PointsOf(simplex_[k]);
+  for (int k = 0; k < memory.size; ++k) memory.corners[k] = PointsOf(pose, simplex_[k]);
 }
 
 bool ConvexDistance::Overlap(const RelativePose& pose, const KeptPair& pair, Found& found) {
@@ -114,7 +114,7 @@ ConvexDistance::Ending ConvexDistance::Search(const RelativePose& pose, const Ke
     }
     const Corner nearest = simplex_.Nearest();
     const double between = nearest.x.norm();
-    if (between < kTouching * tables_.size) {
+    if (between < kTooThin * tables_.size) {
       return Enclose(pose, pair) && Overlap(pose, pair, found) ? Ending::kFound : Ending::kTouching;
     }
     simplex_.Add(Support(pair, pose, -nearest.x));
@@ -136,7 +136,7 @@ bool ConvexDistance::Enclose(const RelativePose& pose, const KeptPair& pair) {
   // Adds the support point along n, unless the Minkowski difference ends there at the simplex.
   const auto add_beyond = [&](const Vector3d& n) {
     const Corner corner = Support(pair, pose, n);
-    if (n.dot(corner.x - simplex_[0].x) <= kTouching * tables_.size) return false;
+    if (n.dot(corner.x - simplex_[0].x) <= kTooThin * tables_.size) return false;
     simplex_.Add(corner);
     return true;
   };
@@ -159,14 +159,14 @@ bool ConvexDistance::Enclose(const RelativePose& pose, const KeptPair& pair) {
 // The direction is normal to the simplex, taking that for a piece of the Minkowski difference's
 // boundary; the simplex may as well lie inside, so the direction is only a first guess. The caller
 // chooses the sign.
-Vector3d ConvexDistance::WayOut(const RelativePose& pose) const {
+Vector3d ConvexDistance::Aside(const RelativePose& pose) const {
   Vector3d out = pose.t;
   if (simplex_.size() == 3) {
     out = (simplex_[1].x - simplex_[0].x).cross(simplex_[2].x - simplex_[0].x);
   } else if (simplex_.size() == 2) {
     const Vector3d along = (simplex_[1].x - simplex_[0].x).stableNormalized();
     out -= along.dot(out) * along;
-    if (out.norm() < kTouching * tables_.size) out = along.unitOrthogonal();
+    if (out.norm() < kTooThin * tables_.size) out = along.unitOrthogonal();
   }
   return out.norm() > 0.0 ? Vector3d(out.stableNormalized()) : Vector3d::UnitZ();
 }
@@ -177,7 +177,7 @@ ConvexDistance::Ending ConvexDistance::SearchTouching(const RelativePose& pose,
   // Directions in which to shift geom 2. The last three are oblique to the edges and faces that
   // geoms usually have along their own axes: such a shift takes deeply overlapping cores out of a
   // pose in which only flat simplices contain the origin, so that Overlap can measure the depth.
-  const Vector3d ways[] = {WayOut(pose), {0.48, 0.6, 0.64}, {0.6, 0.64, -0.48}, {0.64, -0.48, 0.6}};
+  const Vector3d ways[] = {Aside(pose), {0.48, 0.6, 0.64}, {0.6, 0.64, -0.48}, {0.64, -0.48, 0.6}};
   for (int k = 0; k < 4; ++k) {
     const Vector3d& way = ways[k];
     RelativePose aside = pose;

@@ -18,6 +18,7 @@
 
 #include <vector>
 
+#include "base/relative_pose.h"
 #include "base/signed_gap.h"
 #include "collide/convex/expanding_polytope.h"
 #include "collide/convex/simplex.h"
@@ -56,14 +57,9 @@ class ConvexDistance {
     int size = 0;
     Points corners[4];
   };
-  // Rotation and origin [m] of geom 2's frame in the frame of geom 1.
-  struct RelativePose {
-    Matrix3d R;
-    Vector3d t;
-
-    Corner CornerOf(const Points& points) const;  // the corner is in the frame of geom 1
-    Points PointsOf(const Corner& corner) const;
-  };
+  // Poses are those of geom 2's frame in the frame of geom 1, which corners are in.
+  static Corner CornerOf(const RelativePose& pose, const Points& points);
+  static Points PointsOf(const RelativePose& pose, const Corner& corner);
 
   // As Ask, for a pair whose geom 1 is a plane: one support point of geom 2 gives the distance.
   Answer AskPlane(const PosedModel& posed, const KeptPair& pair, double cutoff,
@@ -99,7 +95,7 @@ class ConvexDistance {
   // kFound or kUnknown; overwrites simplex_.
   Ending SearchTouching(const RelativePose& pose, const KeptPair& pair, Found& found);
   // A unit direction, in the frame of geom 1, in which to shift geom 2 off geom 1.
-  Vector3d WayOut(const RelativePose& pose) const;
+  Vector3d Aside(const RelativePose& pose) const;
   // The support point of the cores' Minkowski difference: the corner farthest along n.
   Corner Support(const KeptPair& pair, const RelativePose& pose, const Vector3d& n) const;
   void RecallSimplex(const RelativePose& pose, const Memory& memory);

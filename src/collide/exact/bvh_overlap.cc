@@ -21,7 +21,7 @@ constexpr int kMaxWays = 8;  // the most gaps of one overlap
 // faces cross by that; this is some six times as much [tree units; 4e-8 m in scenes of size 0.1 m].
 constexpr double kGrazing = 1.6e-4;
 // Above this cosine of the angle between their normals, gaps in one place count as the same.
-constexpr double kSameDirection = 0.9;
+constexpr double kSameWay = 0.9;
 
 // Searches for the deepest points of each mesh inside the other, by branch and bound over both
 // hierarchies. A mesh that is not closed has no inside.
@@ -254,7 +254,7 @@ void AppendDeepest(std::vector<WayOut>& ways, double patch, std::vector<SignedGa
     if (out.size() - begin >= static_cast<std::size_t>(kMaxWays)) break;
     if (!way.faces_apart && out.size() > begin) break;
     auto same = [&](const SignedGap& gap) {
-      return gap.n.dot(way.gap.n) > kSameDirection && (gap.p1 - way.gap.p1).norm() < patch;
+      return gap.n.dot(way.gap.n) > kSameWay && (gap.p1 - way.gap.p1).norm() < patch;
     };
     if (std::any_of(out.begin() + static_cast<std::ptrdiff_t>(begin), out.end(), same)) continue;
     out.push_back(way.gap);

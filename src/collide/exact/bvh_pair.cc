@@ -12,8 +12,6 @@ namespace {
 
 // A feature's normal counts as a face's above this cosine of the angle between the two.
 constexpr double kFaceLike = 0.9;
-// Features in one place are merged above this cosine of the angle between their normals.
-constexpr double kSameDirection = 0.999;
 constexpr int kGuesses = 3;              // rounds of the alternating projection in Guess
 constexpr std::size_t kMaxPatches = 32;  // the most pairs of patches whose distance is measured
 // A pair of patches is skipped if both were already measured this many times, with others.
@@ -217,7 +215,7 @@ void BvhPair::Features(double margin, const NearestTriangles& first,
     if (out.size() - begin >= static_cast<std::size_t>(kMaxFeatures)) break;
     const Vector3d n = Normal(near);
     auto same = [&](const SignedGap& gap) {
-      return gap.n.dot(n) > kSameDirection && (gap.p1 - near.pa).norm() < 0.5 * patch;
+      return gap.n.dot(n) > kSameFeature && (gap.p1 - near.pa).norm() < 0.5 * patch;
     };
     if (std::any_of(out.begin() + static_cast<std::ptrdiff_t>(begin), out.end(), same)) continue;
     if (!BoundsMotion(near)) continue;

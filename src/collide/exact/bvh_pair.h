@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/relative_pose.h"
 #include "base/signed_gap.h"
 #include "mesh/triangle_bvh.h"
 
@@ -21,15 +22,6 @@ struct NearestTriangles {
   double distance = std::numeric_limits<double>::infinity();  // 0 when triangles intersect
   Vector3d pa = Vector3d::Zero(), pb = Vector3d::Zero();      // on a and b; any if they intersect
   int a = -1, b = -1;  // triangles; -1: no two triangles are nearer than the cutoff
-};
-
-// The pose of mesh b's frame in mesh a's: x_a = R x_b + t.
-struct RelativePose {
-  Matrix3d R = Matrix3d::Identity();
-  Vector3d t = Vector3d::Zero();
-
-  Vector3d operator*(const Vector3d& x) const { return R * x + t; }
-  RelativePose Inverse() const { return {R.transpose(), -(R.transpose() * t)}; }
 };
 
 // Refers to both meshes, which must outlive it. Counts its box tests, so use it in one thread.
@@ -79,6 +71,8 @@ class BvhPair {
 
   static constexpr double kTouching = 1e-9;  // nearer triangles count as intersecting
   static constexpr int kMaxFeatures = 16;
+  // Features in one place are merged above this cosine of the angle between their normals.
+  static constexpr double kSameFeature = 0.999;
 
  private:
   static constexpr double kNearly = 0.8;  // see RoughlyNearest

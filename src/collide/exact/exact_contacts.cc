@@ -81,17 +81,17 @@ void ExactContacts::Ask(const PosedModel& posed, int pair, double margin, ExactQ
                                      tables_.tree_units * (R1.transpose() * (p2 - p1))};
   const double reach = tables_.tree_units * margin;
   const std::size_t begin = out.size();
-  const bool both_solid = tables_.solids[g1] != nullptr;
-  if (both_solid) {
-    const BvhPair solids(*tables_.solids[g1], *tables_.solids[g2], second_in_first);
-    AskBvhs(solids, reach, query, rough_, warm_[pair], out);
-    box_tests_ += solids.box_tests();
+  const bool both_have_bvhs = tables_.bvhs[g1] != nullptr;
+  if (both_have_bvhs) {
+    const BvhPair bvhs(*tables_.bvhs[g1], *tables_.bvhs[g2], second_in_first);
+    AskBvhs(bvhs, reach, query, rough_, warm_[pair], out);
+    box_tests_ += bvhs.box_tests();
   } else {  // geom 2 is the mesh, since MuJoCo orders a pair by geom type
     const PrimitiveSdf field{m.geom_type[g1], tables_.tree_units * AsVector(m.geom_size + 3 * g1)};
-    AskField({field, *tables_.solids[g2], second_in_first}, reach, query, warm_[pair].b, out);
+    AskField({field, *tables_.bvhs[g2], second_in_first}, reach, query, warm_[pair].b, out);
   }
-  const Matrix3d& R = both_solid ? R1 : R2;
-  const Vector3d& origin = both_solid ? p1 : p2;
+  const Matrix3d& R = both_have_bvhs ? R1 : R2;
+  const Vector3d& origin = both_have_bvhs ? p1 : p2;
   for (std::size_t k = begin; k < out.size(); ++k) {
     out[k].distance /= tables_.tree_units;
     out[k].p1 = origin + R * out[k].p1 / tables_.tree_units;

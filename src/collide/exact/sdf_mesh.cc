@@ -14,8 +14,6 @@ namespace {
 // How exactly minima of f are found, and the smallest depth that defines a direction [tree units;
 // 2e-11 m in scenes of size 0.1 m].
 constexpr double kAccuracy = 1e-7;
-// Features in one place are merged above this cosine of the angle between their normals.
-constexpr double kSameDirection = 0.999;
 // Patches ends after this many patches, or searches below a box.
 constexpr int kMaxPatches = 32, kMaxQueries = 128;
 // The width of a patch, per margin and at least per size: the smaller of the mesh's radius and the
@@ -158,7 +156,7 @@ void SdfMesh::Features(double margin, const SdfNearest& first, std::vector<Signe
     if (nearest.f <= 0.0 && !out.empty()) continue;  // AppendOverlaps has reported the overlap
     const SignedGap gap = Gap(nearest);
     auto same = [&](const SignedGap& other) {
-      return other.n.dot(gap.n) > kSameDirection && (other.p2 - gap.p2).norm() < 0.5 * patch;
+      return other.n.dot(gap.n) > BvhPair::kSameFeature && (other.p2 - gap.p2).norm() < 0.5 * patch;
     };
     if (std::any_of(out.begin() + static_cast<std::ptrdiff_t>(begin), out.end(), same)) continue;
     out.push_back(gap);
