@@ -82,7 +82,7 @@ std::optional<std::array<double, 2>> Project(const mjvGLCamera& camera, const Po
   return {{x / width * image.width, y / height * image.height}};
 }
 
-// Draws a ring around each mark; of marks whose rings would overlap much, only around the first.
+// Draws a ring around each mark; of marks whose rings would overlap, only around the first.
 void DrawMarks(const mjvGLCamera& camera, const std::vector<Point>& marks, Image& image) {
   std::vector<std::array<double, 2>> drawn;
   for (const Point& mark : marks) {
@@ -90,7 +90,7 @@ void DrawMarks(const mjvGLCamera& camera, const std::vector<Point>& marks, Image
     if (!pixel) continue;
     const auto [x, y] = *pixel;
     const bool is_near = std::any_of(drawn.begin(), drawn.end(), [x, y](const auto& other) {
-      return std::hypot(other[0] - x, other[1] - y) < kRingRadius;
+      return std::hypot(other[0] - x, other[1] - y) < 1.5 * kRingRadius;
     });
     if (is_near) continue;
     DrawRing(image, x, y, kRingRadius);
