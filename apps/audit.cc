@@ -158,7 +158,7 @@ int RunAudit(AuditArguments& arguments) {
       // The only model that cannot be loaded is bad input; among others it is a finding.
       if (!one.error.empty() && arguments.models.size() == 1) throw Error(one.error);
       if (!arguments.fix.empty()) {
-        outputs.Stage(arguments.fix, MendedText(model, *one.scene, one.audit, arguments.fix));
+        outputs.Stage(arguments.fix, MendedText(model, one.audit, arguments.fix));
       }
       wrong |= one.Wrong();
       json += AuditJson(one);

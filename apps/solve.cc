@@ -23,6 +23,7 @@
 #include "mjcf_pdg/pdg.h"
 #ifdef MJCF_PDG_HAVE_RENDER
 #include "apps/picture/render.h"
+#include "apps/picture/row_picture.h"
 #endif
 
 namespace mjcf_pdg::app {
@@ -76,7 +77,8 @@ void AddFlags(CLI::App& command, SolveArguments& arguments) {
           "write the scene with a keyframe NAME_pdg for every row that is or became free",
           arguments.out_mjcf);
 #ifdef MJCF_PDG_HAVE_RENDER
-  AddPath(command, "--png", "draw every row before and after", arguments.png);
+  AddPath(command, "--png", "draw every row before and after, 24 a page (F.png, F-2.png, ...)",
+          arguments.png);
 #endif
 }
 
@@ -127,19 +129,27 @@ void StageMjcf(const Scene& scene, const std::vector<Configuration>& rows,
 }
 
 #ifdef MJCF_PDG_HAVE_RENDER
+// The first page is `path`; look.png is followed by look-2.png.
+std::string PageName(const std::string& path, std::size_t page) {
+  if (page == 0) return path;
+  std::filesystem::path name(path);
+  const std::string ending = name.extension().string();
+  return name.replace_extension().string() + "-" + std::to_string(page + 1) + ending;
+}
+
 void StagePng(const Scene& scene, const std::vector<Configuration>& rows,
               const std::vector<Result>& results, const std::string& path, OutputFiles& outputs) {
   std::vector<RenderRow> pictures;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    RenderRow picture{rows[i].label, rows[i].q, {}, {}};
-    if (results[i].status != Status::kUnsolved) picture.qpos = results[i].q;
-    for (const Contact& contact : results[i].contacts_in) {
-      picture.guilty_geoms.insert(picture.guilty_geoms.end(), contact.geom.begin(),
-                                  contact.geom.end());
-    }
-    pictures.push_back(std::move(picture));
+    pictures.push_back(PictureRow(rows[i].label, rows[i].q, results[i]));
   }
-  RenderBeforeAfter(scene.model(), pictures, outputs.StagedName(path));
+  std::vector<std::string> pages;
+  for (std::size_t page = 0; page * kRowsPerPage < rows.size(); ++page) {
+    const std::string name = PageName(path, page);
+    if (page > 0) outputs.Add("--png", name, {});
+    pages.push_back(outputs.StagedName(name));
+  }
+  RenderBeforeAfter(scene.model(), pictures, pages);
 }
 #endif
 

@@ -19,6 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// What a model may be reset to whose qpos0 penetrates.
+constexpr char kDefaultKey[] = "qpos0_pdg";
+
 std::string Escaped(const std::string& text) {
   std::string out;
   for (const char c : text) {
@@ -96,38 +99,63 @@ std::unique_ptr<mjModel, void (*)(mjModel*)> Excluding(const std::string& model,
   return compiled;
 }
 
-// Keyframes that are to be replaced, the last in the text first.
-std::string WithRepairedKeys(std::string text, const mjModel& model, const Audit& audit) {
+// What replaces keyframes that are wrong, and the new lines of the model.
+struct Mending {
+  std::vector<std::pair<KeyTag, std::vector<double>>> keys;
+  std::vector<std::string> contact, keyframe;
+};
+
+// A keyframe `key` of the scene, or qpos0, made free; empty if it cannot be.
+std::vector<double> Repaired(const Scene& scene, Solver& solver, int key) {
+  Configuration row;
+  row.q = scene.DefaultQpos();
+  if (key >= 0) {
+    for (RowSource source(scene, {}); source.Next(row) && row.key != key;) continue;
+  }
+  solver.SetMocap(row.mocap_pos, row.mocap_quat);
+  const Result result = solver.Solve(row.q);
+  return result.status == Status::kSolved ? result.q : std::vector<double>();
+}
+
+void MendKeys(const mjModel& model, const Audit& audit, const std::vector<KeyTag>& tags,
+              Mending& mending) {
   const Scene scene = Scene::FromModel(&model);
-  const std::vector<KeyTag> tags = FindKeyTags(WithoutComments(text));
-  std::vector<std::pair<KeyTag, std::vector<double>>> replaced;
   Solver solver(scene);
   for (const AuditedKey& key : audit.keys) {
-    if (key.key < 0 || !(key.penetrates || key.leaves_limits)) continue;
-    Configuration row;
-    for (RowSource source(scene, {}); source.Next(row) && row.key != key.key;) continue;
-    solver.SetMocap(row.mocap_pos, row.mocap_quat);
-    const Result result = solver.Solve(row.q);
-    if (result.status != Status::kSolved) continue;
-    replaced.emplace_back(FindKey(tags, key, model.nkey), result.q);
+    if (!key.penetrates && !key.leaves_limits) continue;
+    const std::vector<double> q = Repaired(scene, solver, key.key);
+    if (q.empty()) continue;
+    if (key.key >= 0) {
+      mending.keys.emplace_back(FindKey(tags, key, static_cast<int>(model.nkey)), q);
+    } else if (mj_name2id(&model, mjOBJ_KEY, kDefaultKey) < 0) {
+      mending.keyframe.push_back(WithQpos(std::string("<key name=\"") + kDefaultKey + "\"/>", q));
+    }
   }
-  std::sort(replaced.begin(), replaced.end(),
+  std::sort(mending.keys.begin(), mending.keys.end(),
             [](const auto& a, const auto& b) { return a.first.begin > b.first.begin; });
-  for (const auto& [tag, q] : replaced) {
+}
+
+std::string Section(const std::string& name, const std::vector<std::string>& lines) {
+  if (lines.empty()) return "";
+  std::string text = "  <" + name + ">\n";
+  for (const std::string& line : lines) text += "    " + line + "\n";
+  return text + "  </" + name + ">\n";
+}
+
+// The new lines go to the end of the model, and keyframes are replaced from the last on, so that
+// the places of those before stay what they are.
+std::string Applied(std::string text, const Mending& mending) {
+  const std::string lines =
+      Section("contact", mending.contact) + Section("keyframe", mending.keyframe);
+  if (!lines.empty()) {
+    const std::size_t end = WithoutComments(text).rfind("</mujoco");
+    if (end == std::string::npos) throw Error("--fix: the model has no </mujoco>");
+    text.insert(end, lines);
+  }
+  for (const auto& [tag, q] : mending.keys) {
     text.replace(tag.begin, tag.length, WithQpos(text.substr(tag.begin, tag.length), q));
   }
   return text;
-}
-
-std::string WithExcludes(std::string text, const Audit& audit) {
-  if (audit.exclude.empty()) return text;
-  const std::size_t end = WithoutComments(text).rfind("</mujoco");
-  if (end == std::string::npos) throw Error("--fix: the model has no </mujoco>");
-  std::string lines = "  <contact>\n";
-  for (const auto& [body1, body2] : audit.exclude) {
-    lines += "    " + ExcludeLine(body1, body2) + "\n";
-  }
-  return text.insert(end, lines + "  </contact>\n");
 }
 
 }  // namespace
@@ -136,8 +164,7 @@ std::string ExcludeLine(const std::string& body1, const std::string& body2) {
   return "<exclude body1=\"" + Escaped(body1) + "\" body2=\"" + Escaped(body2) + "\"/>";
 }
 
-std::string MendedText(const std::string& model, const Scene& scene, const Audit& audit,
-                       const std::string& target) {
+std::string MendedText(const std::string& model, const Audit& audit, const std::string& target) {
   std::error_code ec;
   const fs::path from = fs::weakly_canonical(fs::absolute(model), ec).parent_path();
   const fs::path to = fs::weakly_canonical(fs::absolute(target), ec).parent_path();
@@ -147,11 +174,18 @@ std::string MendedText(const std::string& model, const Scene& scene, const Audit
   if (fs::path(model).extension() == ".mjb" || text.find('\0') != std::string::npos) {
     throw Error("--fix: " + model + " is no text");
   }
-  if (scene.model()->nkey > 0) {
-    const auto excluding = Excluding(model, audit);
-    text = WithRepairedKeys(std::move(text), *excluding, audit);
+  Mending mending;
+  for (const auto& [body1, body2] : audit.exclude) {
+    mending.contact.push_back(ExcludeLine(body1, body2));
   }
-  return WithExcludes(std::move(text), audit);
+  const bool mend_keys = std::any_of(audit.keys.begin(), audit.keys.end(), [](const auto& key) {
+    return key.penetrates || key.leaves_limits;
+  });
+  if (mend_keys) {
+    const auto excluding = Excluding(model, audit);
+    MendKeys(*excluding, audit, FindKeyTags(WithoutComments(text)), mending);
+  }
+  return Applied(std::move(text), mending);
 }
 
 }  // namespace mjcf_pdg::app

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "apps/audit/examine.h"
-#include "mjcf_pdg/scene.h"
 
 namespace mjcf_pdg::app {
 
@@ -13,10 +12,11 @@ namespace mjcf_pdg::app {
 std::string ExcludeLine(const std::string& body1, const std::string& body2);
 
 // The MJCF of `model` with <exclude> lines for permanent overlaps and, in keyframes that penetrate
-// or leave limits, a qpos that is free. Throws Error if the model is no text, if it would have to
-// be written to another folder (paths in it are relative), or if a keyframe stands in another file.
-std::string MendedText(const std::string& model, const Scene& scene, const Audit& audit,
-                       const std::string& target);
+// or leave limits, a qpos that is free. A model whose qpos0 does so gets a keyframe "qpos0_pdg", at
+// which it is free: qpos0 itself follows from where its bodies stand. What cannot be made free
+// stays as it is. Throws Error if the model is no text, if it would have to be written to another
+// folder (paths in it are relative), or if a keyframe stands in another file.
+std::string MendedText(const std::string& model, const Audit& audit, const std::string& target);
 
 }  // namespace mjcf_pdg::app
 

@@ -25,13 +25,13 @@ ContactSheet::ContactSheet(int num_pairs, int picture_width, int picture_height)
       height_((num_pairs + columns_ - 1) / columns_ * (picture_height + kGap) + kGap),
       rgb_(std::size_t{3} * width_ * height_, kGray) {}
 
-void ContactSheet::Paste(int pair, int side, const Bytes& picture) {
+void ContactSheet::Paste(int pair, int side, const Image& picture) {
   const int left = kGap + pair % columns_ * (2 * picture_width_ + kSeam + kGap) +
                    side * (picture_width_ + kSeam);
   const int bottom = (pair / columns_ + 1) * (picture_height_ + kGap) - 1;
   const std::size_t line_size = std::size_t{3} * picture_width_;
   for (int y = 0; y < picture_height_; ++y) {
-    std::copy_n(&picture[line_size * y], line_size,
+    std::copy_n(&picture.rgb[line_size * y], line_size,
                 &rgb_[3 * (static_cast<std::size_t>(bottom - y) * width_ + left)]);
   }
 }

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-namespace mjcf_pdg::app {
+#include "apps/picture/image.h"
 
-using Bytes = std::vector<std::uint8_t>;  // Red, green and blue, pixel after pixel.
+namespace mjcf_pdg::app {
 
 class ContactSheet {
  public:
@@ -16,9 +16,8 @@ class ContactSheet {
   // give the sheet about the shape of a picture.
   ContactSheet(int num_pairs, int picture_width, int picture_height);
 
-  // Puts a picture on the left (`side` 0) or right (1) of a pair. `picture` has its lowest line
-  // first, as in OpenGL.
-  void Paste(int pair, int side, const Bytes& picture);
+  // Puts a picture on the left (`side` 0) or right (1) of a pair.
+  void Paste(int pair, int side, const Image& picture);
 
   // Writes the file. If that fails, throws std::runtime_error with a one-line reason and leaves no
   // file.
@@ -30,7 +29,7 @@ class ContactSheet {
   int columns_;  // Pairs in a line.
   int width_;    // Of the sheet [pixels].
   int height_;
-  Bytes rgb_;  // Of the sheet, highest line first.
+  std::vector<std::uint8_t> rgb_;  // Of the sheet, highest line first.
 };
 
 }  // namespace mjcf_pdg::app

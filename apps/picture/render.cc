@@ -1,7 +1,6 @@
 #include "apps/picture/render.h"
 
 #include <algorithm>
-#include <cstddef>
 #include <stdexcept>
 
 #include "apps/picture/contact_sheet.h"
@@ -9,26 +8,36 @@
 #include "apps/picture/viewpoint.h"
 
 namespace mjcf_pdg::app {
+namespace {
 
-int RenderBeforeAfter(const mjModel* model, const std::vector<RenderRow>& rows,
-                      const std::string& png_path) {
+Image Draw(Stage& stage, mjvCamera& camera, const std::string& title, const RenderSide& side) {
+  return stage.Draw(camera, side.free ? Tint::kBlue : Tint::kOrange, side.contacts, title,
+                    side.text);
+}
+
+}  // namespace
+
+void RenderBeforeAfter(const mjModel* model, const std::vector<RenderRow>& rows,
+                       const std::vector<std::string>& png_paths) {
   if (rows.empty()) throw std::runtime_error("cannot render: there is no configuration to draw");
-  const int num_rows = static_cast<int>(std::min<std::size_t>(rows.size(), kMaxRenderRows));
-  ContactSheet sheet(num_rows, Stage::kWidth, Stage::kHeight);
   Stage stage(model);
-  for (int i = 0; i < num_rows; ++i) {
-    const RenderRow& row = rows[i];
-    stage.SetGuilty(row.guilty_geoms);
-    mjvCamera camera = ChooseCamera(stage, row.qpos_in, row.qpos);
-    const char* const when = row.qpos.empty() ? "before (no after)" : "before";
-    sheet.Paste(i, 0, stage.Draw(camera, Tint::kRed, row.title, when));
-    if (row.qpos.empty()) continue;
-    camera.type = mjCAMERA_USER;  // Stays where it is, even if it rides on a body.
-    stage.SetPose(row.qpos);
-    sheet.Paste(i, 1, stage.Draw(camera, Tint::kGreen, row.title, "after"));
+  for (std::size_t page = 0; page < png_paths.size(); ++page) {
+    const std::size_t first = page * kRowsPerPage;
+    const std::size_t count = std::min(rows.size() - first, kRowsPerPage);
+    ContactSheet sheet(static_cast<int>(count), Stage::kWidth, Stage::kHeight);
+    for (std::size_t i = 0; i < count; ++i) {
+      const RenderRow& row = rows[first + i];
+      stage.SetGuilty(row.guilty_geoms);
+      mjvCamera camera = ChooseCamera(stage, row.before.qpos, row.after.qpos);
+      stage.FindCovered(camera);
+      sheet.Paste(static_cast<int>(i), 0, Draw(stage, camera, row.title, row.before));
+      camera.type = mjCAMERA_USER;  // Stays where it is, even if it rides on a body.
+      stage.SetPose(row.after.qpos);
+      stage.FindCovered(camera);
+      sheet.Paste(static_cast<int>(i), 1, Draw(stage, camera, row.title, row.after));
+    }
+    sheet.Write(png_paths[page]);
   }
-  sheet.Write(png_path);
-  return num_rows;
 }
 
 }  // namespace mjcf_pdg::app

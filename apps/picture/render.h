@@ -4,32 +4,41 @@
 
 #include <mujoco/mujoco.h>
 
+#include <array>
+#include <cstddef>
 #include <string>
 #include <vector>
 
 namespace mjcf_pdg::app {
 
-// One pair of pictures. The sizes and ids must fit the model; they are not checked.
-struct RenderRow {
-  std::string title;              // Drawn in both pictures; characters outside ASCII become '?'.
-  std::vector<double> qpos_in;    // The penetrating configuration.
-  std::vector<double> qpos;       // The repaired one; empty if there is none.
-  std::vector<int> guilty_geoms;  // Ids of the geoms that overlap at qpos_in.
+// One of the two pictures of a pair.
+struct RenderSide {
+  std::vector<double> qpos;
+  bool free = false;  // The guilty geoms are drawn in blue, else in orange.
+  std::string text;   // Drawn beside the title.
+  std::vector<std::array<double, 3>> contacts;  // Marked with rings; world frame [m].
 };
 
-// Writes one PNG, a contact sheet with a pair of pictures per row: on the left the scene at qpos_in
-// with the guilty geoms red, on the right the scene at qpos with the same geoms green, both seen
-// from the same place. If there are many rows, several pairs share a line. viewpoint.h says which
-// camera is used, stage.h which geoms are shown.
-//
-// Returns the number of rows drawn: all of them, or the first kMaxRenderRows. Throws
-// std::runtime_error with a one-line reason (no rows, no EGL, no OpenGL context, unwritable file).
-// An error inside MuJoCo throws whatever the installed mju_setLogHandler throws. `model` is not
-// modified. Only one call at a time is allowed, because MuJoCo's OpenGL entry points are global.
-int RenderBeforeAfter(const mjModel* model, const std::vector<RenderRow>& rows,
-                      const std::string& png_path);
+// One pair of pictures. The sizes and ids must fit the model; they are not checked.
+struct RenderRow {
+  std::string title;  // Drawn in both pictures; characters outside ASCII become '?'.
+  RenderSide before, after;
+  std::vector<int> guilty_geoms;  // Ids of the geoms that overlap before.
+};
 
-inline constexpr int kMaxRenderRows = 64;  // Makes 39 million pixels.
+inline constexpr std::size_t kRowsPerPage = 24;  // Makes 15 million pixels.
+
+// Writes PNG files, each a contact sheet of at most kRowsPerPage rows, a pair of pictures for each:
+// on the left the scene before, on the right after, both seen from the same place. viewpoint.h says
+// which camera is used, stage.h which geoms are shown and how. `png_paths` has a name for each page
+// that the rows fill.
+//
+// Throws std::runtime_error with a one-line reason (no rows, no EGL, no OpenGL context, unwritable
+// file). An error inside MuJoCo throws whatever the installed mju_setLogHandler throws. `model` is
+// not modified. Only one call at a time is allowed, because MuJoCo's OpenGL entry points are
+// global.
+void RenderBeforeAfter(const mjModel* model, const std::vector<RenderRow>& rows,
+                       const std::vector<std::string>& png_paths);
 
 }  // namespace mjcf_pdg::app
 

@@ -1,7 +1,10 @@
 #include "apps/picture/stage.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <stdexcept>
 
 namespace mjcf_pdg::app {
@@ -9,13 +12,23 @@ namespace {
 
 constexpr float kBackdrop[3] = {0.72f, 0.77f, 0.83f};
 constexpr std::size_t kMaxTitle = 56;  // Characters.
+constexpr double kRingRadius = 9;      // Pixels.
 
-// Reds and greens of guilty geoms. Each has several shades, so that two guilty bodies that touch
-// can be told apart.
+// Colours of guilty geoms, each in several shades of different lightness, so that two guilty bodies
+// that touch can be told apart.
 constexpr int kNumShades = 3;
 constexpr float kShades[2][kNumShades][3] = {
-    {{0.85f, 0.05f, 0.05f}, {1.00f, 0.27f, 0.16f}, {0.55f, 0.02f, 0.06f}},
-    {{0.06f, 0.65f, 0.15f}, {0.25f, 0.84f, 0.28f}, {0.02f, 0.40f, 0.12f}}};
+    {{0.95f, 0.45f, 0.00f}, {1.00f, 0.74f, 0.30f}, {0.62f, 0.25f, 0.00f}},
+    {{0.05f, 0.42f, 0.85f}, {0.45f, 0.75f, 1.00f}, {0.00f, 0.20f, 0.52f}}};
+// All else keeps this share of its colour, the rest is grey.
+constexpr float kColorShare = 0.25f;
+constexpr float kBrightest = 0.75f;  // Of that grey: in strong light white floors dazzle.
+// Opacity of what covers guilty geoms, and of guilty floors, in which things may have sunk.
+constexpr float kGlass = 0.2f;
+constexpr float kGuiltyFloor = 0.6f;
+// A geom counts as covered if less than this share of what it would show alone is seen.
+constexpr double kCoveredShare = 0.5;
+constexpr int kFewPixels = 4;  // Of a probe; geoms that would show fewer are not looked for.
 
 bool IsShownByDefault(const mjModel* model, int geom) {
   const int material = model->geom_matid[geom];
@@ -47,6 +60,44 @@ std::string Ascii(const std::string& title) {
   return text.size() <= kMaxTitle ? text : text.substr(0, kMaxTitle) + "...";
 }
 
+// Where the camera sees a place: pixels from the left and the lower edge of an image of this size.
+// Nothing if it lies behind the camera.
+std::optional<std::array<double, 2>> Project(const mjvGLCamera& camera, const Point& place,
+                                             const Image& image) {
+  double from_camera[3], forward[3], up[3], right[3];
+  for (int k = 0; k < 3; ++k) {
+    from_camera[k] = place[k] - camera.pos[k];
+    forward[k] = camera.forward[k];
+    up[k] = camera.up[k];
+  }
+  mju_cross(right, forward, up);
+  const double depth = mju_dot3(from_camera, forward);
+  if (depth <= camera.frustum_near) return std::nullopt;
+  const double scale = camera.orthographic ? 1 : camera.frustum_near / depth;
+  const double height = camera.frustum_top - camera.frustum_bottom;
+  const double width =
+      camera.frustum_width > 0 ? 2 * camera.frustum_width : height * image.width / image.height;
+  const double x = scale * mju_dot3(from_camera, right) - camera.frustum_center + width / 2;
+  const double y = scale * mju_dot3(from_camera, up) - camera.frustum_bottom;
+  return {{x / width * image.width, y / height * image.height}};
+}
+
+// Draws a ring around each mark; of marks whose rings would overlap, only around the first.
+void DrawMarks(const mjvGLCamera& camera, const std::vector<Point>& marks, Image& image) {
+  std::vector<std::array<double, 2>> drawn;
+  for (const Point& mark : marks) {
+    const std::optional<std::array<double, 2>> pixel = Project(camera, mark, image);
+    if (!pixel) continue;
+    const auto [x, y] = *pixel;
+    const bool is_near = std::any_of(drawn.begin(), drawn.end(), [x, y](const auto& other) {
+      return std::hypot(other[0] - x, other[1] - y) < 1.5 * kRingRadius;
+    });
+    if (is_near) continue;
+    DrawRing(image, x, y, kRingRadius);
+    drawn.push_back(*pixel);
+  }
+}
+
 }  // namespace
 
 Stage::Stage(const mjModel* model) : source_(model), model_(mj_copyModel(nullptr, model)) {
@@ -64,6 +115,7 @@ Stage::Stage(const mjModel* model) : source_(model), model_(mj_copyModel(nullptr
   mjv_defaultOption(&option_);
   option_.flags[mjVIS_SKIN] = 0;         // Skins hide the geoms.
   option_.flags[mjVIS_RANGEFINDER] = 0;  // Sensors are not computed.
+  std::fill_n(option_.sitegroup, mjNGROUP, mjtByte{0});
 }
 
 bool Stage::IsUnbounded(int geom) const {
@@ -129,27 +181,41 @@ mjvGeom* Stage::AddBall(const mjtNum position[3], double radius) {
   return ball;
 }
 
+bool Stage::IsGuiltyGeom(const mjvGeom& geom) const {
+  return geom.objtype == mjOBJ_GEOM && geom.objid >= 0 && geom.objid < model_->ngeom &&
+         IsGuilty(geom.objid);
+}
+
 bool Stage::IsGlass(const mjvGeom& geom) const {
-  return geom.objtype == mjOBJ_GEOM && geom.objid >= 0 && !IsGuilty(geom.objid) &&
-         glass_body_[model_->geom_bodyid[geom.objid]];
+  return geom.objtype == mjOBJ_GEOM && geom.objid >= 0 && geom.objid < model_->ngeom &&
+         !IsGuilty(geom.objid) && glass_body_[model_->geom_bodyid[geom.objid]];
 }
 
 void Stage::TintScene(Tint tint) {
   for (int i = 0; i < scene_.ngeom; ++i) {
     mjvGeom& geom = scene_.geoms[i];
-    if (IsGlass(geom)) geom.rgba[3] = std::min(geom.rgba[3], 0.35f);
-    if (geom.objtype != mjOBJ_GEOM || geom.objid < 0 || !IsGuilty(geom.objid)) continue;
-    const float* const shade = kShades[tint == Tint::kGreen][shade_[geom.objid] - 1];
+    if (geom.objtype != mjOBJ_GEOM || geom.objid < 0) continue;
     const bool unbounded = IsUnbounded(geom.objid);
-    const float weight = unbounded ? 0.35f : 1.0f;  // A floor that is all red would hide the rest.
-    for (int k = 0; k < 3; ++k) geom.rgba[k] += weight * (shade[k] - geom.rgba[k]);
-    if (unbounded) continue;
-    for (float& size : geom.size) size *= 1.003f;  // In front where surfaces coincide.
-    geom.rgba[3] = 1;
     geom.matid = -1;
     geom.texid = -1;
-    geom.emission = 0.1f;
     geom.reflectance = 0;
+    const float gray = 0.3f * geom.rgba[0] + 0.5f * geom.rgba[1] + 0.2f * geom.rgba[2];
+    for (int k = 0; k < 3; ++k) {
+      geom.rgba[k] = kBrightest * (gray + kColorShare * (geom.rgba[k] - gray));
+    }
+    if (!IsGuilty(geom.objid)) {
+      if (IsGlass(geom) || (under_others_ && !unbounded)) {
+        geom.rgba[3] = std::min(geom.rgba[3], kGlass);
+      }
+      continue;
+    }
+    const float* const shade = kShades[tint == Tint::kBlue][shade_[geom.objid] - 1];
+    const float weight = unbounded ? 0.35f : 1.0f;  // A floor in full colour would hide the rest.
+    for (int k = 0; k < 3; ++k) geom.rgba[k] += weight * (shade[k] - geom.rgba[k]);
+    geom.rgba[3] = unbounded ? kGuiltyFloor : 1;
+    if (unbounded) continue;
+    for (float& size : geom.size) size *= 1.003f;  // In front where surfaces coincide.
+    geom.emission = 0.1f;
   }
 }
 
@@ -169,42 +235,102 @@ void Stage::AddBackdrop() {
   ball->castshadow = 0;
 }
 
-Bytes Stage::Draw(mjvCamera& camera, Tint tint, const std::string& title, const std::string& when) {
+template <typename Keep>
+std::vector<int> Stage::Segment(int width, int height, Keep keep) {
+  // MuJoCo draws each object in the colour segid + 1, and does not draw it if segid is -1.
+  constexpr int kOther = (1 << 24) - 2;
+  for (int i = 0; i < scene_.ngeom; ++i) {
+    mjvGeom& geom = scene_.geoms[i];
+    const int id = geom.objtype == mjOBJ_GEOM && geom.objid >= 0 ? geom.objid : kOther;
+    geom.segid = keep(geom) ? id : -1;
+  }
+  for (const int flag : {mjRND_SEGMENT, mjRND_IDCOLOR}) scene_.flags[flag] = 1;
+  const mjrRect viewport = {0, 0, width, height};
+  mjr_render(viewport, &scene_, &canvas_);
+  for (const int flag : {mjRND_SEGMENT, mjRND_IDCOLOR}) scene_.flags[flag] = 0;
+  Image image(width, height);
+  mjr_readPixels(image.rgb.data(), nullptr, viewport, &canvas_);
+  std::vector<int> ids(static_cast<std::size_t>(width) * height);
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    const std::uint8_t* const rgb = &image.rgb[3 * i];
+    const int id = (rgb[0] | rgb[1] << 8 | rgb[2] << 16) - 1;
+    ids[i] = id < kOther ? id : -1;
+  }
+  return ids;
+}
+
+void Stage::FindCovered(mjvCamera& camera) {
+  UpdateScene(camera);
+  const auto count = [this](auto keep) {
+    std::vector<int> counts(model_->ngeom, 0);
+    for (const int id : Segment(kProbeWidth, kProbeHeight, keep)) {
+      if (id >= 0 && id < model_->ngeom) ++counts[id];
+    }
+    return counts;
+  };
+  const auto is_solid_guilty = [this](const mjvGeom& geom) {
+    return IsGuiltyGeom(geom) && !IsUnbounded(geom.objid);
+  };
+  const std::vector<int> among_all = count([&](const mjvGeom& geom) {
+    return !IsGlass(geom) && (!IsGuiltyGeom(geom) || is_solid_guilty(geom));
+  });
+  const std::vector<int> among_guilty = count(is_solid_guilty);
+  under_others_ = false;
+  under_guilty_.clear();
+  for (int id = 0; id < model_->ngeom; ++id) {
+    if (!IsGuilty(id) || IsUnbounded(id)) continue;
+    const std::vector<int> alone =
+        count([&](const mjvGeom& geom) { return geom.objtype == mjOBJ_GEOM && geom.objid == id; });
+    if (alone[id] < kFewPixels) continue;
+    if (among_guilty[id] < kCoveredShare * alone[id]) under_guilty_.push_back(id);
+    if (among_guilty[id] >= kFewPixels && among_all[id] < kCoveredShare * among_guilty[id]) {
+      under_others_ = true;
+    }
+  }
+}
+
+Image Stage::Draw(mjvCamera& camera, Tint tint, const std::vector<Point>& marks,
+                  const std::string& title, const std::string& text) {
   UpdateScene(camera);
   TintScene(tint);
   AddBackdrop();
   const mjrRect viewport = {0, 0, kWidth, kHeight};
   mjr_render(viewport, &scene_, &canvas_);
-  mjr_overlay(mjFONT_NORMAL, mjGRID_TOPLEFT, viewport, Ascii(title).c_str(), when.c_str(),
+  mjr_overlay(mjFONT_NORMAL, mjGRID_TOPLEFT, viewport, Ascii(title).c_str(), Ascii(text).c_str(),
               &canvas_);
-  Bytes rgb(3 * std::size_t{kWidth} * kHeight);
-  mjr_readPixels(rgb.data(), nullptr, viewport, &canvas_);
-  return rgb;
+  Image image(kWidth, kHeight);
+  mjr_readPixels(image.rgb.data(), nullptr, viewport, &canvas_);
+
+  for (const int id : under_guilty_) {
+    if (tint == Tint::kBlue) break;  // Free: each geom is seen for itself.
+    const std::vector<int> ids = Segment(kWidth, kHeight, [id](const mjvGeom& geom) {
+      return geom.objtype == mjOBJ_GEOM && geom.objid == id;
+    });
+    std::vector<bool> inside(ids.size());
+    for (std::size_t i = 0; i < ids.size(); ++i) inside[i] = ids[i] == id;
+    const float* const shade = kShades[0][shade_[id] - 1];
+    Color color;
+    for (int k = 0; k < 3; ++k) color[k] = static_cast<std::uint8_t>(255 * shade[k]);
+    DrawOutline(image, inside, color);
+  }
+  DrawMarks(mjv_averageCamera(&scene_.camera[0], &scene_.camera[1]), marks, image);
+  return image;
 }
 
 std::vector<int> Stage::CountPixels(mjvCamera camera, const std::vector<Marker>& markers) {
   UpdateScene(camera);
-  // MuJoCo draws each object in the colour segid + 1, and does not draw it if segid is -1.
   const int num_geoms = static_cast<int>(model_->ngeom);
   const int num_ids = num_geoms + static_cast<int>(markers.size());
-  for (int i = 0; i < scene_.ngeom; ++i) {
-    mjvGeom& geom = scene_.geoms[i];
-    geom.segid = geom.objtype == mjOBJ_GEOM && geom.objid >= 0 ? geom.objid : num_ids;
-    if (IsGlass(geom)) geom.segid = -1;
-  }
   for (int id = num_geoms; id < num_ids; ++id) {
     const Marker& marker = markers[id - num_geoms];
-    if (mjvGeom* const ball = AddBall(marker.position, marker.radius)) ball->segid = id;
+    mjvGeom* const ball = AddBall(marker.position, marker.radius);
+    if (ball == nullptr) break;
+    ball->objtype = mjOBJ_GEOM;  // With an id after those of the model's geoms.
+    ball->objid = id;
   }
-  for (const int flag : {mjRND_SEGMENT, mjRND_IDCOLOR}) scene_.flags[flag] = 1;
-  const mjrRect viewport = {0, 0, kProbeWidth, kProbeHeight};
-  mjr_render(viewport, &scene_, &canvas_);
-  for (const int flag : {mjRND_SEGMENT, mjRND_IDCOLOR}) scene_.flags[flag] = 0;
-  Bytes rgb(std::size_t{3} * kProbeWidth * kProbeHeight);
-  mjr_readPixels(rgb.data(), nullptr, viewport, &canvas_);
   std::vector<int> counts(num_ids, 0);
-  for (std::size_t i = 0; i < rgb.size(); i += 3) {
-    const int id = (rgb[i] | rgb[i + 1] << 8 | rgb[i + 2] << 16) - 1;
+  const auto keep = [this](const mjvGeom& geom) { return !IsGlass(geom); };
+  for (const int id : Segment(kProbeWidth, kProbeHeight, keep)) {
     if (id >= 0 && id < num_ids) ++counts[id];
   }
   return counts;

@@ -1,20 +1,22 @@
-// A model prepared for pictures: its pose, which of its geoms are shown and in which colours, and
-// drawing it.
+// A model prepared for pictures: its pose, which of its geoms are shown, in which colours, and how
+// what overlaps is kept in sight. Then it is drawn.
 #ifndef MJCF_PDG_APPS_PICTURE_STAGE_H_
 #define MJCF_PDG_APPS_PICTURE_STAGE_H_
 
 #include <mujoco/mujoco.h>
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "apps/picture/contact_sheet.h"
 #include "apps/picture/egl_context.h"
+#include "apps/picture/image.h"
 
 namespace mjcf_pdg::app {
 
-enum class Tint { kRed, kGreen };
+// The colours of guilty geoms. Orange and blue differ for every kind of colour vision.
+enum class Tint { kOrange, kBlue };
 
 // A ball that CountPixels adds to the scene to find out how much of a place is seen. It is in no
 // picture.
@@ -23,10 +25,14 @@ struct Marker {
   double radius;       // [m]
 };
 
-// Guilty geoms are those that overlap; they are drawn in red or green. Shown are the geoms of
-// groups 0 to 2, as in MuJoCo's viewer, all guilty geoms (if such a geom is not shown otherwise,
-// the rest of its body is drawn as glass), and the colliding geoms of bodies that would show
-// nothing otherwise.
+using Point = std::array<double, 3>;
+
+// Guilty geoms are those that overlap; they alone are drawn in colour, everything else is grey.
+// Shown are the geoms of groups 0 to 2, as in MuJoCo's viewer, all guilty geoms (if such a geom is
+// not shown otherwise, the rest of its body is drawn as glass), and the colliding geoms of bodies
+// that would show nothing otherwise. Where other geoms cover more than half of what a guilty geom
+// would show, all of them are drawn as glass; where guilty geoms cover each other, the outline of
+// the covered one is drawn over everything.
 class Stage {
  public:
   static constexpr int kWidth = 640;
@@ -44,10 +50,15 @@ class Stage {
   bool IsShown(int geom) const { return model_->geom_group[geom] == 0; }
   bool IsUnbounded(int geom) const;  // A plane or a height field.
 
-  // Returns a picture of kWidth × kHeight, the lowest line first, with the guilty geoms tinted and
-  // the two texts in its top left corner (characters outside ASCII become '?'). MuJoCo may update a
-  // camera that rides on a body.
-  Bytes Draw(mjvCamera& camera, Tint tint, const std::string& title, const std::string& when);
+  // Finds out which guilty geoms are covered in this camera's picture; the pictures drawn from here
+  // on show these as the comment of the class says.
+  void FindCovered(mjvCamera& camera);
+
+  // Returns a picture of kWidth × kHeight in which the guilty geoms are tinted and the places
+  // `marks` (world frame [m]) have a ring around them. The two texts stand in the top left corner
+  // (characters outside ASCII become '?'). MuJoCo may update a camera that rides on a body.
+  Image Draw(mjvCamera& camera, Tint tint, const std::vector<Point>& marks,
+             const std::string& title, const std::string& text);
 
   // Returns how many pixels of a picture of kProbeWidth × kProbeHeight show each geom and, after
   // the geoms, each marker.
@@ -71,9 +82,14 @@ class Stage {
 
   void UpdateScene(mjvCamera& camera);
   mjvGeom* AddBall(const mjtNum position[3], double radius);  // Null if the scene is full.
+  bool IsGuiltyGeom(const mjvGeom& geom) const;
   bool IsGlass(const mjvGeom& geom) const;
   void TintScene(Tint tint);
   void AddBackdrop();
+  // Renders the geoms of the scene in a colour per geom, only those that `keep` accepts, and
+  // returns at each pixel the geom's id, that of a marker (ngeom + index), or -1.
+  template <typename Keep>
+  std::vector<int> Segment(int width, int height, Keep keep);
 
   const mjModel* source_;
   std::unique_ptr<mjModel, Deleter> model_;  // A copy of source_ with shown geoms in group 0.
@@ -82,8 +98,10 @@ class Stage {
   Canvas canvas_;
   Scene scene_;
   mjvOption option_;
-  std::vector<int> shade_;        // By geom: 0 if it is not guilty, else 1 + index of its shade.
-  std::vector<bool> glass_body_;  // By body: it has a guilty geom that is hidden by default.
+  std::vector<int> shade_;         // By geom: 0 if it is not guilty, else 1 + index of its shade.
+  std::vector<bool> glass_body_;   // By body: it has a guilty geom that is hidden by default.
+  bool under_others_ = false;      // Some guilty geom is covered by geoms that are not.
+  std::vector<int> under_guilty_;  // The guilty geoms that other guilty geoms cover.
 };
 
 }  // namespace mjcf_pdg::app

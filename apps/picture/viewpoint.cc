@@ -18,8 +18,6 @@ constexpr double kTinyShare = 0.02;
 constexpr double kMarkerRadius = 0.025;  // Share of the subject's radius.
 constexpr double kDegree = std::numbers::pi / 180;
 
-using Point = std::array<double, 3>;
-
 // The axis-aligned bounding box of points, world frame [m].
 struct Box {
   explicit Box(const std::vector<Point>& points) : low(points.at(0)), high(points.at(0)) {
@@ -240,10 +238,8 @@ mjvCamera ChooseCamera(Stage& stage, const std::vector<double>& qpos_in,
                        const std::vector<double>& qpos) {
   const mjModel& model = stage.model();
   Subject subject;
-  if (!qpos.empty()) {
-    stage.SetPose(qpos);
-    AppendPose(stage, subject);
-  }
+  stage.SetPose(qpos);
+  AppendPose(stage, subject);
   stage.SetPose(qpos_in);
   AppendPose(stage, subject);
   mjvCamera camera;
@@ -264,7 +260,7 @@ mjvCamera ChooseCamera(Stage& stage, const std::vector<double>& qpos_in,
     best = Judge(stage, Approached(stage, named, subject.whole), markers);
   }
   if (best.score <= 0) best = BestFreeView(stage, subject, markers);
-  for (const double zoom : {0.75, 0.55}) {
+  for (const double zoom : {0.75, 0.55, 0.4, 0.25, 0.15, 0.08}) {
     if (subject.guilty.empty() || best.share >= kTinyShare) break;
     best = Judge(
         stage,

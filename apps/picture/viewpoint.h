@@ -10,7 +10,7 @@
 
 namespace mjcf_pdg::app {
 
-// Returns a camera for both configurations; `qpos` may be empty. It is the model's camera named
+// Returns a camera for both configurations. It is the model's camera named
 // "view" if the guilty geoms (Stage::SetGuilty) fill 3 % of its picture at `qpos_in`. Otherwise it
 // is a free camera that frames the kinematic trees of the guilty geoms, and comes closer if these
 // are tiny in the picture. It looks in the direction of "view", or, if there is no such camera or

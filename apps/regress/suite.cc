@@ -191,6 +191,30 @@ bool LooksLikeModel(const fs::path& path) {
          text.find("<mujocoinclude") == std::string::npos;
 }
 
+// Files below a folder that may be models, sorted. Folders that cannot be read are told in
+// `skipped`; the uppermost is an Error.
+std::vector<fs::path> ModelsBelow(const std::string& top, std::vector<std::string>& skipped) {
+  std::vector<fs::path> folders = {top}, found;
+  while (!folders.empty()) {
+    const fs::path folder = folders.back();
+    folders.pop_back();
+    std::error_code ec;
+    fs::directory_iterator it(folder, ec);
+    for (; !ec && it != fs::directory_iterator(); it.increment(ec)) {
+      std::error_code unknown;
+      if (it->is_directory(unknown) && !it->is_symlink(unknown)) {
+        folders.push_back(it->path());
+      } else if (it->is_regular_file(unknown) && LooksLikeModel(it->path())) {
+        found.push_back(it->path());
+      }
+    }
+    if (ec && folder == top) throw Error("--discover: " + top + ": " + ec.message());
+    if (ec) skipped.push_back(folder.string() + ": " + ec.message());
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
 fs::path FolderOf(const std::string& path) {
   const fs::path folder = fs::path(path).parent_path();
   return folder.empty() ? fs::path(".") : folder;
@@ -242,15 +266,7 @@ Suite DiscoverSuite(const std::string& folder, std::vector<std::string>& skipped
   Suite suite;
   suite.folder = folder;
   suite.path = (fs::path(folder) / "pdg.json").string();
-  std::vector<fs::path> found;
-  fs::recursive_directory_iterator it(folder, ec), end;
-  if (ec) throw Error("--discover: " + folder + ": " + ec.message());
-  for (; it != end; it.increment(ec)) {
-    if (ec) throw Error("--discover: " + folder + ": " + ec.message());
-    if (it->is_regular_file(ec) && LooksLikeModel(it->path())) found.push_back(it->path());
-  }
-  std::sort(found.begin(), found.end());
-  for (const fs::path& path : found) {
+  for (const fs::path& path : ModelsBelow(folder, skipped)) {
     SuiteCase made;
     made.model = path.lexically_relative(folder).generic_string();
     made.rows.push_back({});

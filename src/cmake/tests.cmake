@@ -61,6 +61,10 @@ if(MJCF_PDG_BUILD_TESTS)
     if(TARGET mjcf-pdg)
       add_dependencies(mjcf_pdg_tests mjcf-pdg)
       target_compile_definitions(mjcf_pdg_tests PRIVATE MJCF_PDG_PROGRAM="$<TARGET_FILE:mjcf-pdg>")
+      if(render)  # What is drawn is read again.
+        target_compile_definitions(mjcf_pdg_tests PRIVATE MJCF_PDG_TESTS_HAVE_PNG)
+        target_link_libraries(mjcf_pdg_tests PRIVATE PNG::PNG)
+      endif()
     endif()
     # A million poses, each claim of the verifier held against its proof; prints what MuJoCo alone gets wrong.
     add_executable(verify_poses EXCLUDE_FROM_ALL tests/verify/verify_poses.cc)

@@ -93,12 +93,14 @@ TEST_F(CliAuditTest, AFixedModelIsTheSameTextAndFree) {
   EXPECT_EQ(Run({"audit", "model.xml", "--fix", "fixed.xml"}).exit_code, 3);
   const std::string exclude = "<exclude body1=\"inner\" body2=\"outer\"/>";
   EXPECT_THAT(Read("fixed.xml"),
-              HasSubstr("  <contact>\n    " + exclude + "\n  </contact>\n</mujoco>"));
+              HasSubstr("  <contact>\n    " + exclude +
+                        "\n  </contact>\n  <keyframe>\n    <key qpos=\""));
   EXPECT_THAT(Read("fixed.xml"), HasSubstr("<!-- <key name=\"begin\" qpos=\"9 9 9 9\"/>"));
   EXPECT_THAT(Read("fixed.xml"), HasSubstr("<key name=\"apart\" qpos=\"0 0 0 -.5\"/>"));
   EXPECT_THAT(Read("fixed.xml"), HasSubstr("<key name=\"beyond\" qpos='"));
   EXPECT_EQ(Run({"check", "fixed.xml"}).exit_code, 0);
-  const Json audit = Audit({"fixed.xml"}, 3);  // qpos0 itself is not a keyframe: it stays
+  const Json audit = Audit({"fixed.xml"}, 3);  // qpos0 stays; the last keyframe is what it becomes
+  EXPECT_EQ(audit["keyframes"].back()["name"], "qpos0_pdg");
   for (const Json& pair : audit["pairs"]) EXPECT_NE(pair["class"], "permanent");
   EXPECT_EQ(audit["exclude"].size(), 0u);
   for (std::size_t k = 1; k < audit["keyframes"].size(); ++k) {
