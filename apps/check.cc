@@ -95,6 +95,7 @@ Verb AddCheckVerb(CLI::App& program) {
   AddWhich(*command, arguments->which);
   AddMotion(*command, *arguments);
   AddMovable(*command, arguments->scene);
+  AddPairs(*command, arguments->scene);
   AddExactMesh(*command, arguments->scene);
   AddEquality(*command, arguments->scene);
   AddRest(*command, arguments->options);

@@ -109,26 +109,81 @@ void AddModels(CLI::App& command, std::vector<std::string>& models) {
       ->required();
 }
 
-void AddMovable(CLI::App& command, SceneArguments& arguments) {
-  auto split = [&arguments](const std::vector<std::string>& lists) {
+namespace {
+
+std::vector<std::string> Split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::size_t begin = 0;
+  for (std::size_t end; (end = text.find(separator, begin)) != std::string::npos; begin = end + 1) {
+    parts.push_back(text.substr(begin, end - begin));
+  }
+  parts.push_back(text.substr(begin));
+  return parts;
+}
+
+// A list BODY,... appended to `target`; the flag may be repeated.
+void AddBodies(CLI::App& command, const std::string& flag, const std::string& help,
+               std::vector<std::string>& target) {
+  auto split = [flag, &target](const std::vector<std::string>& lists) {
     for (const std::string& list : lists) {
-      std::size_t begin = 0;
-      while (true) {
-        const std::size_t end = list.find(',', begin);
-        const std::string name = list.substr(begin, end - begin);
-        if (name.empty()) throw Error("--movable: empty body name in '" + list + "'");
-        arguments.options.movable.push_back(name);
-        if (end == std::string::npos) break;
-        begin = end + 1;
+      for (const std::string& name : Split(list, ',')) {
+        if (name.empty()) throw Error(flag + ": empty body name in '" + list + "'");
+        target.push_back(name);
       }
+    }
+  };
+  command.add_option_function<std::vector<std::string>>(flag, split, help)
+      ->type_name("BODY,...")
+      ->allow_extra_args(false);
+}
+
+NamePair ParseNamePair(const std::string& flag, const std::string& text) {
+  const std::vector<std::string> names = Split(text, ',');
+  if (names.size() != 2 || names[0].empty() || names[1].empty()) {
+    throw Error(flag + ": '" + text + "' is not two names of geoms or bodies, A,B");
+  }
+  return {names[0], names[1]};
+}
+
+}  // namespace
+
+void AddMovable(CLI::App& command, SceneArguments& arguments) {
+  AddBodies(command, "--movable",
+            "these bodies' own joints and subtrees may move, all else is frozen (default: all)",
+            arguments.options.movable);
+  AddBodies(command, "--fixed", "these bodies' own joints stay, whatever --movable says",
+            arguments.options.fixed);
+}
+
+void AddPairs(CLI::App& command, SceneArguments& arguments) {
+  auto exclude = [&arguments](const std::vector<std::string>& pairs) {
+    for (const std::string& text : pairs) {
+      arguments.options.exclude.push_back(ParseNamePair("--exclude", text));
     }
   };
   command
       .add_option_function<std::vector<std::string>>(
-          "--movable", split,
-          "these bodies' own joints and subtrees may move, all else is frozen (default: all)")
-      ->type_name("BODY,...")
+          "--exclude", exclude, "overlaps of these two geoms or bodies do not count; repeatable")
+      ->type_name("A,B")
       ->allow_extra_args(false);
+  auto allow = [&arguments](const std::vector<std::string>& pairs) {
+    for (const std::string& text : pairs) {
+      const std::size_t equals = text.rfind('=');
+      if (equals == std::string::npos) throw Error("--allow: '" + text + "' is not A,B=DEPTH");
+      const std::vector<double> depth =
+          ParseNumbers(std::string_view(text).substr(equals + 1), "--allow");
+      if (depth.size() != 1) throw Error("--allow: '" + text + "' is not A,B=DEPTH");
+      arguments.options.allow.push_back(
+          {ParseNamePair("--allow", text.substr(0, equals)), depth[0]});
+    }
+  };
+  command
+      .add_option_function<std::vector<std::string>>(
+          "--allow", allow, "these two geoms or bodies may overlap so deep [m]; repeatable")
+      ->type_name("A,B=DEPTH")
+      ->allow_extra_args(false);
+  command.add_flag("--ignore-permanent", arguments.options.ignore_permanent,
+                   "set aside pairs that overlap wherever the joints go");
 }
 
 void AddRoot(CLI::App& command, SceneArguments& arguments) {

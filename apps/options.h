@@ -48,7 +48,9 @@ void AddModel(CLI::App& command, SceneArguments& arguments);          // MODEL
 void AddModels(CLI::App& command, std::vector<std::string>& models);  // MODEL...
 void AddMovable(CLI::App& command, SceneArguments& arguments);        // --movable
 void AddRoot(CLI::App& command, SceneArguments& arguments);           // --root
-void AddExactMesh(CLI::App& command, SceneArguments& arguments);      // --exact-mesh
+void AddPairs(CLI::App& command,
+              SceneArguments& arguments);  // --exclude, --allow, --ignore-permanent
+void AddExactMesh(CLI::App& command, SceneArguments& arguments);  // --exact-mesh
 void AddEquality(CLI::App& command, SceneArguments& arguments);
 void AddMetric(CLI::App& command, Metric& metric);       // --metric
 void AddMethod(CLI::App& command, Method& method);       // --method

@@ -96,6 +96,11 @@ std::string DepthIn(const Result& result) {
   return text;
 }
 
+// How many of the contacts that there were are still there.
+std::string Kept(const Result& result) {
+  return std::to_string(result.contacts_kept) + "/" + std::to_string(result.contacts_in.size());
+}
+
 std::string ReasonLine(const RowName& name, const Configuration& row, const std::string& reason) {
   const std::string model = name.model.empty() ? "" : OneLine(name.model) + " ";
   return model + "row " + std::to_string(name.index) + " (" + OneLine(row.label) +
@@ -124,6 +129,14 @@ std::string JsonLine(const Json& value) {
 Json GeomJson(const Scene& scene, int geom) {
   const char* name = mj_id2name(scene.model(), mjOBJ_GEOM, geom);
   return name && *name ? Json(name) : Json(geom);
+}
+
+Json IgnoredJson(const Scene& scene) {
+  Json list = Json::array();
+  for (const auto& [geom1, geom2] : scene.IgnoredPairs()) {
+    list.push_back({GeomJson(scene, geom1), GeomJson(scene, geom2)});
+  }
+  return list;
 }
 
 const char* StatusName(Status status) {
@@ -159,6 +172,8 @@ std::string SolveJson(const Scene& scene, const RowName& name, const Configurati
   json["start"] = result.start;
   json["contacts_in"] = ContactsJson(scene, result.contacts_in);
   json["contacts"] = ContactsJson(scene, result.contacts);
+  json["contacts_kept"] = result.contacts_kept;
+  if (!scene.IgnoredPairs().empty()) json["ignored"] = IgnoredJson(scene);
   json["certified"] = result.certified;
   json["geometry"] = GeometryName(scene);
   json["proven"] =
@@ -172,7 +187,7 @@ std::string SolveJson(const Scene& scene, const RowName& name, const Configurati
 
 SolveTable::SolveTable(bool several_models)
     : table_(Heading(several_models, {"status", "depth mm", "rms mm", "sigma m^2", "distance mm",
-                                      "start", "time ms"})) {}
+                                      "kept", "start", "time ms"})) {}
 
 void SolveTable::Add(const Scene& scene, const RowName& name, const Configuration& row,
                      const Result& result) {
@@ -186,7 +201,7 @@ void SolveTable::Add(const Scene& scene, const RowName& name, const Configuratio
   }
   std::vector<std::string> cells = RowCells(name, row);
   Append(cells, {StatusName(result.status), DepthIn(result), Millimetres(std::sqrt(result.sigma)),
-                 Short(result.sigma), Millimetres(result.min_distance), result.start,
+                 Short(result.sigma), Millimetres(result.min_distance), Kept(result), result.start,
                  Thousandths(result.stats.seconds)});
   table_.AddRow(std::move(cells));
   if (!unsolved) return;
@@ -211,6 +226,7 @@ std::string CheckJson(const Scene& scene, const RowName& name, const Configurati
   json["limit_excess"] = verdict.limit_excess;
   if (HoldsEqualities(scene)) json["equality_residual"] = verdict.equality_residual;
   json["contacts"] = ContactsJson(scene, verdict.contacts);
+  if (!scene.IgnoredPairs().empty()) json["ignored"] = IgnoredJson(scene);
   json["certified"] = verdict.certified;
   json["geometry"] = GeometryName(scene);
   if (!verdict.free) json["reason"] = verdict.reason;

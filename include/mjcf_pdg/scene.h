@@ -3,6 +3,7 @@
 #ifndef MJCF_PDG_SCENE_H_
 #define MJCF_PDG_SCENE_H_
 
+#include <array>
 #include <memory>
 #include <span>
 #include <string>
@@ -23,10 +24,27 @@ enum class EqualityMode {
   kIgnore,  // none
 };
 
+// Two geoms or bodies by name; a body stands for all of its own geoms.
+using NamePair = std::array<std::string, 2>;
+
+// An overlap that is wanted: a squeezed grasp, a soft pad, feet in a mat.
+struct AllowedOverlap {
+  NamePair names;
+  double depth = 0.0;  // [m], 0 to 1000
+};
+
 // Which joints may move, which link the norm is measured from, and how meshes collide.
 struct SceneOptions {
   // Bodies whose own joints and subtrees may move; everything else is frozen. Empty: all joints.
   std::vector<std::string> movable;
+  // Bodies whose own joints are frozen, whatever `movable` says.
+  std::vector<std::string> fixed;
+  // Pairs whose overlaps do not count, as if the model had an <exclude> for them.
+  std::vector<NamePair> exclude;
+  std::vector<AllowedOverlap> allow;
+  // Pairs that overlap at qpos0, in each keyframe and in each of 200 random configurations do not
+  // count: links that are drawn into each other. Scene::IgnoredPairs names them.
+  bool ignore_permanent = false;
   // The body that is the root link of the object norm (a palm, a torso; Sec. 4). Empty: the top
   // body of every tree.
   std::string root;
@@ -45,9 +63,10 @@ struct VerifierModel;  // internal, src/verify/verifier_model.h
 // Immutable; may be shared between threads. Copies share their contents.
 class MJCF_PDG_API Scene {
  public:
-  // All three throw Error if there is no such file, the XML is broken (with MuJoCo's line), a body
-  // name is unknown or a body has no joints below it, the model has flexes or another unsupported
-  // feature (which is named), or an exact_mesh text names anything but a mesh geom.
+  // All three throw Error if there is no such file, the XML is broken (with MuJoCo's line), a name
+  // of the options is unknown or a movable body has no joints below it, the model has flexes or
+  // another unsupported feature (which is named), or an exact_mesh text names anything but a mesh
+  // geom.
   static Scene FromFile(const std::string& path, const SceneOptions& options = {});
   static Scene FromString(const std::string& xml, const SceneOptions& options = {});
   // A scene of a running program's model, which is never written to. The model must outlive the
@@ -85,6 +104,8 @@ class MJCF_PDG_API Scene {
   // Throws Error if the sizes of the user's model have changed since the scene was made, as when
   // another model was compiled in its place. Solver calls this for every solve.
   void CheckUnchanged() const;
+  // The pairs of geoms (ids, ascending) that SceneOptions::ignore_permanent has set aside.
+  const std::vector<std::array<int, 2>>& IgnoredPairs() const;
   // The equality constraints that are active in the model and held, each by its name (or "#id") and
   // kind.
   std::vector<std::string> HeldEqualities() const;

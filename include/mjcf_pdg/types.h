@@ -158,6 +158,7 @@ struct Result {
   // The contacts of the verifier's Verdicts at q_in and at q, deepest first, if
   // Options::report_contacts is set.
   std::vector<Contact> contacts_in, contacts;
+  int contacts_kept = 0;  // of contacts_in, those whose geoms are still within 1 mm of each other
   Stats stats;
 };
 

@@ -1,5 +1,9 @@
 #include "base/names.h"
 
+#include <algorithm>
+
+#include "mjcf_pdg/types.h"
+
 namespace mjcf_pdg {
 namespace {
 
@@ -41,5 +45,29 @@ std::string QuotedNameOrId(const mjModel& m, int kind, int id) {
 std::string NameOrPlace(const mjModel& m, int geom) { return NamedOrPlace(m, geom, ""); }
 
 std::string QuotedNameOrPlace(const mjModel& m, int geom) { return NamedOrPlace(m, geom, "'"); }
+
+std::vector<int> GeomsNamed(const mjModel& m, const std::string& name) {
+  std::vector<int> geoms;
+  const int geom = mj_name2id(&m, mjOBJ_GEOM, name.c_str());
+  const int body = mj_name2id(&m, mjOBJ_BODY, name.c_str());
+  if (geom < 0 && body < 0) {
+    throw Error("no geom or body named '" + name + "' (bodies: " + BodyNames(m) + ")");
+  }
+  if (geom >= 0) geoms.push_back(geom);
+  for (int k = 0; body >= 0 && k < m.body_geomnum[body]; ++k) {
+    if (m.body_geomadr[body] + k != geom) geoms.push_back(m.body_geomadr[body] + k);
+  }
+  std::sort(geoms.begin(), geoms.end());
+  return geoms;
+}
+
+std::string BodyNames(const mjModel& m) {
+  std::string names;
+  for (int b = 1; b < m.nbody; ++b) {
+    const std::string name = Named(m, mjOBJ_BODY, b, "");
+    if (!name.empty()) names += (names.empty() ? "" : ", ") + name;
+  }
+  return names;
+}
 
 }  // namespace mjcf_pdg

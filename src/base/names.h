@@ -5,6 +5,7 @@
 #include <mujoco/mujoco.h>
 
 #include <string>
+#include <vector>
 
 namespace mjcf_pdg {
 
@@ -21,6 +22,13 @@ std::string NameOrPlace(const mjModel& m, int geom);
 
 // The same with the name in single quotes; a place stays without.
 std::string QuotedNameOrPlace(const mjModel& m, int geom);
+
+// The geoms that a name means, ascending: the geom of that name, and all geoms of the body of that
+// name. Throws Error, which lists the bodies, if there is neither.
+std::vector<int> GeomsNamed(const mjModel& m, const std::string& name);
+
+// The names of all bodies that have one, "a, b, c".
+std::string BodyNames(const mjModel& m);
 
 }  // namespace mjcf_pdg
 

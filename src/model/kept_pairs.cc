@@ -157,9 +157,29 @@ void GroupByBodies(SceneTables& tables) {
   }
 }
 
+bool LeftOut(const SceneTables& tables, const KeptPair& pair) {
+  const std::array<int, 2> geoms = {std::min(pair.geom1, pair.geom2),
+                                    std::max(pair.geom1, pair.geom2)};
+  return std::binary_search(tables.excluded.begin(), tables.excluded.end(), geoms) ||
+         std::binary_search(tables.ignored.begin(), tables.ignored.end(), geoms);
+}
+
+void Allow(const AllowedOverlap& overlap, SceneTables& tables) {
+  const std::vector<int> one = GeomsNamed(*tables.model, overlap.names[0]);
+  const std::vector<int> other = GeomsNamed(*tables.model, overlap.names[1]);
+  const auto is_in = [](const std::vector<int>& geoms, int geom) {
+    return std::binary_search(geoms.begin(), geoms.end(), geom);
+  };
+  for (KeptPair& pair : tables.pairs) {
+    const bool meant = (is_in(one, pair.geom1) && is_in(other, pair.geom2)) ||
+                       (is_in(one, pair.geom2) && is_in(other, pair.geom1));
+    if (meant) pair.allowed = std::max(pair.allowed, overlap.depth);
+  }
+}
+
 }  // namespace
 
-void FillKeptPairs(SceneTables& tables) {
+void FillKeptPairs(const std::vector<AllowedOverlap>& allow, SceneTables& tables) {
   const mjModel& m = *tables.model;
   std::set<std::pair<int, int>> explicit_pairs;
   for (int k = 0; k < m.npair; ++k) {
@@ -169,6 +189,8 @@ void FillKeptPairs(SceneTables& tables) {
     tables.pairs.push_back(MakePair(tables, g1, g2, m.pair_margin[k] + m.pair_gap[k]));
   }
   AppendDynamicPairs(tables, explicit_pairs);
+  std::erase_if(tables.pairs, [&tables](const KeptPair& pair) { return LeftOut(tables, pair); });
+  for (const AllowedOverlap& overlap : allow) Allow(overlap, tables);
   GroupByBodies(tables);
   for (int body = 0; body < m.nbody; ++body) {
     tables.body_spheres.push_back(EncloseBody(m, body));

@@ -3,16 +3,20 @@
 #ifndef MJCF_PDG_SRC_MODEL_KEPT_PAIRS_H_
 #define MJCF_PDG_SRC_MODEL_KEPT_PAIRS_H_
 
+#include <vector>
+
+#include "mjcf_pdg/scene.h"
 #include "model/scene_tables.h"
 
 namespace mjcf_pdg {
 
 // Fills tables.pairs, body_pairs, body_spheres and has_contact_only_pairs, which must be empty.
-// Reads tables.model, column_of_dof, exact and convex. Follows engine_collision_driver.c of MuJoCo
+// Reads tables.model, column_of_dof, exact, convex, excluded and ignored, and allows the overlaps
+// of `allow`. Follows engine_collision_driver.c of MuJoCo
 // 4.0: explicit <pair>s always count; of all others those count that pass the contype/conaffinity,
 // weld, parent-child and <exclude> filters. Throws Error for a geom of such a pair whose type we do
 // not know.
-void FillKeptPairs(SceneTables& tables);
+void FillKeptPairs(const std::vector<AllowedOverlap>& allow, SceneTables& tables);
 
 }  // namespace mjcf_pdg
 

@@ -6,6 +6,7 @@
 #include <mujoco/mujoco.h>
 
 #include <Eigen/Dense>
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -90,6 +91,9 @@ struct SceneTables {
   double tree_units = 1.0;  // the unit of length of `bvhs`: tree units per metre (triangle_bvh.h)
   // By equality constraint of the model: it is held while it is active (equality/held.h).
   std::vector<char> held_equalities;
+  // Pairs of geoms (ascending) that do not count although MuJoCo's filters keep them, because the
+  // options exclude them or, in `ignored`, because they overlap permanently. Both are sorted.
+  std::vector<std::array<int, 2>> excluded, ignored;
   std::vector<std::string> warnings;  // for the user, a line each
 };
 

@@ -59,7 +59,8 @@ std::string DescribeInseparable(Workspace& work, const VectorXd& q) {
   std::vector<std::array<int, 2>> bodies;
   for (const int index : InseparablePairs(work, q)) {
     const KeptPair& pair = work.problem().tables.pairs[index];
-    const std::array<int, 2> two = {m.geom_bodyid[pair.geom1], m.geom_bodyid[pair.geom2]};
+    const auto [low, high] = std::minmax(m.geom_bodyid[pair.geom1], m.geom_bodyid[pair.geom2]);
+    const std::array<int, 2> two = {low, high};
     if (std::find(bodies.begin(), bodies.end(), two) == bodies.end()) bodies.push_back(two);
   }
   if (bodies.empty()) return "";

@@ -11,8 +11,21 @@ void Assign(const VectorXd& q, std::vector<double>& out) {
   out.assign(q.data(), q.data() + q.size());
 }
 
+// Geoms that touched and are no farther apart than this still touch, for a grasp or a footing [m].
+constexpr double kKeptContact = 1e-3;
+
 // Long enough for every Result::start, so that warm results do not allocate.
 constexpr std::size_t kLongestStart = 32;
+
+// Whether a configuration that is not free is still worth going to from another one: it is no
+// deeper, and either less deep, or fewer pairs are too near, or equality constraints hold that did
+// not.
+bool Improves(const Verdict& there, const Verdict& here, double tolerance) {
+  if (there.min_distance < here.min_distance - tolerance) return false;
+  const auto holds = [](const Verdict& v) { return v.equality_residual <= kEqualityTolerance; };
+  return there.min_distance > here.min_distance + tolerance ||
+         there.contacts.size() < here.contacts.size() || (holds(there) && !holds(here));
+}
 
 }  // namespace
 
@@ -28,6 +41,7 @@ void Reporter::Clear(Result& result) {
   result.reason.clear();
   result.contacts_in.clear();
   result.contacts.clear();
+  result.contacts_kept = 0;
   result.stats = {};
 }
 
@@ -41,6 +55,7 @@ bool Reporter::Input(const std::vector<double>& q_in, Result& result) {
     if (problem_.options.report_contacts) result.contacts_in = verdict.contacts;
     if (!verdict.free) return false;
     Answer(verdict, result);
+    CountKeptContacts(result);
   } else {
     const bool free = verifier_.IsFree(q_in, q_in);
     result.equality_residual_in = verifier_.verdict().equality_residual;
@@ -69,6 +84,7 @@ void Reporter::Solved(const std::vector<double>& q_in, const std::vector<double>
   result.start = NameOf(start);
   if (Reports()) {
     Answer(verifier_.Check(q, q_in), result);
+    CountKeptContacts(result);
   } else {
     AnswerUnmeasured(result);
   }
@@ -84,6 +100,13 @@ void Reporter::Answer(const Verdict& verdict, Result& result) const {
   result.certified = verdict.certified;
   result.equality_residual = verdict.equality_residual;
   if (problem_.options.report_contacts) result.contacts = verdict.contacts;
+}
+
+// At the configuration that the verifier was last asked about.
+void Reporter::CountKeptContacts(Result& result) const {
+  for (const Contact& contact : result.contacts_in) {
+    result.contacts_kept += verifier_.Within(contact.geom[0], contact.geom[1], kKeptContact);
+  }
 }
 
 // Of what is free: at least so far from everything.
@@ -108,19 +131,22 @@ void Reporter::Unsolved(const std::vector<double>& q_in, const Outcome* outcome,
   Assign(candidate ? candidate->q : inside, result.q);
   result.start = NameOf(candidate ? candidate->start : Component::kNone);
   Verdict verdict = verifier_.Check(result.q, q_in);
-  if (candidate && verdict.min_distance < result.depth_in) {
+  if (candidate) {
     std::vector<double> q_inside;
     Assign(inside, q_inside);
     const Verdict& at_start = verifier_.Check(q_inside, q_in);
-    if (at_start.min_distance > verdict.min_distance) {
+    if (!Improves(verdict, at_start, problem_.options.tolerance)) {
       verdict = at_start;
       result.q = q_inside;
       result.start = NameOf(Component::kNone);
+    } else {
+      verifier_.Check(result.q, q_in);
     }
   }
   result.status = Status::kUnsolved;
   result.sigma = work_.norm.Sigma(ToEigen(result.q));
   Answer(verdict, result);
+  CountKeptContacts(result);
   SayWhy(outcome, frozen, verdict, result);
 }
 

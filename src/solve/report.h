@@ -29,7 +29,7 @@ class Reporter {
   void Solved(const std::vector<double>& q_in, const std::vector<double>& q, Component start,
               Result& result);
   // There is no answer: the result's q is the least overlap that the search found, or q_in moved
-  // inside its limits where the verifier finds that less deep. `outcome` is null if nothing was
+  // inside its limits where that is no worse by the verifier. `outcome` is null if nothing was
   // searched. `frozen`: pairs overlap that no movable joint can part.
   void Unsolved(const std::vector<double>& q_in, const Outcome* outcome, bool frozen,
                 Result& result);
@@ -40,6 +40,7 @@ class Reporter {
   }
   double Sigma(const std::vector<double>& q);
   void Answer(const Verdict& verdict, Result& result) const;
+  void CountKeptContacts(Result& result) const;
   void AnswerUnmeasured(Result& result) const;
   void SayWhy(const Outcome* outcome, bool frozen, const Verdict& verdict, Result& result);
 

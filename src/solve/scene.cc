@@ -12,6 +12,7 @@
 #include "model/kept_pairs.h"
 #include "model/scene_tables.h"
 #include "solve/options.h"
+#include "solve/permanent.h"
 #include "verify/verifier_model.h"
 
 namespace mjcf_pdg {
@@ -54,11 +55,7 @@ void RefuseUnseenPairs(const SceneTables& tables) {
 int BodyByName(const mjModel* m, const std::string& name) {
   const int body = mj_name2id(m, mjOBJ_BODY, name.c_str());
   if (body >= 0) return body;
-  std::string known;
-  for (int b = 1; b < m->nbody && known.size() < 200; ++b) {
-    known += (known.empty() ? "" : ", ") + NameOrId(*m, mjOBJ_BODY, b);
-  }
-  throw Error("no body named '" + name + "' (bodies: " + known + ")");
+  throw Error("no body named '" + name + "' (bodies: " + BodyNames(*m) + ")");
 }
 
 // Per body: it or an ancestor is named in options.movable (all when none is named).
@@ -71,14 +68,21 @@ std::vector<char> SelectedBodies(const mjModel* m, const std::vector<std::string
   return selected;
 }
 
+std::vector<char> FixedBodies(const mjModel* m, const std::vector<std::string>& names) {
+  std::vector<char> fixed(m->nbody, 0);
+  for (const std::string& name : names) fixed[BodyByName(m, name)] = 1;
+  return fixed;
+}
+
 void FillJoints(SceneTables& tables, const SceneOptions& options) {
   const mjModel* m = tables.model;
   const std::vector<char> selected = SelectedBodies(m, options.movable);
+  const std::vector<char> fixed = FixedBodies(m, options.fixed);
   tables.column_of_dof.assign(m->nv, -1);
   tables.body_moves.assign(m->nbody, 0);
   for (int j = 0; j < m->njnt; ++j) {
     const int body = m->jnt_bodyid[j];
-    if (!selected[body]) continue;
+    if (!selected[body] || fixed[body]) continue;
     JointEntry joint;
     joint.id = j;
     joint.type = m->jnt_type[j];
@@ -97,7 +101,8 @@ void FillJoints(SceneTables& tables, const SceneOptions& options) {
   for (int b = 1; b < m->nbody; ++b) {
     if (tables.body_moves[m->body_parentid[b]]) tables.body_moves[b] = 1;
   }
-  if (tables.joints.empty()) throw Error("no joint may move: the movable bodies have no joints");
+  if (tables.joints.empty())
+    throw Error("no joint may move: the movable bodies have no joints of their own or are fixed");
 }
 
 void FillRoot(SceneTables& tables, const std::string& name) {
@@ -153,6 +158,41 @@ void WarnOfEqualities(EqualityMode mode, SceneTables& tables) {
                             " left out: --equality all holds them, too");
 }
 
+// All pairs of geoms that the names mean, ascending.
+std::vector<std::array<int, 2>> PairsNamed(const mjModel& m, const std::vector<NamePair>& names) {
+  std::vector<std::array<int, 2>> pairs;
+  for (const NamePair& two : names) {
+    for (const int a : GeomsNamed(m, two[0])) {
+      for (const int b : GeomsNamed(m, two[1])) pairs.push_back({std::min(a, b), std::max(a, b)});
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+void CheckAllowed(const std::vector<AllowedOverlap>& allow) {
+  for (const AllowedOverlap& overlap : allow) {
+    if (overlap.depth >= 0.0 && overlap.depth <= 1000.0) continue;
+    throw Error("the allowed overlap of '" + overlap.names[0] + "' and '" + overlap.names[1] +
+                "' is not between 0 and 1000 m");
+  }
+}
+
+// The kept pairs with all that is made for them.
+void FillPairs(const SceneOptions& options, SceneTables& tables) {
+  tables.pairs.clear();
+  tables.body_pairs.clear();
+  tables.body_spheres.clear();
+  tables.has_contact_only_pairs = false;
+  FillKeptPairs(options.allow, tables);
+  RefuseUnseenPairs(tables);
+  BuildBvhs(tables);
+  tables.support = std::make_shared<const SupportPoints>(*tables.model, tables.pairs);
+  tables.query_model = UnblindedCopy(tables);
+  tables.query_model.opt.disableflags |= mjDSBL_MULTICCD;
+  tables.query_model.opt.ccd_tolerance = kCcdTolerance * tables.size;
+}
+
 std::shared_ptr<const SceneTables> MakeTables(std::shared_ptr<const mjModel> owner,
                                               const mjModel* model, const SceneOptions& options) {
   CheckMujocoVersion();
@@ -164,15 +204,15 @@ std::shared_ptr<const SceneTables> MakeTables(std::shared_ptr<const mjModel> own
   tables->size = TypicalSize(*tables);
   FillRoot(*tables, options.root);
   MarkExactGeoms(options, *tables);
-  FillKeptPairs(*tables);
-  RefuseUnseenPairs(*tables);
+  CheckAllowed(options.allow);
+  tables->excluded = PairsNamed(*model, options.exclude);
+  FillPairs(options, *tables);
+  if (options.ignore_permanent) {
+    tables->ignored = FindPermanentOverlaps(*tables);
+    if (!tables->ignored.empty()) FillPairs(options, *tables);
+  }
   tables->held_equalities = HeldEqualities(*model, options.equality);
   WarnOfEqualities(options.equality, *tables);
-  BuildBvhs(*tables);
-  tables->support = std::make_shared<const SupportPoints>(*model, tables->pairs);
-  tables->query_model = UnblindedCopy(*tables);
-  tables->query_model.opt.disableflags |= mjDSBL_MULTICCD;
-  tables->query_model.opt.ccd_tolerance = kCcdTolerance * tables->size;
   return tables;
 }
 
@@ -191,7 +231,8 @@ constexpr int kErrorSize = 2000;
 Scene::Scene(std::shared_ptr<const mjModel> owner, const mjModel& model,
              const SceneOptions& options)
     : tables_(MakeTables(owner, &model, options)),
-      verifier_model_(std::make_shared<const VerifierModel>(std::move(owner), model, options)) {}
+      verifier_model_(std::make_shared<const VerifierModel>(std::move(owner), model, options,
+                                                            tables_->ignored)) {}
 
 Scene Scene::FromFile(const std::string& path, const SceneOptions& options) {
   std::error_code ec;
@@ -235,6 +276,8 @@ int Scene::dof() const { return tables_->n; }
 int Scene::num_kept_pairs() const { return static_cast<int>(tables_->pairs.size()); }
 
 bool Scene::HasExactMeshes() const { return mjcf_pdg::HasExactMeshes(*tables_); }
+
+const std::vector<std::array<int, 2>>& Scene::IgnoredPairs() const { return tables_->ignored; }
 
 std::string Scene::GeomName(int geom) const { return NameOrPlace(*model(), geom); }
 std::string Scene::JointName(int joint) const { return NameOrId(*model(), mjOBJ_JOINT, joint); }

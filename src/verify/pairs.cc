@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "base/names.h"
+
 namespace mjcf_pdg::verify {
 namespace {
 
@@ -17,12 +19,18 @@ std::vector<std::vector<int>> MovableJointsAbove(const mjModel& m, const SceneOp
     if (body < 0) throw Error("no body named '" + name + "'");
     may_move[body] = 1;
   }
+  std::vector<char> fixed(m.nbody, 0);
+  for (const std::string& name : options.fixed) {
+    const int body = mj_name2id(&m, mjOBJ_BODY, name.c_str());
+    if (body < 0) throw Error("no body named '" + name + "'");
+    fixed[body] = 1;
+  }
   std::vector<std::vector<int>> joints(m.nbody);
   for (int body = 1; body < m.nbody; ++body) {  // parents come first
     const int parent = m.body_parentid[body];
     joints[body] = joints[parent];
     may_move[body] |= may_move[parent];
-    if (!may_move[body]) continue;
+    if (!may_move[body] || fixed[body]) continue;
     for (int k = 0; k < m.body_jntnum[body]; ++k) joints[body].push_back(m.body_jntadr[body] + k);
   }
   return joints;
@@ -64,7 +72,29 @@ class Filter {
   const mjModel& m_;
 };
 
+// By geom: the name means it, as geom or as one of a body's.
+std::vector<char> Meant(const mjModel& m, const std::string& name) {
+  std::vector<char> meant(m.ngeom, 0);
+  for (const int geom : GeomsNamed(m, name)) meant[geom] = 1;
+  return meant;
+}
+
 }  // namespace
+
+LeftOut PairsLeftOut(const mjModel& m, const SceneOptions& options,
+                     const std::vector<std::array<int, 2>>& ignored) {
+  LeftOut pairs;
+  for (const auto& [a, b] : ignored) pairs.insert(std::minmax(a, b));
+  for (const NamePair& names : options.exclude) {
+    const std::vector<char> one = Meant(m, names[0]), other = Meant(m, names[1]);
+    for (int a = 0; a < m.ngeom; ++a) {
+      for (int b = 0; b < m.ngeom; ++b) {
+        if (one[a] && other[b] && a != b) pairs.insert(std::minmax(a, b));
+      }
+    }
+  }
+  return pairs;
+}
 
 bool ContactOnly(int type) { return type == mjGEOM_SDF || type == mjGEOM_HFIELD; }
 
@@ -101,6 +131,14 @@ std::vector<CheckedPair> FindPairs(const mjModel& m, const SceneOptions& options
     pair.exact = !pair.contact_only && (exact[geoms.first] || exact[geoms.second]);
     pair.separable = joints[m.geom_bodyid[geoms.first]] != joints[m.geom_bodyid[geoms.second]];
     pairs.push_back(pair);
+  }
+  for (const AllowedOverlap& overlap : options.allow) {
+    const std::vector<char> one = Meant(m, overlap.names[0]), other = Meant(m, overlap.names[1]);
+    for (CheckedPair& pair : pairs) {
+      const bool meant =
+          (one[pair.geom1] && other[pair.geom2]) || (one[pair.geom2] && other[pair.geom1]);
+      if (meant && overlap.depth > pair.allowed) pair.allowed = overlap.depth;
+    }
   }
   return pairs;
 }

@@ -9,6 +9,9 @@
 
 #include <mujoco/mujoco.h>
 
+#include <array>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "mjcf_pdg/scene.h"
@@ -28,9 +31,17 @@ struct CheckedPair {
 };
 
 // Returns all pairs that count, sorted by the lower, then the higher geom id. `exact` says for each
-// geom whether it collides as its triangles. Throws Error if options.movable names no body.
+// geom whether it collides as its triangles. Overlaps are allowed
+// as the model and options.allow say. Throws Error if the options name no body or geom.
 std::vector<CheckedPair> FindPairs(const mjModel& m, const SceneOptions& options,
                                    const std::vector<char>& exact);
+
+// Pairs of geoms (lower id, higher id).
+using LeftOut = std::set<std::pair<int, int>>;
+
+// The pairs that the options exclude, and those of `ignored`. Throws Error for an unknown name.
+LeftOut PairsLeftOut(const mjModel& m, const SceneOptions& options,
+                     const std::vector<std::array<int, 2>>& ignored);
 
 }  // namespace mjcf_pdg::verify
 

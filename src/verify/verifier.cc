@@ -144,6 +144,14 @@ double Verifier::DepthAtRest(int geom1, int geom2) const {
   return required_[index] < Usual(shared_->pairs[index]) ? required_[index] : 0.0;
 }
 
+bool Verifier::Within(int geom1, int geom2, double distance) const {
+  const int index = PairIndex(geom1, geom2);
+  if (index < 0) return false;
+  if (shared_->pairs[index].contact_only) return contact_[index] >= 0;
+  if (Posed(index).SphereBound() >= distance) return false;
+  return Read(index, distance, Depths::kSkipped).distance < distance;
+}
+
 // Sets required_: a pair that overlaps by no more than Options::rest in q_in may keep its depth.
 // With an empty q_in no pair rests.
 void Verifier::UpdateRest(std::span<const double> q_in) {
@@ -192,7 +200,8 @@ void Verifier::AskCollision() {
   for (int c = 0; c < d.ncon; ++c) {
     const int pair = PairIndex(d.contact[c].geom[0], d.contact[c].geom[1]);
     if (pair < 0) {
-      contacts_of_other_pairs_.push_back(c);
+      const std::pair<int, int> geoms = Sorted(d.contact[c].geom[0], d.contact[c].geom[1]);
+      if (!shared_->left_out.contains(geoms)) contacts_of_other_pairs_.push_back(c);
       continue;
     }
     int& deepest = contact_[pair];

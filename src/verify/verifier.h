@@ -90,6 +90,10 @@ class Verifier {
   // the two geoms are no kept pair.
   verify::Certificate CertificateOf(int geom1, int geom2) const;
 
+  // Whether two geoms are nearer than `distance` [m] at the configuration of the last call; false
+  // if they are no kept pair. Of geoms without signed distances a contact tells.
+  bool Within(int geom1, int geom2, double distance) const;
+
   // The signed distance [m], negative, that two geoms may keep because they rest on each other in
   // q_in of the last call; 0 if they do not rest or are no kept pair.
   double DepthAtRest(int geom1, int geom2) const;

@@ -174,11 +174,16 @@ class SolidBuilder {
 }  // namespace
 
 VerifierModel::VerifierModel(std::shared_ptr<const mjModel> model_owner, const mjModel& m,
-                             const SceneOptions& options)
+                             const SceneOptions& options,
+                             const std::vector<std::array<int, 2>>& ignored)
     : owner(std::move(model_owner)),
       exact(ExactGeoms(m, options).Take()),
       pairs(verify::FindPairs(m, options, exact)),
+      left_out(verify::PairsLeftOut(m, options, ignored)),
       equalities(verify::EqualitiesToHold(m, options.equality)) {
+  std::erase_if(pairs, [this](const CheckedPair& pair) {
+    return left_out.contains(std::minmax(pair.geom1, pair.geom2));
+  });
   unblinded = Unblinded(m, pairs);
   std::map<int, std::shared_ptr<const VertexTree>> trees;  // by mesh
   shapes.resize(m.ngeom);

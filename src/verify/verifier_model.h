@@ -4,6 +4,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -16,10 +17,10 @@ namespace mjcf_pdg {
 
 struct VerifierModel {
   // `owner` keeps `m` alive; it is null for the model of a running program, which must outlive this
-  // object. Of the options, `movable`, `exact_mesh` and `equality` count. Throws Error for an
+  // object. `ignored` are pairs of geoms that do not count. Throws Error for an
   // unknown body or geom.
-  VerifierModel(std::shared_ptr<const mjModel> owner, const mjModel& m,
-                const SceneOptions& options);
+  VerifierModel(std::shared_ptr<const mjModel> owner, const mjModel& m, const SceneOptions& options,
+                const std::vector<std::array<int, 2>>& ignored = {});
 
   std::shared_ptr<const mjModel> owner;
   // A copy of the mjModel struct, whose arrays are the user's. Settings that make MuJoCo's
@@ -28,6 +29,7 @@ struct VerifierModel {
   std::vector<char> exact;  // by geom: it collides as its triangles
   std::vector<verify::CheckedPair> pairs;
   bool has_contact_only_pairs = false;
+  verify::LeftOut left_out;      // pairs whose contacts do not count
   std::vector<char> equalities;  // by equality constraint: to be held while it is active
   // By geom, of the geoms in `pairs`; those of planes and of geoms without signed distances have
   // nothing but their extents.

@@ -77,7 +77,7 @@ TEST_F(CliTest, AJsonLineHasEveryField) {
   for (const char* field :
        {"index", "status", "qpos_in", "qpos", "sigma", "rms", "sigma_lower_bound", "depth_in",
         "min_distance", "iterations", "collision_queries", "time_us", "start", "contacts_in",
-        "contacts", "certified"}) {
+        "contacts", "contacts_kept", "certified"}) {
     for (const Json& line : lines) EXPECT_TRUE(line.contains(field)) << field;
   }
   EXPECT_EQ(lines[0]["index"], 0);
@@ -195,6 +195,24 @@ TEST_F(CliTest, EqualitiesAreHeldOrIgnored) {
   ExpectRefused({"solve", "coupled.xml", "--equality", "some"}, "--equality");
   ExpectRefused({"solve", "coupled.xml", "--method", "paper"}, "couple");
   EXPECT_EQ(Run({"norm", "coupled.xml", "--from", "0 0", "--to", "0 1"}).exit_code, 0);
+}
+
+TEST_F(CliTest, PairsAreExcludedAllowedAndCounted) {
+  const nlohmann::json excluded =
+      SolveJson({"scene.xml", "--key", "deep", "--exclude", "wall,ball"})[0];
+  EXPECT_EQ(excluded["status"], "already_free");
+  const nlohmann::json allowed =
+      SolveJson({"scene.xml", "--key", "deep", "--allow", "wall,sphere=.02"})[0];
+  EXPECT_NEAR(allowed["qpos"][1].get<double>(), 0.03, 1e-5);
+  EXPECT_EQ(allowed["contacts_kept"], 1);
+  EXPECT_FALSE(allowed.contains("ignored"));
+  const nlohmann::json fixed = SolveJson({"scene.xml", "--key", "deep", "--ignore-permanent"})[0];
+  EXPECT_FALSE(fixed.contains("ignored"));
+  ExpectRefused({"solve", "scene.xml", "--exclude", "wall"}, "--exclude");
+  ExpectRefused({"solve", "scene.xml", "--exclude", "wall,nobody"}, "'nobody'");
+  ExpectRefused({"solve", "scene.xml", "--allow", "wall,ball"}, "DEPTH");
+  ExpectRefused({"solve", "scene.xml", "--allow", "wall,ball=x"}, "--allow");
+  ExpectRefused({"solve", "scene.xml", "--fixed", "ball"}, "no joint may move");
 }
 
 TEST_F(CliTest, CheckTellsPairsDepthsAndLimits) {
