@@ -77,6 +77,18 @@ T Choice(const Place& place, const std::map<std::string, T>& choices) {
   place.Refuse("is none of " + names);
 }
 
+std::vector<std::string> Texts(const Place& place) {
+  std::vector<std::string> texts;
+  for (const Place& text : place.List()) texts.push_back(text.Text());
+  return texts;
+}
+
+NamePair ReadPair(const Place& place) {
+  const std::vector<std::string> names = Texts(place);
+  if (names.size() != 2) place.Refuse("is not a list of two geoms or bodies");
+  return {names[0], names[1]};
+}
+
 void ReadOptions(const Place& place, SceneOptions& scene, Options& options) {
   constexpr double kMost = 1000.0;  // as Options allows [m]
   place.Members({
@@ -100,10 +112,19 @@ void ReadOptions(const Place& place, SceneOptions& scene, Options& options) {
       {"seed", [&](const Place& p) { options.seed = p.Whole(); }},
       {"exact_mesh", [&](const Place& p) { scene.exact_mesh = p.Flag(); }},
       {"root", [&](const Place& p) { scene.root = p.Text(); }},
-      {"movable",
+      {"movable", [&](const Place& p) { scene.movable = Texts(p); }},
+      {"fixed", [&](const Place& p) { scene.fixed = Texts(p); }},
+      {"exclude",
        [&](const Place& p) {
-         scene.movable.clear();
-         for (const Place& body : p.List()) scene.movable.push_back(body.Text());
+         scene.exclude.clear();
+         for (const Place& pair : p.List()) scene.exclude.push_back(ReadPair(pair));
+       }},
+      {"ignore_permanent", [&](const Place& p) { scene.ignore_permanent = p.Flag(); }},
+      {"equality",
+       [&](const Place& p) {
+         scene.equality = Choice<EqualityMode>(p, {{"hold", EqualityMode::kHold},
+                                                   {"all", EqualityMode::kAll},
+                                                   {"ignore", EqualityMode::kIgnore}});
        }},
   });
 }

@@ -28,6 +28,7 @@ std::vector<int> OverlappingPairs(Workspace& work, const VectorXd& q) {
 }
 
 std::vector<int> InseparablePairs(Workspace& work, const VectorXd& q) {
+  if (work.Spent()) return {};
   Random random(work.problem().options.seed);
   StartSelection starts(work);
   VectorXd start;

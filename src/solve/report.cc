@@ -127,7 +127,8 @@ void Reporter::Unsolved(const std::vector<double>& q_in, const Outcome* outcome,
   } else if (outcome && outcome->has_overlap) {
     candidate = &outcome->least_overlap;
   }
-  if (!Reports()) result.depth_in = verifier_.Check(q_in, q_in).min_distance;
+  // Once the budget is spent the depth that the search knows is good enough.
+  if (!Reports() && !work_.Spent()) result.depth_in = verifier_.Check(q_in, q_in).min_distance;
   Assign(candidate ? candidate->q : inside, result.q);
   result.start = NameOf(candidate ? candidate->start : Component::kNone);
   Verdict verdict = verifier_.Check(result.q, q_in);
@@ -139,8 +140,8 @@ void Reporter::Unsolved(const std::vector<double>& q_in, const Outcome* outcome,
       verdict = at_start;
       result.q = q_inside;
       result.start = NameOf(Component::kNone);
-    } else {
-      verifier_.Check(result.q, q_in);
+    } else if (problem_.options.report_contacts) {
+      verifier_.Check(result.q, q_in);  // whose contacts are counted
     }
   }
   result.status = Status::kUnsolved;
