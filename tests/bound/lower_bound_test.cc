@@ -294,9 +294,9 @@ TEST_F(LowerBoundTest, HoldsOnRandomTwoBodyScenes) {
   EXPECT_GT(ratios.Median(), 0.4);
 }
 
-// In a scene this small, lengths that are taken for 0 in one of usual size are a percent of a geom.
-TEST_F(LowerBoundTest, ASceneOfTenthsOfMicrometresHasTheSameBound) {
-  constexpr double kScale = 0x1p-20;
+// In a scene this small, lengths that are taken for 0 in one of usual size are as large as geoms.
+TEST_F(LowerBoundTest, ASceneOfTenthsOfNanometresHasTheSameBound) {
+  constexpr double kScale = 0x1p-30;
   Options small;
   small.tolerance = kScale * kTolerance;
   Random rng(15);
