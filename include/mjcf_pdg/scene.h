@@ -36,18 +36,18 @@ struct AllowedOverlap {
 // Which joints may move, which link the norm is measured from, and how meshes collide.
 struct SceneOptions {
   // Bodies whose own joints and subtrees may move; everything else is frozen. Empty: all joints.
-  std::vector<std::string> movable;
+  std::vector<std::string> movable = {};
   // Bodies whose own joints are frozen, whatever `movable` says.
-  std::vector<std::string> fixed;
+  std::vector<std::string> fixed = {};
   // Pairs whose overlaps do not count, as if the model had an <exclude> for them.
-  std::vector<NamePair> exclude;
-  std::vector<AllowedOverlap> allow;
+  std::vector<NamePair> exclude = {};
+  std::vector<AllowedOverlap> allow = {};
   // Pairs that overlap at qpos0, in each keyframe and in each of 200 random configurations do not
   // count: links that are drawn into each other. Scene::IgnoredPairs names them.
   bool ignore_permanent = false;
   // The body that is the root link of the object norm (a palm, a torso; Sec. 4). Empty: the top
   // body of every tree.
-  std::string root;
+  std::string root = {};
   // Whether mesh geoms collide as their triangles (closed meshes as solids) instead of as their
   // convex hulls. It holds for the geoms that the model's text <custom><text
   // name="mjcf_pdg.exact_mesh" data="geom geom ..."/></custom> names, or for all if the model has

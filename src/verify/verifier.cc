@@ -5,8 +5,7 @@
 #include <limits>
 #include <tuple>
 
-#include "verify/equalities.h"
-#include "verify/limits.h"
+#include "verify/constraints.h"
 
 namespace mjcf_pdg {
 namespace {

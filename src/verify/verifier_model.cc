@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "verify/equalities.h"
+#include "verify/constraints.h"
 #include "verify/triangles.h"
 
 namespace mjcf_pdg {

@@ -50,8 +50,8 @@ const char kBuried[] = R"(<mujoco><worldbody><geom type="plane" size="0 0 1"/>
     <body pos="0 0 -.1"><freejoint/><geom type="box" size=".1 .1 .1"/></body>
     </worldbody></mujoco>)";
 
-// After the budget come: the last step's query, the one that verifies the answer or finds that it is
-// none, and, where there is none, those that tell how deep q_in and what is returned overlap.
+// After the budget come: the last step's query, the one that verifies the answer or finds that it
+// is none, and, where there is none, those that tell how deep q_in and what is returned overlap.
 TEST_F(BudgetTest, QueriesEndTheSearchOneStepAfterTheBudget) {
   int spent = 0;
   for (const Case& c : RandomCases()) {

@@ -1,15 +1,22 @@
-// How far equality constraints are from holding, by the verifier's own formulas.
-#ifndef MJCF_PDG_SRC_VERIFY_EQUALITIES_H_
-#define MJCF_PDG_SRC_VERIFY_EQUALITIES_H_
+// Which joint limits and equality constraints a configuration violates, by the verifier's own
+// formulas.
+#ifndef MJCF_PDG_SRC_VERIFY_CONSTRAINTS_H_
+#define MJCF_PDG_SRC_VERIFY_CONSTRAINTS_H_
 
 #include <mujoco/mujoco.h>
 
+#include <span>
 #include <vector>
 
 #include "mjcf_pdg/scene.h"
 #include "verify/findings.h"
 
 namespace mjcf_pdg::verify {
+
+// Appends the joints that q (nq entries) puts outside their ranges by more than the verifier's own
+// kLimitTolerance, frozen joints too. Returns the largest excess of any joint, at least 0 [rad or
+// m]. The limit of a ball joint is on its total rotation angle, twist included.
+double CheckLimits(const mjModel& m, std::span<const double> q, std::vector<LimitExcess>& outside);
 
 // By equality constraint of the model: joint and tendon couplings, connects and welds that
 // SceneOptions::equality asks to hold, while they are active.
@@ -24,4 +31,4 @@ double CheckEqualities(const mjModel& m, const std::vector<char>& active, mjData
 
 }  // namespace mjcf_pdg::verify
 
-#endif  // MJCF_PDG_SRC_VERIFY_EQUALITIES_H_
+#endif  // MJCF_PDG_SRC_VERIFY_CONSTRAINTS_H_
