@@ -41,7 +41,7 @@ nb::object AsFloat64(nb::handle array, const char* name) {
   const std::string kind = nb::cast<std::string>(given.attr("dtype").attr("kind"));
   if (std::string("biufO").find(kind) == std::string::npos) {
     const std::string words = std::string(name) + " must be of real numbers, not of " +
-                              nb::cast<std::string>(nb::str(given.attr("dtype")));
+                              nb::cast<std::string>(given.attr("dtype").attr("name"));
     throw nb::type_error(words.c_str());
   }
   return numpy.attr("asarray")(given, "dtype"_a = "float64", "order"_a = "C");

@@ -55,7 +55,7 @@ void SharedSolver::Reset() {
 
 void BindSolver(nb::module_& m) {
   nb::class_<SharedSolver>(m, "Solver")
-      .def(nb::init<nb::handle, nb::kwargs>(), "model"_a, "options"_a)
+      .def(nb::init<nb::handle, nb::kwargs>(), "model"_a.none(), "options"_a)
       .def_prop_ro("model", &SharedSolver::model, "The mujoco.MjModel that is solved for.")
       .def("_solve", &SharedSolver::Solve, "qpos_or_data"_a.none())
       .def("is_free", &SharedSolver::IsFree, "qpos"_a.none(),
