@@ -1,5 +1,5 @@
-#ifndef MJCF_PDG_PYTHON_SRC_AUDIT_H_
-#define MJCF_PDG_PYTHON_SRC_AUDIT_H_
+#ifndef MJCF_PDG_PYTHON_CORE_AUDIT_H_
+#define MJCF_PDG_PYTHON_CORE_AUDIT_H_
 
 #include <nanobind/nanobind.h>
 
@@ -16,4 +16,4 @@ nb::dict AuditModel(nb::handle model, std::size_t samples, std::uint64_t seed, d
 
 }  // namespace mjcf_pdg::python
 
-#endif  // MJCF_PDG_PYTHON_SRC_AUDIT_H_
+#endif  // MJCF_PDG_PYTHON_CORE_AUDIT_H_

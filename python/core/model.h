@@ -1,6 +1,6 @@
 // Models and data of the user's `mujoco` package, handed over by address.
-#ifndef MJCF_PDG_PYTHON_SRC_MODEL_H_
-#define MJCF_PDG_PYTHON_SRC_MODEL_H_
+#ifndef MJCF_PDG_PYTHON_CORE_MODEL_H_
+#define MJCF_PDG_PYTHON_CORE_MODEL_H_
 
 #include <nanobind/nanobind.h>
 
@@ -29,4 +29,4 @@ const mjData* ReadData(const Model& model, nb::handle data);
 
 }  // namespace mjcf_pdg::python
 
-#endif  // MJCF_PDG_PYTHON_SRC_MODEL_H_
+#endif  // MJCF_PDG_PYTHON_CORE_MODEL_H_

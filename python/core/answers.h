@@ -1,7 +1,7 @@
 // What the library answers, as dictionaries: the fields of the data classes in
 // mjcf_pdg/_answers.py.
-#ifndef MJCF_PDG_PYTHON_SRC_ANSWERS_H_
-#define MJCF_PDG_PYTHON_SRC_ANSWERS_H_
+#ifndef MJCF_PDG_PYTHON_CORE_ANSWERS_H_
+#define MJCF_PDG_PYTHON_CORE_ANSWERS_H_
 
 #include <nanobind/nanobind.h>
 
@@ -28,4 +28,4 @@ nb::dict ToDict(const Scene& scene, const Motion& motion);
 
 }  // namespace mjcf_pdg::python
 
-#endif  // MJCF_PDG_PYTHON_SRC_ANSWERS_H_
+#endif  // MJCF_PDG_PYTHON_CORE_ANSWERS_H_

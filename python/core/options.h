@@ -1,6 +1,6 @@
 // Keyword arguments, named as on the command line.
-#ifndef MJCF_PDG_PYTHON_SRC_OPTIONS_H_
-#define MJCF_PDG_PYTHON_SRC_OPTIONS_H_
+#ifndef MJCF_PDG_PYTHON_CORE_OPTIONS_H_
+#define MJCF_PDG_PYTHON_CORE_OPTIONS_H_
 
 #include <nanobind/nanobind.h>
 
@@ -33,4 +33,4 @@ void ReadOptions(const nb::kwargs& given, unsigned users, Asked& asked);
 
 }  // namespace mjcf_pdg::python
 
-#endif  // MJCF_PDG_PYTHON_SRC_OPTIONS_H_
+#endif  // MJCF_PDG_PYTHON_CORE_OPTIONS_H_

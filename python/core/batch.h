@@ -1,5 +1,5 @@
-#ifndef MJCF_PDG_PYTHON_SRC_BATCH_H_
-#define MJCF_PDG_PYTHON_SRC_BATCH_H_
+#ifndef MJCF_PDG_PYTHON_CORE_BATCH_H_
+#define MJCF_PDG_PYTHON_CORE_BATCH_H_
 
 #include <nanobind/nanobind.h>
 
@@ -15,4 +15,4 @@ nb::dict SolveRows(nb::handle model, nb::handle qpos, int threads, nb::object pr
 
 }  // namespace mjcf_pdg::python
 
-#endif  // MJCF_PDG_PYTHON_SRC_BATCH_H_
+#endif  // MJCF_PDG_PYTHON_CORE_BATCH_H_

@@ -1,6 +1,6 @@
 // Arrays and texts between Python and C++.
-#ifndef MJCF_PDG_PYTHON_SRC_ARRAYS_H_
-#define MJCF_PDG_PYTHON_SRC_ARRAYS_H_
+#ifndef MJCF_PDG_PYTHON_CORE_ARRAYS_H_
+#define MJCF_PDG_PYTHON_CORE_ARRAYS_H_
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
@@ -48,4 +48,4 @@ nb::object Array(std::vector<T> values) {
 
 }  // namespace mjcf_pdg::python
 
-#endif  // MJCF_PDG_PYTHON_SRC_ARRAYS_H_
+#endif  // MJCF_PDG_PYTHON_CORE_ARRAYS_H_

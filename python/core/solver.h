@@ -1,6 +1,6 @@
 // Solver for Python: any thread may call it, one after the other.
-#ifndef MJCF_PDG_PYTHON_SRC_SOLVER_H_
-#define MJCF_PDG_PYTHON_SRC_SOLVER_H_
+#ifndef MJCF_PDG_PYTHON_CORE_SOLVER_H_
+#define MJCF_PDG_PYTHON_CORE_SOLVER_H_
 
 #include <nanobind/nanobind.h>
 
@@ -46,4 +46,4 @@ void BindSolver(nb::module_& m);
 
 }  // namespace mjcf_pdg::python
 
-#endif  // MJCF_PDG_PYTHON_SRC_SOLVER_H_
+#endif  // MJCF_PDG_PYTHON_CORE_SOLVER_H_
