@@ -8,14 +8,14 @@ import numpy as np
 import mjcf_pdg
 
 MODEL = pathlib.Path(__file__).resolve().parents[2] / "models" / "hand" / "hand_bottle.xml"
-FARTHEST = 0.01  # a grasp that moves more than this is another grasp [m, rms]
+FARTHEST = 0.002  # a grasp that moves more than this is another grasp [m, rms]
 
 
 def sample_grasps(model: mujoco.MjModel, count: int, rng: np.random.Generator) -> np.ndarray:
     """Grasps (count, nq) about the keyframe: fingers bent and the palm moved at random."""
     grasps = np.tile(model.key("gentle_grasp").qpos, (count, 1))
-    grasps[:, :3] += rng.normal(0.0, 0.005, (count, 3))  # the palm's place [m]
-    grasps[:, 7:] += rng.normal(0.0, 0.1, (count, model.nq - 7))  # the fingers' angles [rad]
+    grasps[:, :3] += rng.normal(0.0, 0.003, (count, 3))  # the palm's place [m]
+    grasps[:, 7:] += rng.normal(0.0, 0.05, (count, model.nq - 7))  # the fingers' angles [rad]
     return grasps
 
 

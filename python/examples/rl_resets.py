@@ -17,7 +17,7 @@ MODEL = pathlib.Path(__file__).resolve().parents[2] / "models" / "puma" / "puma_
 
 
 class PumaAtRandom(MujocoEnv):
-    """A Puma beside a car, which begins each episode with its arm anywhere within its limits."""
+    """A Puma beside a car, which begins each episode somewhere about a keyframe that reaches into the car."""
 
     metadata = {"render_modes": [], "render_fps": 100}
 
@@ -29,10 +29,8 @@ class PumaAtRandom(MujocoEnv):
         return self.data.qpos.copy()
 
     def reset_model(self) -> np.ndarray:
-        low, high = self.model.jnt_range.T
-        limited = self.model.jnt_limited.astype(bool)
-        at_random = self.np_random.uniform(low, high)
-        self.set_state(np.where(limited, at_random, self.init_qpos), self.init_qvel)
+        reach = self.model.key("reach_through_window").qpos
+        self.set_state(self.np_random.normal(reach, 0.1), self.init_qvel)  # [m] and [rad]
         return self._get_obs()
 
     def step(self, action: np.ndarray) -> tuple:
