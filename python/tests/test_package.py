@@ -4,6 +4,7 @@ import ast
 import importlib.metadata
 import os
 import pathlib
+import re
 import subprocess
 import sys
 
@@ -79,6 +80,14 @@ def test_gymnasium_is_not_imported():
     missing = run("import sys; sys.modules['gymnasium'] = None; from mjcf_pdg import *; mjcf_pdg = sys.modules['mjcf_pdg']; "
                   "mjcf_pdg.RepairOnReset")
     assert missing.stderr.splitlines()[-1].startswith("ModuleNotFoundError: import of gymnasium halted")
+
+
+def test_the_python_of_the_readme_runs():
+    root = EXAMPLES[0].parents[2]
+    (code,) = re.findall("```python\n(.*?)```", (root / "README.md").read_text(), re.DOTALL)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=root)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("solved 1.09") and "True (15, 9)" in done.stdout
 
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
