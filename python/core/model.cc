@@ -1,0 +1,46 @@
+#include "model.h"
+
+#include <cstdint>
+#include <string>
+
+namespace mjcf_pdg::python {
+namespace {
+
+bool IsInstance(nb::handle object, const char* type) {
+  const int answer =
+      PyObject_IsInstance(object.ptr(), nb::module_::import_("mujoco").attr(type).ptr());
+  if (answer < 0) throw nb::python_error();
+  return answer == 1;
+}
+
+template <typename T>
+const T* Address(nb::handle object) {
+  return reinterpret_cast<const T*>(nb::cast<std::uintptr_t>(object.attr("_address")));
+}
+
+}  // namespace
+
+Model ReadModel(nb::handle model, const SceneOptions& options) {
+  if (!IsInstance(model, "MjModel")) {
+    const std::string words =
+        "the model must be a mujoco.MjModel, not " + std::string(nb::repr(model.type()).c_str());
+    throw nb::type_error(words.c_str());
+  }
+  const auto* const address = Address<mjModel>(model);
+  const auto make = [&] {
+    const nb::gil_scoped_release release;
+    return Scene::FromModel(address, options);
+  };
+  return {nb::borrow(model), make()};
+}
+
+bool IsData(nb::handle object) { return IsInstance(object, "MjData"); }
+
+const mjData* ReadData(const Model& model, nb::handle data) {
+  if (Address<mjModel>(data.attr("model")) != model.scene.model()) {
+    throw Error("the mujoco.MjData belongs to another mujoco.MjModel");
+  }
+  return Address<mjData>(data);
+}
+
+}  // namespace mjcf_pdg::python

@@ -1,0 +1,171 @@
+#include "options.h"
+
+#include <cmath>
+#include <initializer_list>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "arrays.h"
+
+namespace mjcf_pdg::python {
+namespace {
+
+constexpr double kReportedDistances = 1.0;  // as on the command line [m]
+
+[[noreturn]] void RefuseType(const std::string& name, const char* wanted, nb::handle value) {
+  const std::string words = name + " must be " + wanted + ", not " + nb::repr(value).c_str();
+  throw nb::type_error(words.c_str());
+}
+
+void Read(const std::string& name, nb::handle value, bool& target) {
+  if (!PyBool_Check(value.ptr())) RefuseType(name, "True or False", value);
+  target = value.ptr() == Py_True;
+}
+
+void Read(const std::string& name, nb::handle value, double& target) {
+  target = PyFloat_AsDouble(value.ptr());
+  if (!PyErr_Occurred()) return;
+  PyErr_Clear();
+  RefuseType(name, "a number", value);
+}
+
+void Read(const std::string& name, nb::handle value, std::uint64_t& target) {
+  const nb::object whole = nb::steal(PyNumber_Index(value.ptr()));
+  if (whole.is_valid()) {
+    target = PyLong_AsUnsignedLongLong(whole.ptr());
+    if (!PyErr_Occurred()) return;
+    PyErr_Clear();
+    throw Error(name + ": " + nb::repr(value).c_str() + " is not within 0 and 2^64 - 1");
+  }
+  PyErr_Clear();
+  RefuseType(name, "a whole number", value);
+}
+
+std::string ReadText(const std::string& name, nb::handle value, const char* wanted) {
+  if (!PyUnicode_Check(value.ptr())) RefuseType(name, wanted, value);
+  return nb::cast<std::string>(value);
+}
+
+void Read(const std::string& name, nb::handle value, std::string& target) {
+  target = ReadText(name, value, "a text");
+  if (target.empty()) throw Error(name + ": empty body name");
+}
+
+// Names in a sequence, or in a text with commas as on the command line.
+void Read(const std::string& name, nb::handle value, std::vector<std::string>& target) {
+  constexpr const char* kWanted = "a text or a sequence of texts";
+  target.clear();
+  nb::object names = nb::borrow(value);
+  if (PyUnicode_Check(value.ptr())) names = value.attr("split")(",");
+  if (!PySequence_Check(names.ptr())) RefuseType(name, kWanted, value);
+  for (const nb::handle one : names) {
+    target.push_back(ReadText(name, one, kWanted));
+    if (target.back().empty()) throw Error(name + ": empty name");
+  }
+}
+
+// Poses of the mocap bodies: (nmocap, 3 or 4), or all values in a row.
+void Read(const std::string& name, nb::handle value, std::vector<double>& target) {
+  ReadArray(value, name.c_str(), target);
+}
+
+template <typename Enum>
+void Choose(const std::string& name, nb::handle value,
+            std::initializer_list<std::pair<const char*, Enum>> choices, Enum& target) {
+  const std::string text = ReadText(name, value, "a text");
+  std::string names;
+  for (const auto& [word, choice] : choices) {
+    if (text == word) {
+      target = choice;
+      return;
+    }
+    names += (names.empty() ? "" : "|") + std::string(word);
+  }
+  throw Error(name + ": '" + text + "' is none of " + names);
+}
+
+void Read(const std::string& name, nb::handle value, Metric& target) {
+  Choose<Metric>(name, value,
+                 {{"sequential", Metric::kSequential}, {"displacement", Metric::kDisplacement}},
+                 target);
+}
+
+void Read(const std::string& name, nb::handle value, Method& target) {
+  Choose<Method>(name, value, {{"auto", Method::kAuto}, {"paper", Method::kPaper}}, target);
+}
+
+void Read(const std::string& name, nb::handle value, Effort& target) {
+  Choose<Effort>(name, value,
+                 {{"fast", Effort::kFast}, {"default", Effort::kDefault}, {"max", Effort::kMax}},
+                 target);
+}
+
+void ReadMilliseconds(const std::string& name, nb::handle value, double& seconds) {
+  Read(name, value, seconds);
+  seconds /= 1e3;
+}
+
+struct Row {
+  const char* name;
+  unsigned users;
+  void (*read)(const std::string& name, nb::handle value, Asked& asked);
+};
+
+#define MJCF_PDG_ROW(name, users, member) \
+  {#name, users, [](const std::string& n, nb::handle v, Asked& a) { Read(n, v, a.member); }}
+
+const Row kTable[] = {
+    MJCF_PDG_ROW(movable, kNorm | kVerify | kSolve, scene.movable),
+    MJCF_PDG_ROW(root, kNorm | kSolve, scene.root),
+    MJCF_PDG_ROW(metric, kNorm | kSolve, options.metric),
+    MJCF_PDG_ROW(exact_mesh, kVerify | kSolve, scene.exact_mesh),
+    MJCF_PDG_ROW(tolerance, kVerify | kSolve, options.tolerance),
+    MJCF_PDG_ROW(clearance, kVerify | kSolve, options.clearance),
+    MJCF_PDG_ROW(rest, kVerify | kSolve, options.rest),
+    MJCF_PDG_ROW(mocap_pos, kVerify | kSolve, options.mocap_pos),
+    MJCF_PDG_ROW(mocap_quat, kVerify | kSolve, options.mocap_quat),
+    MJCF_PDG_ROW(method, kSolve, options.method),
+    MJCF_PDG_ROW(effort, kSolve, options.effort),
+    MJCF_PDG_ROW(seed, kSolve, options.seed),
+    MJCF_PDG_ROW(trajectory, kSolve, options.trajectory),
+    MJCF_PDG_ROW(without, kSolve, options.without),
+    {"time_limit", kSolve,
+     [](const std::string& n, nb::handle v, Asked& a) {
+       ReadMilliseconds(n, v, a.options.time_limit);
+     }},
+    MJCF_PDG_ROW(report_contacts, kSolve, options.report_contacts),
+    MJCF_PDG_ROW(report_lower_bound, kSolve, options.report_lower_bound),
+    MJCF_PDG_ROW(report_distances_to, kSolve, options.report_distances_to),
+};
+
+#undef MJCF_PDG_ROW
+
+const Row& Find(const std::string& name, unsigned users) {
+  std::string names;
+  for (const Row& row : kTable) {
+    if (!(row.users & users)) continue;
+    if (name == row.name) return row;
+    names += (names.empty() ? "" : ", ") + std::string(row.name);
+  }
+  throw Error("no option '" + name + "' (options: " + names + ")");
+}
+
+}  // namespace
+
+Asked CommandLineDefaults() {
+  Asked asked;
+  asked.options.report_contacts = true;
+  asked.options.report_distances_to = kReportedDistances;
+  return asked;
+}
+
+void ReadOptions(const nb::kwargs& given, unsigned users, Asked& asked) {
+  for (const auto& [key, value] : given) {
+    const std::string name = nb::cast<std::string>(key);
+    const Row& row = Find(name, users);
+    if (!value.is_none()) row.read(name, value, asked);  // None: as if it were not there
+  }
+}
+
+}  // namespace mjcf_pdg::python

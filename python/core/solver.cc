@@ -1,0 +1,75 @@
+#include "solver.h"
+
+#include "answers.h"
+#include "arrays.h"
+
+namespace mjcf_pdg::python {
+namespace {
+
+using namespace nb::literals;
+
+Asked Read(const nb::kwargs& given) {
+  Asked asked = CommandLineDefaults();
+  ReadOptions(given, kNorm | kVerify | kSolve, asked);
+  return asked;
+}
+
+}  // namespace
+
+SharedSolver::SharedSolver(nb::handle model, const Asked& asked)
+    : model_(ReadModel(model, asked.scene)), solver_(model_.scene, asked.options) {}
+
+SharedSolver::SharedSolver(nb::handle model, const nb::kwargs& options)
+    : SharedSolver(model, Read(options)) {}
+
+nb::dict SharedSolver::Solve(nb::handle qpos_or_data) {
+  Result result;
+  if (IsData(qpos_or_data)) {
+    const mjData* const data = ReadData(model_, qpos_or_data);
+    Alone([&] { solver_.Solve(data, result); });
+  } else {
+    const std::vector<double> q = ReadConfiguration(qpos_or_data, "qpos", model_.scene.nq());
+    Alone([&] { solver_.Solve(q, result); });
+  }
+  return ToDict(model_.scene, result);
+}
+
+bool SharedSolver::IsFree(nb::handle qpos) {
+  const std::vector<double> q = ReadConfiguration(qpos, "qpos", model_.scene.nq());
+  return Alone([&] { return solver_.IsFree(q); });
+}
+
+void SharedSolver::SetHint(nb::handle qpos) {
+  std::vector<double> q;
+  if (!qpos.is_none()) q = ReadConfiguration(qpos, "the hint", model_.scene.nq());
+  Alone([&] { solver_.SetHint(q); });
+}
+
+void SharedSolver::SetBudget(int queries, double seconds) {
+  Alone([&] { solver_.SetBudget({queries, seconds}); });
+}
+
+void SharedSolver::Reset() {
+  Alone([&] { solver_.Reset(); });
+}
+
+void BindSolver(nb::module_& m) {
+  nb::class_<SharedSolver>(m, "Solver")
+      .def(nb::init<nb::handle, nb::kwargs>(), "model"_a.none(), "options"_a)
+      .def_prop_ro("model", &SharedSolver::model, "The mujoco.MjModel that is solved for.")
+      .def("_solve", &SharedSolver::Solve, "qpos_or_data"_a.none())
+      .def("is_free", &SharedSolver::IsFree, "qpos"_a.none(),
+           "Whether the verifier finds qpos (nq,) free. Nothing else is computed.")
+      .def("set_hint", &SharedSolver::SetHint, "qpos"_a.none(),
+           "Sets a configuration (nq,) that is known or hoped to be free, for all later solves; "
+           "None removes it.\n\nIt becomes a start of the search. If it is free, what a solve "
+           "returns is free.")
+      .def("set_budget", &SharedSolver::SetBudget, "queries"_a = 0, "seconds"_a = 0.0,
+           "Limits what each later solve may cost: collision queries and seconds [s]; 0 is no "
+           "bound.\n\nIt takes the place of the option time_limit.")
+      .def("reset", &SharedSolver::Reset,
+           "Forgets every earlier solve, which matters with trajectory=True. Hint and budget "
+           "stay.");
+}
+
+}  // namespace mjcf_pdg::python

@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# Builds the Python package, installs it into an environment of its own (build/python-venv) and runs its tests there:
+# bash python/run_tests.sh [arguments of pytest]. Answers are held against those of the program MJCF_PDG_CLI, default
+# build/bin/mjcf-pdg. tests/run.sh calls this.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+python=${PYTHON:-python3}
+venv=build/python-venv
+export MJCF_PDG_CLI=${MJCF_PDG_CLI:-$PWD/build/bin/mjcf-pdg}
+
+if ! "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))'; then
+  echo "python/run_tests.sh: SKIPPED, MuJoCo 4.0's own package needs Python 3.11 and this is $("$python" --version)" >&2
+  exit 0
+fi
+if ! "$venv/bin/python" -c '' 2>/dev/null; then  # not there, or of a Python that is gone
+  rm -rf "$venv"
+  "$python" -m venv "$venv" || { rm -rf "$venv"; echo "python/run_tests.sh: no venv: run apps/install_deps.sh" >&2; exit 1; }
+fi
+if ! "$venv/bin/pip" install --quiet --disable-pip-version-check -r python/requirements-test.txt; then
+  echo "python/run_tests.sh: the packages of python/requirements-test.txt could not be installed: this needs the" >&2
+  echo "package index, or a folder of wheels in PIP_FIND_LINKS with PIP_NO_INDEX=1" >&2
+  exit 1
+fi
+# Without isolation: the build finds what it needs where it was the last time, and compiles only what has changed.
+"$venv/bin/pip" install --quiet --disable-pip-version-check --no-build-isolation --no-deps --force-reinstall .
+exec "$venv/bin/python" -m pytest -q -p no:cacheprovider "$@"

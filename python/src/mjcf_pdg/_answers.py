@@ -1,0 +1,184 @@
+"""What the functions of this package return: data classes of plain values and numpy arrays."""
+
+import dataclasses
+import typing
+
+import numpy as np
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Contact:
+    """A pair of geoms that overlap, touch or are nearer than required."""
+
+    geom1: str | int
+    """The geom's name, or its id if it has none."""
+    geom2: str | int
+    normal: np.ndarray
+    """(3,) Unit vector from geom 1 to geom 2, in world axes."""
+    position: np.ndarray
+    """(3,) Midpoint of the two witness points [m]."""
+    distance: float
+    """Signed, negative for an overlap [m]."""
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Result:
+    """The nearest free configuration that was found for one configuration q_in."""
+
+    status: str
+    """"already_free" (q is q_in bit for bit), "solved" (q is free, verified) or "unsolved" (q is the
+    least penetrating configuration found)."""
+    q: np.ndarray
+    """(nq,) The configuration, in MuJoCo's qpos layout."""
+    sigma: float
+    """Object norm between q_in and q [m²]."""
+    rms: float
+    """√sigma: the root-mean-square distance that the mass moves [m]."""
+    sigma_lower_bound: float
+    """Proven: no free configuration has a smaller sigma [m²]."""
+    depth_in: float
+    """The smallest signed distance of a pair at q_in, negative for an overlap [m]."""
+    min_distance: float
+    """The same at q [m]."""
+    limit_excess_in: float
+    """The largest violation of a joint limit by q_in [rad or m]."""
+    certified: bool
+    """That q is free rests on signed distances: no SDF geom and no height field is in the scene."""
+    proven: bool
+    """sigma is within 1 % of its lower bound."""
+    start: str
+    """The start of the search that won; "none" is q_in itself."""
+    cause: str
+    """Why it is unsolved: "budget", "permanent", "frozen", "equality", "not_verified" or
+    "not_found"; else empty."""
+    reason: str
+    """The same in words."""
+    iterations: int
+    """Local steps of all starts."""
+    queries: int
+    """Collision queries: each is one configuration, all pairs."""
+    seconds: float
+    """Wall time of the solve with its final verification [s]."""
+    contacts_in: list[Contact]
+    """The contacts at q_in, deepest first."""
+    contacts: list[Contact]
+    """The contacts at q, deepest first."""
+
+    @property
+    def free(self) -> bool:
+        """Whether q is free."""
+        return self.status != "unsolved"
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Results:
+    """The results of n configurations: the fields of Result but for contacts, as arrays."""
+
+    status: np.ndarray
+    """(n,) of text."""
+    q: np.ndarray
+    """(n, nq)."""
+    sigma: np.ndarray
+    """(n,) [m²]."""
+    rms: np.ndarray
+    """(n,) [m]."""
+    sigma_lower_bound: np.ndarray
+    """(n,) [m²]."""
+    depth_in: np.ndarray
+    """(n,) [m]."""
+    min_distance: np.ndarray
+    """(n,) [m]."""
+    limit_excess_in: np.ndarray
+    """(n,) [rad or m]."""
+    certified: np.ndarray
+    """(n,) of bool."""
+    proven: np.ndarray
+    """(n,) of bool."""
+    start: np.ndarray
+    """(n,) of text."""
+    cause: np.ndarray
+    """(n,) of text, empty where solved."""
+    reason: np.ndarray
+    """(n,) of text, empty where solved."""
+    iterations: np.ndarray
+    """(n,) of int."""
+    queries: np.ndarray
+    """(n,) of int."""
+    seconds: np.ndarray
+    """(n,) [s]."""
+
+    @property
+    def free(self) -> np.ndarray:
+        """(n,) of bool: whether each row of q is free."""
+        return self.status != "unsolved"
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+    def to_pandas(self) -> typing.Any:
+        """A pandas.DataFrame with a row for each configuration; its column q has arrays (nq,)."""
+        import pandas
+
+        columns = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+        columns["q"] = list(self.q)
+        return pandas.DataFrame(columns)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Verdict:
+    """What the verifier says of a configuration. True if it is free."""
+
+    free: bool
+    certified: bool
+    """Every pair has a signed distance: no SDF geom and no height field."""
+    min_distance: float
+    """The smallest signed distance of a pair, cut off 1 m beyond the clearance [m]."""
+    limit_excess: float
+    """The largest violation of a joint limit [rad or m]."""
+    contacts: list[Contact]
+    """Pairs that are nearer than the tolerance or than required, deepest first."""
+    reason: str
+    """What is not free, in words."""
+
+    def __bool__(self) -> bool:
+        return self.free
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Motion:
+    """How far a motion is free, and what ends it. True if it is free all the way."""
+
+    outcome: str
+    """"free", "contact", "start_in_collision", "limit" or "budget"."""
+    t: float
+    """The motion is free from 0 to t; 1 is its end."""
+    q: np.ndarray
+    """(nq,) The configuration at t."""
+    certified: bool
+    """That it is free up to t is proven, not sampled."""
+    pairs: list[tuple[str | int, str | int]]
+    """The geoms in the way, by name or else id."""
+    joint: str | None
+    """The joint that reaches its limit."""
+    poses: int
+    """Configurations at which the model was posed."""
+    distance_queries: int
+    """Signed distances that were measured, of one pair each."""
+
+    def __bool__(self) -> bool:
+        return self.outcome == "free"
+
+
+def _contacts(fields: dict) -> dict:
+    for name in ("contacts_in", "contacts"):
+        if name in fields:
+            fields[name] = [Contact(**contact) for contact in fields[name]]
+    return fields
+
+
+def result(fields: dict) -> Result:
+    return Result(**_contacts(fields))
+
+
+def verdict(fields: dict) -> Verdict:
+    return Verdict(**_contacts(fields))

@@ -1,0 +1,113 @@
+"""Bad models and configurations are refused, and nothing crashes."""
+
+import mujoco
+import numpy as np
+import pytest
+from conftest import BALL
+
+import mjcf_pdg
+
+# Each function with a configuration of the ball, and the name that its messages give it.
+CALLS = {
+    "solve": lambda m, q: mjcf_pdg.solve(m, q),
+    "Solver.solve": lambda m, q: mjcf_pdg.Solver(m).solve(q),
+    "Solver.is_free": lambda m, q: mjcf_pdg.Solver(m).is_free(q),
+    "Solver.set_hint": lambda m, q: mjcf_pdg.Solver(m).set_hint(q),
+    "object_norm q0": lambda m, q: mjcf_pdg.object_norm(m, q, [0.0]),
+    "object_norm q1": lambda m, q: mjcf_pdg.object_norm(m, [0.0], q),
+    "verify": lambda m, q: mjcf_pdg.verify(m, q),
+    "verify q_in": lambda m, q: mjcf_pdg.verify(m, [0.0], q_in=q),
+    "check_motion q0": lambda m, q: mjcf_pdg.check_motion(m, q, [0.0]),
+    "check_motion q1": lambda m, q: mjcf_pdg.check_motion(m, [0.0], q),
+}
+
+
+@pytest.mark.parametrize("call", CALLS.values(), ids=CALLS.keys())
+@pytest.mark.parametrize("q", [
+    [], [0.0, 0.0], 0.0, [[[0.0]]], np.empty((0,)), [float("nan")], [float("inf")], [1e300],
+    [[0.0, 0.0]], [[0.0], [0.0, 1.0]],
+])
+def test_bad_configurations_are_value_errors(ball, call, q):
+    with pytest.raises(ValueError):
+        call(ball, q)
+
+
+@pytest.mark.parametrize("call", CALLS.values(), ids=CALLS.keys())
+@pytest.mark.parametrize("q", [
+    [1j], np.array([1j]), ["0.0"], "0", b"0", {}, object(), [object()], np.array(["2020-01-01"], "datetime64[D]"),
+    np.zeros(1, "f8,f8"),
+])
+def test_what_is_no_array_of_real_numbers_is_a_type_error(ball, call, q):
+    with pytest.raises(TypeError):
+        call(ball, q)
+
+
+def test_messages_say_the_shape_that_is_needed(puma):
+    with pytest.raises(ValueError, match=r"qpos has the shape \(3,\), the model needs \(9,\)"):
+        mjcf_pdg.solve(puma, [0.0, 0.0, 0.0])
+    with pytest.raises(ValueError, match=r"qpos has the shape \(2, 3\), the model needs \(n, 9\)"):
+        mjcf_pdg.solve(puma, np.zeros((2, 3)))
+    with pytest.raises(ValueError, match=r"q1 has the shape \(1, 9\), the model needs \(9,\)"):
+        mjcf_pdg.object_norm(puma, np.zeros(9), np.zeros((1, 9)))
+
+
+def test_a_bad_row_says_its_number(ball):
+    with pytest.raises(ValueError, match="row 1: "):
+        mjcf_pdg.solve(ball, [[0.0], [float("nan")]])
+
+
+@pytest.mark.parametrize("model", [None, 1, "robot.xml", object(), mujoco.MjModel, mujoco.MjSpec()])
+def test_another_model_is_a_type_error(model):
+    for call in (
+        lambda: mjcf_pdg.solve(model, [0.0]), lambda: mjcf_pdg.solve(model, [[0.0]]), lambda: mjcf_pdg.Solver(model),
+        lambda: mjcf_pdg.object_norm(model, [0.0], [0.0]), lambda: mjcf_pdg.verify(model, [0.0]),
+        lambda: mjcf_pdg.check_motion(model, [0.0], [0.0]), lambda: mjcf_pdg.audit(model),
+    ):
+        with pytest.raises(TypeError, match="mujoco.MjModel"):
+            call()
+
+
+def test_data_must_be_of_the_same_model(ball):
+    other = mujoco.MjModel.from_xml_string(BALL)
+    with pytest.raises(ValueError, match="another mujoco.MjModel"):
+        mjcf_pdg.Solver(ball).solve(mujoco.MjData(other))
+
+
+def test_models_that_are_not_supported_are_named():
+    joints = "".join(f'<body pos="{i} 0 0"><joint name="j{i}"/><geom size=".1"/></body>' for i in range(2))
+    mimic = f"""<mujoco><worldbody>{joints}</worldbody>
+    <equality><joint name="mimic" joint1="j0" joint2="j1"/></equality></mujoco>"""
+    with pytest.raises(ValueError, match="mimic"):
+        mjcf_pdg.solve(mujoco.MjModel.from_xml_string(mimic), [0.0, 0.0])
+
+
+def test_a_model_without_joints_does_not_crash():
+    model = mujoco.MjModel.from_xml_string('<mujoco><worldbody><geom size="1"/></worldbody></mujoco>')
+    for q in ([], np.empty((2, 0)), np.empty((0, 0))):
+        try:
+            results = mjcf_pdg.solve(model, q)
+        except ValueError:
+            continue
+        assert np.all(results.free)
+
+
+def test_budgets_are_checked(ball):
+    solver = mjcf_pdg.Solver(ball)
+    with pytest.raises(ValueError, match="the budget of queries must not be negative"):
+        solver.set_budget(queries=-1)
+    with pytest.raises(ValueError, match="the budget of seconds must not be negative"):
+        solver.set_budget(seconds=float("nan"))
+    with pytest.raises(TypeError):
+        solver.set_budget(queries=1.5)
+
+
+@pytest.mark.parametrize("options", [{"samples": 0}, {"tolerance": -1.0}])
+def test_audits_with_bad_options_are_value_errors(ball, options):
+    with pytest.raises(ValueError):
+        mjcf_pdg.audit(ball, **options)
+
+
+def test_an_unmade_solver_is_refused():
+    solver = mjcf_pdg.Solver.__new__(mjcf_pdg.Solver)
+    with pytest.raises(TypeError), pytest.warns(RuntimeWarning, match="uninitialized"):
+        solver.is_free([0.0])

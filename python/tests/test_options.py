@@ -1,0 +1,127 @@
+"""Options do what they say on the command line; bad ones are refused in the library's words."""
+
+import mujoco
+import numpy as np
+import pytest
+
+import mjcf_pdg
+
+DEFAULTS = {
+    "movable": "", "metric": "sequential", "tolerance": 1e-6, "clearance": 0.0, "rest": 0.0, "method": "auto",
+    "effort": "default", "trajectory": False, "seed": 0, "exact_mesh": False, "without": [], "root": None,
+    "time_limit": None, "mocap_pos": None, "mocap_quat": None, "report_contacts": True,
+    "report_lower_bound": True, "report_distances_to": 1.0, "threads": 1, "progress": False,
+}
+
+
+def test_defaults_are_those_of_the_command_line(puma):
+    q = puma.key("arm_through_roof").qpos
+    options = {name: value for name, value in DEFAULTS.items() if name != "movable"}
+    assert mjcf_pdg.solve(puma, q, **options).q.tobytes() == mjcf_pdg.solve(puma, q).q.tobytes()
+
+
+def test_clearance_rest_and_tolerance_move_the_answer(ball):
+    assert mjcf_pdg.solve(ball, [-1.0], clearance=0.05).q == pytest.approx([-0.85], abs=1e-5)
+    (q,) = mjcf_pdg.solve(ball, [-1.0], tolerance=0.01).q
+    assert -0.91 <= q < -0.901
+    assert mjcf_pdg.solve(ball, [-1.0], rest=0.2).status == "already_free"
+    assert mjcf_pdg.solve(ball, [-1.0], rest=0.05).status == "solved"
+
+
+def test_movable_freezes_all_else(puma):
+    q = puma.key("arm_through_roof").qpos
+    whole, arm = mjcf_pdg.solve(puma, q), mjcf_pdg.solve(puma, q, movable="link1")
+    assert np.any(whole.q[:2] != q[:2])
+    assert np.array_equal(arm.q[:2], q[:2]) and arm.sigma >= whole.sigma
+    for same in (["link1"], ("link1",), "link1,link2", ["link1", "link2"]):
+        assert mjcf_pdg.solve(puma, q, movable=same).q.tobytes() == arm.q.tobytes()
+
+
+def test_effort_method_seed_and_without_change_the_search(puma):
+    q = puma.key("arm_deep_in_tail").qpos
+    default = mjcf_pdg.solve(puma, q)
+    assert mjcf_pdg.solve(puma, q, effort="fast").queries < default.queries
+    assert mjcf_pdg.solve(puma, q, effort="max").queries > default.queries
+    assert mjcf_pdg.solve(puma, q, method="paper").queries != default.queries
+    assert mjcf_pdg.solve(puma, q, seed=2**64 - 1).queries != default.queries
+    without = mjcf_pdg.solve(puma, q, without=[default.start])
+    assert without.start != default.start
+
+
+def test_exact_meshes_are_not_their_hulls():
+    # One mesh of two tetrahedra, which leave the middle free, and a ball there.
+    corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    vertices = [(x + shift, y, z) for shift in (-3, 3) for x, y, z in corners]
+    faces = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+    faces += [tuple(4 + corner for corner in face) for face in faces]
+    numbers = lambda rows: " ".join(str(x) for row in rows for x in row)
+    model = mujoco.MjModel.from_xml_string(f"""<mujoco>
+    <asset><mesh name="two" vertex="{numbers(vertices)}" face="{numbers(faces)}"/></asset>
+    <worldbody><geom type="mesh" mesh="two"/><body><freejoint/><geom size=".1"/></body></worldbody></mujoco>""")
+    q = model.qpos0
+    assert not mjcf_pdg.verify(model, q) and mjcf_pdg.verify(model, q, exact_mesh=True)
+    assert mjcf_pdg.solve(model, q).status == "solved"
+    assert mjcf_pdg.solve(model, q, exact_mesh=True).status == "already_free"
+
+
+def test_what_is_not_asked_for_is_not_reported(ball):
+    result = mjcf_pdg.solve(ball, [-1.0], report_contacts=False)
+    assert result.contacts_in == [] and result.q == mjcf_pdg.solve(ball, [-1.0]).q
+    assert mjcf_pdg.solve(ball, [0.0], report_distances_to=0.5).min_distance == pytest.approx(0.5)
+
+
+def test_time_limit_is_in_milliseconds_as_on_the_command_line(puma):
+    q = puma.key("arm_deep_in_tail").qpos
+    hurried = mjcf_pdg.solve(puma, q, effort="max", time_limit=1.0)
+    assert hurried.seconds < 0.5 * mjcf_pdg.solve(puma, q, effort="max").seconds
+
+
+@pytest.mark.parametrize("options, words", [
+    ({"clearence": 0.1}, "no option 'clearence' (options: movable, root, metric"),
+    ({"clearance": -1.0}, "clearance must lie between 0 and 1000 m"),
+    ({"clearance": float("nan")}, "clearance must lie between 0 and 1000 m"),
+    ({"tolerance": 0.0}, "tolerance must lie between 1e-12 and 1 m"),
+    ({"rest": float("inf")}, "rest must lie between 0 and 1000 m"),
+    ({"time_limit": 0.0}, "the time limit must be positive"),
+    ({"report_distances_to": -1.0}, "report_distances_to must lie between 0 and 1000 m"),
+    ({"effort": "slow"}, "effort: 'slow' is none of fast|default|max"),
+    ({"method": "Paper"}, "method: 'Paper' is none of auto|paper"),
+    ({"metric": ""}, "metric: '' is none of sequential|displacement"),
+    ({"seed": -1}, "seed: -1 is not within 0 and 2^64 - 1"),
+    ({"seed": 2**64}, "is not within 0 and 2^64 - 1"),
+    ({"movable": "nobody"}, "nobody"),
+    ({"movable": ["ball", ""]}, "movable: empty name"),
+    ({"root": "nobody"}, "nobody"),
+    ({"root": ""}, "root: empty body name"),
+    ({"without": ["nothing"]}, "nothing"),
+    ({"mocap_pos": [[0.0, 0.0, 0.0]]}, "mocap_pos has 3 values, the model needs 0"),
+    ({"threads": 0}, "threads: 0 is not a whole number that is at least 1 and at most 1024"),
+    ({"threads": 1025}, "threads: 1025 is not"),
+])
+@pytest.mark.parametrize("q", [[0.0], [[0.0], [0.0]]])
+def test_bad_values_are_value_errors(ball, q, options, words):
+    with pytest.raises(ValueError) as error:
+        mjcf_pdg.solve(ball, q, **options)
+    assert words in str(error.value)
+
+
+@pytest.mark.parametrize("options", [
+    {"clearance": "1"}, {"clearance": [1.0]}, {"tolerance": 1j}, {"seed": 1.5}, {"seed": "1"},
+    {"exact_mesh": 1}, {"trajectory": "yes"}, {"effort": 3}, {"root": 7}, {"movable": 7}, {"movable": [7]},
+    {"movable": {"ball"}}, {"without": 1.0}, {"threads": 1.5}, {"mocap_pos": "x"}, {"mocap_pos": [1j]},
+])
+def test_values_of_another_type_are_type_errors(ball, options):
+    with pytest.raises(TypeError):
+        mjcf_pdg.solve(ball, [0.0], **options)
+
+
+@pytest.mark.parametrize("call", [
+    lambda m: mjcf_pdg.verify(m, [0.0], effort="fast"),
+    lambda m: mjcf_pdg.verify(m, [0.0], threads=2),
+    lambda m: mjcf_pdg.check_motion(m, [0.0], [0.0], seed=1),
+    lambda m: mjcf_pdg.object_norm(m, [0.0], [0.0], clearance=0.1),
+    lambda m: mjcf_pdg.Solver(m, threads=2),
+])
+def test_options_of_another_function_are_refused(ball, call):
+    with pytest.raises(ValueError, match="no option '"):
+        call(ball)
