@@ -36,8 +36,8 @@ const char* Name(IterationStatus status) {
       return "refused by CCD";
     case IterationStatus::kIterationLimit:
       return "iteration limit";
-    case IterationStatus::kTimeLimit:
-      return "time limit";
+    case IterationStatus::kBudget:
+      return "budget spent";
   }
   return "";
 }

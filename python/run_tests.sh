@@ -22,6 +22,12 @@ if ! "$venv/bin/pip" install --quiet --disable-pip-version-check -r python/requi
   echo "package index, or a folder of wheels in PIP_FIND_LINKS with PIP_NO_INDEX=1" >&2
   exit 1
 fi
-# Without isolation: the build finds what it needs where it was the last time, and compiles only what has changed.
-"$venv/bin/pip" install --quiet --disable-pip-version-check --no-build-isolation --no-deps --force-reinstall .
+# Without isolation: the build finds what it needs where it was the last time, and compiles only what has changed. The
+# library that tests/run.sh has built is not compiled again.
+settings=()
+if [ -f build/libmjcf_pdg.a ]; then
+  settings=("--config-settings=cmake.define.MJCF_PDG_LIBRARY=$PWD/build/libmjcf_pdg.a")
+fi
+"$venv/bin/pip" install --quiet --disable-pip-version-check --no-build-isolation --no-deps --force-reinstall \
+  ${settings[@]+"${settings[@]}"} .
 exec "$venv/bin/python" -m pytest -q -p no:cacheprovider "$@"

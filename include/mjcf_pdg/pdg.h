@@ -79,8 +79,8 @@ class MJCF_PDG_API Solver {
   // Error for wrong sizes or values.
   void SetMocap(const std::vector<double>& pos, const std::vector<double>& quat);
 
-  // Forgets every earlier solve, which matters with Options::trajectory. Hint, budget and mocap
-  // poses stay.
+  // Forgets every earlier solve, which matters with Options::trajectory. Hint, budget, mocap
+  // poses and active equality constraints stay.
   void Reset();
 
  private:

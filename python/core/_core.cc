@@ -80,10 +80,13 @@ NB_MODULE(_core, m) {
   m.attr("mujoco_version") = mjVERSION_HEADER;
   nb::register_exception_translator(TranslateError);
   BindSolver(m);
-  m.def("solve_rows", &SolveRows, "model"_a.none(), "qpos"_a.none(), "threads"_a, "progress"_a.none(),
-        "options"_a);
+  m.def("solve_rows", &SolveRows, "model"_a.none(), "qpos"_a.none(), "threads"_a,
+        "progress"_a.none(), "options"_a);
   m.def("object_norm", &ComputeNorm, "model"_a.none(), "q0"_a.none(), "q1"_a.none(), "options"_a);
-  m.def("verify", &VerifyConfiguration, "model"_a.none(), "qpos"_a.none(), "q_in"_a.none(), "options"_a);
-  m.def("check_motion", &CheckOneMotion, "model"_a.none(), "q0"_a.none(), "q1"_a.none(), "options"_a);
-  m.def("audit", &AuditModel, "model"_a.none(), "samples"_a, "seed"_a, "tolerance"_a, "exact_mesh"_a);
+  m.def("verify", &VerifyConfiguration, "model"_a.none(), "qpos"_a.none(), "q_in"_a.none(),
+        "options"_a);
+  m.def("check_motion", &CheckOneMotion, "model"_a.none(), "q0"_a.none(), "q1"_a.none(),
+        "options"_a);
+  m.def("audit", &AuditModel, "model"_a.none(), "samples"_a, "seed"_a, "tolerance"_a,
+        "exact_mesh"_a);
 }

@@ -100,6 +100,9 @@ nb::dict ToDict(const Scene& scene, const Result& result) {
   d["depth_in"] = result.depth_in;
   d["min_distance"] = result.min_distance;
   d["limit_excess_in"] = result.limit_excess_in;
+  d["equality_residual_in"] = result.equality_residual_in;
+  d["equality_residual"] = result.equality_residual;
+  d["contacts_kept"] = result.contacts_kept;
   d["certified"] = result.certified;
   d["proven"] = IsProven(result);
   d["start"] = Text(result.start);
@@ -119,6 +122,7 @@ nb::dict ToDict(const Scene& scene, const Verdict& verdict) {
   d["certified"] = verdict.certified;
   d["min_distance"] = verdict.min_distance;
   d["limit_excess"] = verdict.limit_excess;
+  d["equality_residual"] = verdict.equality_residual;
   d["contacts"] = ToList(scene, verdict.contacts);
   d["reason"] = Text(verdict.reason);
   return d;

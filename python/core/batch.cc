@@ -32,11 +32,12 @@ class Columns {
  public:
   Columns(std::size_t rows, std::size_t nq) : rows_(rows), nq_(nq) {
     q_.resize(rows * nq);
-    for (auto* column : {&sigma_, &rms_, &sigma_lower_bound_, &depth_in_, &min_distance_,
-                         &limit_excess_in_, &seconds_}) {
+    for (auto* column :
+         {&sigma_, &rms_, &sigma_lower_bound_, &depth_in_, &min_distance_, &limit_excess_in_,
+          &equality_residual_in_, &equality_residual_, &seconds_}) {
       column->resize(rows);
     }
-    for (auto* column : {&iterations_, &queries_}) column->resize(rows);
+    for (auto* column : {&iterations_, &queries_, &contacts_kept_}) column->resize(rows);
     for (auto* column : {&certified_, &proven_}) column->resize(rows);
     for (auto* column : {&status_, &start_, &cause_, &reason_}) column->resize(rows);
   }
@@ -51,6 +52,9 @@ class Columns {
     depth_in_[row] = result.depth_in;
     min_distance_[row] = result.min_distance;
     limit_excess_in_[row] = result.limit_excess_in;
+    equality_residual_in_[row] = result.equality_residual_in;
+    equality_residual_[row] = result.equality_residual;
+    contacts_kept_[row] = result.contacts_kept;
     certified_[row] = result.certified;
     proven_[row] = IsProven(result);
     start_[row] = result.start;
@@ -72,6 +76,9 @@ class Columns {
     d["depth_in"] = Array(std::move(depth_in_));
     d["min_distance"] = Array(std::move(min_distance_));
     d["limit_excess_in"] = Array(std::move(limit_excess_in_));
+    d["equality_residual_in"] = Array(std::move(equality_residual_in_));
+    d["equality_residual"] = Array(std::move(equality_residual_));
+    d["contacts_kept"] = Array(std::move(contacts_kept_));
     d["certified"] = Array(std::move(certified_)).attr("view")("bool");
     d["proven"] = Array(std::move(proven_)).attr("view")("bool");
     d["start"] = Texts(start_);
@@ -92,8 +99,8 @@ class Columns {
 
   std::size_t rows_, nq_;
   std::vector<double> q_, sigma_, rms_, sigma_lower_bound_, depth_in_, min_distance_,
-      limit_excess_in_, seconds_;
-  std::vector<std::int64_t> iterations_, queries_;
+      limit_excess_in_, equality_residual_in_, equality_residual_, seconds_;
+  std::vector<std::int64_t> iterations_, queries_, contacts_kept_;
   std::vector<std::uint8_t> certified_, proven_;  // std::vector<bool> has no array inside
   std::vector<std::string> status_, start_, cause_, reason_;
 };

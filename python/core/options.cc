@@ -65,6 +65,34 @@ void Read(const std::string& name, nb::handle value, std::vector<std::string>& t
   }
 }
 
+NamePair ReadPair(const std::string& name, nb::handle value) {
+  std::vector<std::string> names;
+  Read(name, value, names);
+  if (names.size() != 2) throw Error(name + ": " + nb::repr(value).c_str() + " is not two names");
+  return {names[0], names[1]};
+}
+
+// Pairs in a sequence: "A,B" or ("A", "B").
+void Read(const std::string& name, nb::handle value, std::vector<NamePair>& target) {
+  constexpr const char* kWanted = "a sequence of pairs of names";
+  if (PyUnicode_Check(value.ptr()) || !PySequence_Check(value.ptr())) {
+    RefuseType(name, kWanted, value);
+  }
+  target.clear();
+  for (const nb::handle one : nb::borrow(value)) target.push_back(ReadPair(name, one));
+}
+
+// Depths [m] by pairs: {("A", "B"): 0.002}.
+void Read(const std::string& name, nb::handle value, std::vector<AllowedOverlap>& target) {
+  if (!PyDict_Check(value.ptr())) RefuseType(name, "a dictionary of depths by pairs", value);
+  target.clear();
+  for (const auto& [pair, depth] : nb::borrow<nb::dict>(value)) {
+    AllowedOverlap overlap{ReadPair(name, pair), 0.0};
+    Read(name, depth, overlap.depth);
+    target.push_back(overlap);
+  }
+}
+
 // Poses of the mocap bodies: (nmocap, 3 or 4), or all values in a row.
 void Read(const std::string& name, nb::handle value, std::vector<double>& target) {
   ReadArray(value, name.c_str(), target);
@@ -101,6 +129,14 @@ void Read(const std::string& name, nb::handle value, Effort& target) {
                  target);
 }
 
+void Read(const std::string& name, nb::handle value, EqualityMode& target) {
+  Choose<EqualityMode>(name, value,
+                       {{"hold", EqualityMode::kHold},
+                        {"all", EqualityMode::kAll},
+                        {"ignore", EqualityMode::kIgnore}},
+                       target);
+}
+
 void ReadMilliseconds(const std::string& name, nb::handle value, double& seconds) {
   Read(name, value, seconds);
   seconds /= 1e3;
@@ -117,6 +153,11 @@ struct Row {
 
 const Row kTable[] = {
     MJCF_PDG_ROW(movable, kNorm | kVerify | kSolve, scene.movable),
+    MJCF_PDG_ROW(fixed, kNorm | kVerify | kSolve, scene.fixed),
+    MJCF_PDG_ROW(exclude, kVerify | kSolve, scene.exclude),
+    MJCF_PDG_ROW(allow, kVerify | kSolve, scene.allow),
+    MJCF_PDG_ROW(ignore_permanent, kVerify | kSolve, scene.ignore_permanent),
+    MJCF_PDG_ROW(equality, kVerify | kSolve, scene.equality),
     MJCF_PDG_ROW(root, kNorm | kSolve, scene.root),
     MJCF_PDG_ROW(metric, kNorm | kSolve, options.metric),
     MJCF_PDG_ROW(exact_mesh, kVerify | kSolve, scene.exact_mesh),

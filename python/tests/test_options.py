@@ -64,6 +64,34 @@ def test_exact_meshes_are_not_their_hulls():
     assert mjcf_pdg.solve(model, q, exact_mesh=True).status == "already_free"
 
 
+def test_pairs_are_excluded_allowed_or_fixed(ball):
+    assert mjcf_pdg.solve(ball, [-1.0], exclude=[("ball", "floor")]).status == "already_free"
+    assert mjcf_pdg.solve(ball, [-1.0], exclude=["ball,floor"]).status == "already_free"
+    allowed = mjcf_pdg.solve(ball, [-1.0], allow={("ball", "floor"): 0.02})
+    assert allowed.q == pytest.approx([-0.92], abs=1e-5) and allowed.contacts_kept == 1
+    assert mjcf_pdg.solve(ball, [-1.0], ignore_permanent=True).status == "solved"
+    for bad in ({"exclude": ["ball"]}, {"exclude": [("ball", "nobody")]}, {"allow": {("ball", "floor"): -1.0}},
+                {"fixed": "ball"}):
+        with pytest.raises(ValueError):
+            mjcf_pdg.solve(ball, [-1.0], **bad)
+    for bad in ({"exclude": "ball,floor"}, {"allow": 1.0}, {"allow": {("ball", "floor"): "deep"}}):
+        with pytest.raises(TypeError):
+            mjcf_pdg.solve(ball, [-1.0], **bad)
+
+
+def test_equality_constraints_are_held_or_ignored():
+    model = mujoco.MjModel.from_xml_string("""<mujoco><worldbody>
+      <body><joint name="a" type="slide"/><geom size=".1"/></body>
+      <body pos="1 0 0"><joint name="b" type="slide"/><geom size=".1"/></body></worldbody>
+      <equality><joint joint1="a" joint2="b"/></equality></mujoco>""")
+    held = mjcf_pdg.solve(model, [0.0, 0.4])
+    assert held.status == "solved" and held.equality_residual <= 1e-6
+    assert held.equality_residual_in == pytest.approx(0.4) and held.q == pytest.approx([0.2, 0.2], abs=1e-4)
+    assert mjcf_pdg.verify(model, [0.0, 0.4]).equality_residual == pytest.approx(0.4)
+    assert mjcf_pdg.solve(model, [0.0, 0.4], equality="ignore").status == "already_free"
+    assert mjcf_pdg.solve(model, [[0.0, 0.4]]).equality_residual_in == pytest.approx([0.4])
+
+
 def test_what_is_not_asked_for_is_not_reported(ball):
     result = mjcf_pdg.solve(ball, [-1.0], report_contacts=False)
     assert result.contacts_in == [] and result.q == mjcf_pdg.solve(ball, [-1.0]).q
@@ -77,7 +105,7 @@ def test_time_limit_is_in_milliseconds_as_on_the_command_line(puma):
 
 
 @pytest.mark.parametrize("options, words", [
-    ({"clearence": 0.1}, "no option 'clearence' (options: movable, root, metric"),
+    ({"clearence": 0.1}, "no option 'clearence' (options: movable, fixed, exclude"),
     ({"clearance": -1.0}, "clearance must lie between 0 and 1000 m"),
     ({"clearance": float("nan")}, "clearance must lie between 0 and 1000 m"),
     ({"tolerance": 0.0}, "tolerance must lie between 1e-12 and 1 m"),

@@ -157,7 +157,7 @@ const IterationResult& ContactSpaceIteration::Run(const VectorXd& q_f,
   result_.status = IterationStatus::kIterationLimit;
   while (result_.status == IterationStatus::kIterationLimit &&
          result_.iterations < options.max_iterations) {
-    result_.status = work_.Spent() ? IterationStatus::kTimeLimit : Step(options);
+    result_.status = work_.Spent() ? IterationStatus::kBudget : Step(options);
   }
   assert(std::is_sorted(result_.sigmas.rbegin(), result_.sigmas.rend()));
   return result_;

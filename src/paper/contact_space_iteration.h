@@ -39,7 +39,7 @@ enum class IterationStatus {
   kWouldRise,       // the next re-projection would raise σ and was refused (deviation 2)
   kRefusedByCcd,    // CCD finds the accepted configuration itself, or the minimizer, in collision
   kIterationLimit,  // IterationOptions::max_iterations
-  kTimeLimit,
+  kBudget,
 };
 
 struct IterationResult {

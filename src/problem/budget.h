@@ -1,4 +1,4 @@
-// What a solve has left of its budget of queries and seconds: the only place that reads the clock.
+// What a solve has left of its budget of queries and seconds: the only clock that ends anything.
 #ifndef MJCF_PDG_SRC_PROBLEM_BUDGET_H_
 #define MJCF_PDG_SRC_PROBLEM_BUDGET_H_
 

@@ -1,5 +1,7 @@
 #include "search/auto_method.h"
 
+#include <cstdint>
+
 #include "problem/effort.h"
 
 namespace mjcf_pdg {
@@ -20,7 +22,10 @@ Outcome& AutoMethod::Run(const StrategyInput& given) {
   const SceneTables& tables = problem_.tables;
   if (problem_.Uses(Component::kHulls) && MeshesOverlap(input.overlaps) &&
       !AllRigid(tables, input.overlaps)) {
-    if (const VectorXd* q = hulls_.Run(work_)) search_.Try(*q, Component::kHulls);
+    const std::int64_t before = hulls_.queries();
+    const VectorXd* const q = hulls_.Run(work_);
+    work_.budget.Charge(hulls_.queries() - before);
+    if (q) search_.Try(*q, Component::kHulls);
   }
   search_.Finish(input);
   search_.FrameSearched();

@@ -1,5 +1,5 @@
 // Starts for meshes that collide as triangles, and the rule by which a frame of a trajectory ends
-// with the answer of the frame before. In search/ only this file knows how triangles differ.
+// with the answer of the frame before. Elsewhere search/ asks MeshesOverlap, once a search.
 //
 // A translation takes a rigid body out of an overlap by a short way. For a link it may be a detour:
 // a finger is carried over the rim of a cup where its joints could have moved it back through the

@@ -175,7 +175,7 @@ TEST_F(ContactSpaceIterationTest, AnExpiredDeadlineIsSaid) {
   Iterator p(TwoLinks(1.5));
   p.work.budget.Begin({.queries = 0, .seconds = 1e-9}, {}, 0);
   const IterationResult result = p.Run(Vector2d(1.2, -0.1), Vector2d(0, 0));
-  EXPECT_EQ(result.status, IterationStatus::kTimeLimit);
+  EXPECT_EQ(result.status, IterationStatus::kBudget);
   EXPECT_EQ(result.sigmas.size(), 1u);
 }
 

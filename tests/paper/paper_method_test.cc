@@ -60,7 +60,7 @@ void CheckRobot(Paper& p, Paper& fresh, Random& rng, Tally& tally) {
     }
     EXPECT_EQ(result.sigma, result.sigmas.back());
     EXPECT_NE(result.status, IterationStatus::kStartNotFree);
-    EXPECT_NE(result.status, IterationStatus::kTimeLimit);
+    EXPECT_NE(result.status, IterationStatus::kBudget);
     tally.touching += p.Margin(result.q) < 1e-4;
   }
 }

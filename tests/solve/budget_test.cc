@@ -73,6 +73,24 @@ TEST_F(BudgetTest, QueriesEndTheSearchOneStepAfterTheBudget) {
   EXPECT_GT(spent, 60) << "solves that would have taken more";
 }
 
+// The search on hulls, which comes first where several links of triangles overlap, has its share in
+// the budget.
+TEST_F(BudgetTest, QueriesOfTheHullStageCount) {
+  const Scene scene = Scene::FromFile(std::string(MJCF_PDG_MODEL_DIR) + "/hand/hand_bottle.xml",
+                                      {.exact_mesh = true});
+  Solver solver(scene);
+  int spent = 0;
+  for (std::size_t key = 0; key < scene.KeyNames().size(); ++key) {
+    for (const int budget : {20, 100}) {
+      solver.SetBudget({.queries = budget});
+      const Result result = solver.Solve(scene.KeyQpos(static_cast<int>(key)));
+      EXPECT_LE(result.stats.collision_queries, budget + 6) << key;
+      spent += result.stats.collision_queries >= budget;
+    }
+  }
+  EXPECT_GT(spent, 10);
+}
+
 TEST_F(BudgetTest, WhatIsCalledSolvedIsFreeAndTheRestSaysWhy) {
   int solved = 0, unsolved = 0;
   for (const Case& c : RandomCases()) {

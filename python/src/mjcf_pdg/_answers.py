@@ -42,6 +42,12 @@ class Result:
     """The same at q [m]."""
     limit_excess_in: float
     """The largest violation of a joint limit by q_in [rad or m]."""
+    equality_residual_in: float
+    """The largest violation of a held equality constraint by q_in [m or rad]."""
+    equality_residual: float
+    """The same by q."""
+    contacts_kept: int
+    """Of the contacts at q_in, those whose geoms are still within 1 mm of each other at q."""
     certified: bool
     """That q is free rests on signed distances: no SDF geom and no height field is in the scene."""
     proven: bool
@@ -90,6 +96,12 @@ class Results:
     """(n,) [m]."""
     limit_excess_in: np.ndarray
     """(n,) [rad or m]."""
+    equality_residual_in: np.ndarray
+    """(n,) [m or rad]."""
+    equality_residual: np.ndarray
+    """(n,) [m or rad]."""
+    contacts_kept: np.ndarray
+    """(n,) of int."""
     certified: np.ndarray
     """(n,) of bool."""
     proven: np.ndarray
@@ -135,6 +147,8 @@ class Verdict:
     """The smallest signed distance of a pair, cut off 1 m beyond the clearance [m]."""
     limit_excess: float
     """The largest violation of a joint limit [rad or m]."""
+    equality_residual: float
+    """The largest violation of a held equality constraint [m or rad]."""
     contacts: list[Contact]
     """Pairs that are nearer than the tolerance or than required, deepest first."""
     reason: str

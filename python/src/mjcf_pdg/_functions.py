@@ -15,6 +15,7 @@ MAX_THREADS = 1024
 
 class _SceneOptions(typing.TypedDict, total=False):
     movable: str | typing.Sequence[str] | None
+    fixed: str | typing.Sequence[str] | None
 
 
 class NormOptions(_SceneOptions, total=False):
@@ -23,6 +24,10 @@ class NormOptions(_SceneOptions, total=False):
 
 
 class VerifyOptions(_SceneOptions, total=False):
+    exclude: typing.Sequence[str | tuple[str, str]] | None
+    allow: dict[str | tuple[str, str], float] | None
+    ignore_permanent: bool
+    equality: typing.Literal["hold", "all", "ignore"]
     exact_mesh: bool
     tolerance: float
     clearance: float
