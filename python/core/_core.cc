@@ -11,6 +11,7 @@
 #include "arrays.h"
 #include "audit.h"
 #include "batch.h"
+#include "library_call.h"
 #include "mjcf_pdg/pdg.h"
 #include "model.h"
 #include "options.h"
@@ -23,15 +24,13 @@ using namespace nb::literals;
 
 static_assert(mjVERSION_HEADER / 1000 == 4000, "mjcf_pdg/_libmujoco.py lets MuJoCo 4.0.x in");
 
-// A norm is measured with MuJoCo data of its own, and checks are made in some thousandths of a
-// second: the GIL is released for what may take longer.
 double ComputeNorm(nb::handle model, nb::handle q0, nb::handle q1, const nb::kwargs& given) {
   Asked asked;
   ReadOptions(given, kNorm, asked);
   const Model scene = ReadModel(model, asked.scene);
   const std::vector<double> from = ReadConfiguration(q0, "q0", scene.scene.nq());
   const std::vector<double> to = ReadConfiguration(q1, "q1", scene.scene.nq());
-  return ObjectNorm(scene.scene, asked.options.metric, from).Sigma(to);
+  return CallLibrary([&] { return ObjectNorm(scene.scene, asked.options.metric, from).Sigma(to); });
 }
 
 nb::dict VerifyConfiguration(nb::handle model, nb::handle qpos, nb::handle q_in,
@@ -42,11 +41,9 @@ nb::dict VerifyConfiguration(nb::handle model, nb::handle qpos, nb::handle q_in,
   const std::vector<double> q = ReadConfiguration(qpos, "qpos", scene.scene.nq());
   std::optional<std::vector<double>> rests;
   if (!q_in.is_none()) rests = ReadConfiguration(q_in, "q_in", scene.scene.nq());
-  const auto verify = [&] {
-    const nb::gil_scoped_release release;
-    return Verify(scene.scene, q, asked.options, rests ? &*rests : nullptr);
-  };
-  return ToDict(scene.scene, verify());
+  const Verdict verdict =
+      CallLibrary([&] { return Verify(scene.scene, q, asked.options, rests ? &*rests : nullptr); });
+  return ToDict(scene.scene, verdict);
 }
 
 nb::dict CheckOneMotion(nb::handle model, nb::handle q0, nb::handle q1, const nb::kwargs& given) {
@@ -55,11 +52,9 @@ nb::dict CheckOneMotion(nb::handle model, nb::handle q0, nb::handle q1, const nb
   const Model scene = ReadModel(model, asked.scene);
   const std::vector<double> from = ReadConfiguration(q0, "q0", scene.scene.nq());
   const std::vector<double> to = ReadConfiguration(q1, "q1", scene.scene.nq());
-  const auto check = [&] {
-    const nb::gil_scoped_release release;
-    return CheckMotion(scene.scene, from, to, asked.options);
-  };
-  return ToDict(scene.scene, check());
+  const Motion motion =
+      CallLibrary([&] { return CheckMotion(scene.scene, from, to, asked.options); });
+  return ToDict(scene.scene, motion);
 }
 
 void TranslateError(const std::exception_ptr& thrown, void*) {
@@ -67,6 +62,9 @@ void TranslateError(const std::exception_ptr& thrown, void*) {
     std::rethrow_exception(thrown);
   } catch (const Error& error) {
     PyErr_SetObject(PyExc_ValueError, Text(error.what()).ptr());
+  } catch (const MujocoError& error) {
+    const nb::object type = nb::module_::import_("mujoco").attr("FatalError");
+    PyErr_SetObject(type.ptr(), Text(error.what()).ptr());
   }
 }
 
@@ -78,6 +76,7 @@ NB_MODULE(_core, m) {
   using namespace nb::literals;
   m.attr("__version__") = MJCF_PDG_VERSION;
   m.attr("mujoco_version") = mjVERSION_HEADER;
+  InstallMujocoErrors();
   nb::register_exception_translator(TranslateError);
   BindSolver(m);
   m.def("solve_rows", &SolveRows, "model"_a.none(), "qpos"_a.none(), "threads"_a,

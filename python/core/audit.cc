@@ -9,6 +9,7 @@
 #include "apps/audit/examine.h"
 #include "apps/console/interrupt.h"
 #include "arrays.h"
+#include "library_call.h"
 #include "model.h"
 
 namespace mjcf_pdg::app {
@@ -74,11 +75,8 @@ nb::dict AuditModel(nb::handle model, std::size_t samples, std::uint64_t seed, d
                     bool exact_mesh) {
   if (samples < 1) throw Error("the number of samples must be at least 1");
   const Model scene = ReadModel(model, {.movable = {}, .root = "", .exact_mesh = exact_mesh});
-  const auto examine = [&] {
-    const nb::gil_scoped_release release;
-    return app::Examine(scene.scene, {.samples = samples, .seed = seed, .tolerance = tolerance});
-  };
-  const app::Audit audit = examine();
+  const app::AuditOptions options = {.samples = samples, .seed = seed, .tolerance = tolerance};
+  const app::Audit audit = CallLibrary([&] { return app::Examine(scene.scene, options); });
   if (PyErr_Occurred()) throw nb::python_error();
   return ToDict(scene.scene, audit);
 }

@@ -17,6 +17,7 @@
 
 #include "answers.h"
 #include "arrays.h"
+#include "library_call.h"
 #include "mjcf_pdg/pdg.h"
 #include "model.h"
 #include "options.h"
@@ -161,6 +162,7 @@ nb::dict SolveRows(nb::handle model, nb::handle qpos, int threads, nb::object pr
     ++told;
     return !stop;
   };
+  const ErrorsThrow errors;
   Background solving([&] { SolveBatch(scene.scene, asked.options, q, threads, take_note); });
   const auto wait = [&] {
     const nb::gil_scoped_release release;

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <string>
 
+#include "library_call.h"
+
 namespace mjcf_pdg::python {
 namespace {
 
@@ -27,11 +29,7 @@ Model ReadModel(nb::handle model, const SceneOptions& options) {
     throw nb::type_error(words.c_str());
   }
   const auto* const address = Address<mjModel>(model);
-  const auto make = [&] {
-    const nb::gil_scoped_release release;
-    return Scene::FromModel(address, options);
-  };
-  return {nb::borrow(model), make()};
+  return {nb::borrow(model), CallLibrary([&] { return Scene::FromModel(address, options); })};
 }
 
 bool IsData(nb::handle object) { return IsInstance(object, "MjData"); }

@@ -17,7 +17,8 @@ Asked Read(const nb::kwargs& given) {
 }  // namespace
 
 SharedSolver::SharedSolver(nb::handle model, const Asked& asked)
-    : model_(ReadModel(model, asked.scene)), solver_(model_.scene, asked.options) {}
+    : model_(ReadModel(model, asked.scene)),
+      solver_(CallLibrary([&] { return Solver(model_.scene, asked.options); })) {}
 
 SharedSolver::SharedSolver(nb::handle model, const nb::kwargs& options)
     : SharedSolver(model, Read(options)) {}

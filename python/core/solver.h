@@ -7,6 +7,7 @@
 #include <mutex>
 #include <vector>
 
+#include "library_call.h"
 #include "mjcf_pdg/pdg.h"
 #include "model.h"
 #include "options.h"
@@ -32,9 +33,10 @@ class SharedSolver {
   // who waits for the solver does not keep the GIL from who has it.
   template <typename Function>
   auto Alone(const Function& function) {
-    const nb::gil_scoped_release release;
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return function();
+    return CallLibrary([&] {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      return function();
+    });
   }
 
   const Model model_;

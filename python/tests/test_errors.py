@@ -81,6 +81,20 @@ def test_models_that_are_not_supported_are_named():
         mjcf_pdg.solve(mujoco.MjModel.from_xml_string(mimic), [0.0, 0.0])
 
 
+def test_errors_inside_mujoco_are_its_own_exception_and_end_nothing():
+    # Too little memory for mj_forward, which the audit calls for keyframes.
+    balls = "".join(f'<body pos="{i / 20} 0 .05"><freejoint/><geom size=".1"/></body>' for i in range(12))
+    model = mujoco.MjModel.from_xml_string(f"""<mujoco><size memory="20K"/>
+    <asset><hfield name="hills" nrow="20" ncol="20" size="1 1 .1 .1"/></asset>
+    <worldbody><geom type="hfield" hfield="hills"/>{balls}</worldbody></mujoco>""")
+    for _ in range(3):
+        with pytest.raises(mujoco.FatalError, match="out of memory, stack overflow"):
+            mjcf_pdg.audit(model)
+    with pytest.raises(mujoco.FatalError):  # the package's own errors are as before
+        mujoco.mj_forward(model, mujoco.MjData(model))
+    assert mjcf_pdg.solve(model, model.qpos0, effort="fast").status == "solved"
+
+
 def test_a_model_without_joints_does_not_crash():
     model = mujoco.MjModel.from_xml_string('<mujoco><worldbody><geom size="1"/></worldbody></mujoco>')
     for q in ([], np.empty((2, 0)), np.empty((0, 0))):

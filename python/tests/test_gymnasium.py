@@ -53,9 +53,11 @@ def test_free_resets_are_left_alone():
 
 
 def test_what_cannot_be_freed_stays():
-    env = mjcf_pdg.RepairOnReset(Balls(BALL.replace('axis="0 0 1"', 'axis="1 0 0"').replace("0 0 1\"><joint", "0 0 0\"><joint")))
-    _, info = env.reset(options={"height": 0.5})
-    assert info["mjcf_pdg"]["status"] == "unsolved" and env.unwrapped.data.qpos == [0.5]
+    held_down = BALL.replace('axis="0 0 1"', 'axis="0 0 1" limited="true" range="-1.2 -1"')
+    env = mjcf_pdg.RepairOnReset(Balls(held_down))
+    assert mjcf_pdg.solve(env.unwrapped.model, [-1.15]).q > -1.15  # less deep, but not free
+    _, info = env.reset(options={"height": -1.15})
+    assert info["mjcf_pdg"]["status"] == "unsolved" and env.unwrapped.data.qpos == [-1.15]
 
 
 def test_options_are_those_of_solve():

@@ -5,9 +5,11 @@ import importlib.metadata
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 
+import mujoco
 import pytest
 
 import mjcf_pdg
@@ -55,17 +57,19 @@ def test_the_process_has_one_libmujoco():
     assert run(code).stdout == "1\n"
 
 
-@pytest.mark.parametrize("version", ["3.3.7", "4.1.0", "40.0.1"])
+@pytest.mark.parametrize("version", ["3.3.7", "4.1.0", "4.10.0", "40.0.1"])
 def test_another_mujoco_is_an_import_error_that_names_both(version):
     code = f"import mujoco; mujoco.mj_versionString = lambda: '{version}'; import mjcf_pdg"
     error = run(code).stderr.splitlines()[-1]
     assert error == f"ImportError: mjcf_pdg was built for MuJoCo 4.0.x, but the package mujoco is {version}"
 
 
-def test_a_libmujoco_from_elsewhere_is_an_import_error():
-    code = "import mujoco; mujoco.mj_versionString = lambda: '4.0.77'; import mjcf_pdg"
+def test_a_second_libmujoco_is_not_loaded(tmp_path):
+    loaded = pathlib.Path(mujoco._structs.__file__).with_name(f"libmujoco.so.{mujoco.mj_versionString()}")
+    shutil.copy(loaded, tmp_path)
+    code = f"import mujoco; mujoco._structs.__file__ = '{tmp_path}/_structs.so'; import mjcf_pdg"
     error = run(code).stderr.splitlines()[-1]
-    assert error.startswith("ImportError: the package mujoco 4.0.77 does not use /")
+    assert error.startswith("ImportError: the package mujoco 4.0.") and str(tmp_path) in error
 
 
 def test_the_version_that_is_let_in_is_the_one_it_was_built_for():

@@ -26,14 +26,15 @@ class RepairOnReset(gymnasium.Wrapper, gymnasium.utils.RecordConstructorArgs):
             if isinstance(env, gymnasium.ObservationWrapper):
                 raise ValueError(f"wrap RepairOnReset in {type(env).__name__}, which changes observations, not around it")
             env = env.env
+        inner: typing.Any = env
         self._options = options
-        self._solver = Solver(env.model, **options)
+        self._solver = Solver(inner.model, **options)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, typing.Any] | None = None
     ) -> tuple[typing.Any, dict[str, typing.Any]]:
         observation, info = self.env.reset(seed=seed, options=options)
-        inner = self.unwrapped
+        inner: typing.Any = self.unwrapped
         if inner.model is not self._solver.model:  # some environments make their model anew
             self._solver = Solver(inner.model, **self._options)
         result = self._solver.solve(inner.data)
