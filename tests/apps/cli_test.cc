@@ -27,7 +27,7 @@ constexpr char kMocap[] = R"(<mujoco><worldbody>
 
 constexpr char kTwoBalls[] = R"(<mujoco><worldbody>
   <body name="a"><joint name="ja" type="slide"/><geom size=".1"/></body>
-  <body name="b"><joint name="jb" type="slide"/><geom size=".1"/></body></worldbody>
+  <body name="b" pos="1 0 0"><joint name="jb" type="slide"/><geom size=".1"/></body></worldbody>
   <equality><joint name="couple" joint1="ja" joint2="jb"/></equality></mujoco>)";
 
 std::string Rows(int n) {
