@@ -38,7 +38,7 @@ class Columns {
           &equality_residual_in_, &equality_residual_, &seconds_}) {
       column->resize(rows);
     }
-    for (auto* column : {&iterations_, &queries_, &contacts_kept_}) column->resize(rows);
+    for (auto* column : {&iterations_, &queries_}) column->resize(rows);
     for (auto* column : {&certified_, &proven_}) column->resize(rows);
     for (auto* column : {&status_, &start_, &cause_, &reason_}) column->resize(rows);
   }
@@ -55,7 +55,6 @@ class Columns {
     limit_excess_in_[row] = result.limit_excess_in;
     equality_residual_in_[row] = result.equality_residual_in;
     equality_residual_[row] = result.equality_residual;
-    contacts_kept_[row] = result.contacts_kept;
     certified_[row] = result.certified;
     proven_[row] = IsProven(result);
     start_[row] = result.start;
@@ -79,7 +78,6 @@ class Columns {
     d["limit_excess_in"] = Array(std::move(limit_excess_in_));
     d["equality_residual_in"] = Array(std::move(equality_residual_in_));
     d["equality_residual"] = Array(std::move(equality_residual_));
-    d["contacts_kept"] = Array(std::move(contacts_kept_));
     d["certified"] = Array(std::move(certified_)).attr("view")("bool");
     d["proven"] = Array(std::move(proven_)).attr("view")("bool");
     d["start"] = Texts(start_);
@@ -101,7 +99,7 @@ class Columns {
   std::size_t rows_, nq_;
   std::vector<double> q_, sigma_, rms_, sigma_lower_bound_, depth_in_, min_distance_,
       limit_excess_in_, equality_residual_in_, equality_residual_, seconds_;
-  std::vector<std::int64_t> iterations_, queries_, contacts_kept_;
+  std::vector<std::int64_t> iterations_, queries_;
   std::vector<std::uint8_t> certified_, proven_;  // std::vector<bool> has no array inside
   std::vector<std::string> status_, start_, cause_, reason_;
 };

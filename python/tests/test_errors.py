@@ -74,11 +74,16 @@ def test_data_must_be_of_the_same_model(ball):
 
 
 def test_models_that_are_not_supported_are_named():
-    joints = "".join(f'<body pos="{i} 0 0"><joint name="j{i}"/><geom size=".1"/></body>' for i in range(2))
-    mimic = f"""<mujoco><worldbody>{joints}</worldbody>
-    <equality><joint name="mimic" joint1="j0" joint2="j1"/></equality></mujoco>"""
-    with pytest.raises(ValueError, match="mimic"):
-        mjcf_pdg.solve(mujoco.MjModel.from_xml_string(mimic), [0.0, 0.0])
+    model = mujoco.MjModel.from_xml_string("""<mujoco><worldbody>
+      <flexcomp name="cloth" type="grid" count="3 3 1" spacing=".1 .1 .1" radius=".01" dim="2"/>
+      <body><joint type="slide"/><geom size=".1"/></body></worldbody></mujoco>""")
+    with pytest.raises(ValueError, match="cloth"):
+        mjcf_pdg.solve(model, model.qpos0)
+    with pytest.raises(ValueError, match="method paper"):
+        coupled = mujoco.MjModel.from_xml_string("""<mujoco><worldbody>
+          <body><joint name="a"/><geom size=".1"/></body></worldbody>
+          <equality><joint joint1="a"/></equality></mujoco>""")
+        mjcf_pdg.solve(coupled, [1.0], method="paper")
 
 
 def test_errors_inside_mujoco_are_its_own_exception_and_end_nothing():

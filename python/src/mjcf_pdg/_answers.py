@@ -100,8 +100,6 @@ class Results:
     """(n,) [m or rad]."""
     equality_residual: np.ndarray
     """(n,) [m or rad]."""
-    contacts_kept: np.ndarray
-    """(n,) of int."""
     certified: np.ndarray
     """(n,) of bool."""
     proven: np.ndarray
