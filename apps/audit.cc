@@ -182,7 +182,7 @@ Verb AddAuditVerb(CLI::App& program) {
   auto arguments = std::make_shared<AuditArguments>();
   AddModels(*command, arguments->models);
   AddExactMesh(*command, arguments->scene);
-  AddEquality(*command, arguments->scene);
+  AddModelRules(*command, arguments->scene);
   AddNumber(*command,
             {"--tolerance", "M", "overlap that still counts as free", {.above_low = true}},
             arguments->options.tolerance);

@@ -97,7 +97,7 @@ Verb AddCheckVerb(CLI::App& program) {
   AddMovable(*command, arguments->scene);
   AddPairs(*command, arguments->scene);
   AddExactMesh(*command, arguments->scene);
-  AddEquality(*command, arguments->scene);
+  AddModelRules(*command, arguments->scene);
   AddRest(*command, arguments->options);
   AddTolerance(*command, arguments->options);
   AddJson(*command, arguments->json);

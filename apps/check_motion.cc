@@ -79,6 +79,11 @@ int RunCheckMotion(const SceneArguments& scene_arguments, const EndsArguments& e
                    const Options& options, const std::string& json) {
   const Scene scene = LoadScene(scene_arguments);
   const Ends ends = ReadEnds(scene, ends_arguments);
+  if (!scene.HeldEqualities().empty()) {
+    WriteWarning(
+        "the straight motion is checked for collisions and limits, and leaves the model's "
+        "equality constraints aside");
+  }
   OutputFiles outputs;
   outputs.Add("--json", json, {scene_arguments.model});
   const Motion motion = CheckMotion(scene, ends.from, ends.to, options);

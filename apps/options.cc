@@ -202,7 +202,7 @@ void AddExactMesh(CLI::App& command, SceneArguments& arguments) {
                    "meshes collide as their triangles: those the model marks, or all");
 }
 
-void AddEquality(CLI::App& command, SceneArguments& arguments) {
+void AddModelRules(CLI::App& command, SceneArguments& arguments) {
   AddChoice<EqualityMode>(command, "--equality",
                           {{"hold", EqualityMode::kHold},
                            {"all", EqualityMode::kAll},
@@ -210,6 +210,29 @@ void AddEquality(CLI::App& command, SceneArguments& arguments) {
                           "active equality constraints: hold all but those to mocap bodies, all, "
                           "or none",
                           arguments.options.equality);
+  AddChoice<bool>(command, "--flags", {{"all", false}, {"model", true}},
+                  "contacts and limits that the model disables by <flag> count all the same, or "
+                  "as the model says",
+                  arguments.options.model_flags);
+  AddChoice<bool>(command, "--flex", {{"refuse", false}, {"ignore", true}},
+                  "a model with flexes is refused, or solved without them",
+                  arguments.options.ignore_flexes);
+}
+
+void AddClearance(CLI::App& command, SceneArguments& arguments, Options& options) {
+  const NumberFlag flag = {
+      "--clearance",
+      "M|model",
+      "distance to keep between all pairs [m]; model: each pair's margin, within which MuJoCo "
+      "pushes",
+      {}};
+  auto parse = [flag, &arguments, &options](const std::string& text) {
+    arguments.options.keep_margins = text == "model";
+    if (text != "model") ParseInto(flag, text, options.clearance);
+  };
+  command.add_option_function<std::string>(flag.flag, parse, flag.help)
+      ->type_name(flag.unit)
+      ->default_str("0");
 }
 
 void AddMetric(CLI::App& command, Metric& metric) {

@@ -48,10 +48,13 @@ void AddModel(CLI::App& command, SceneArguments& arguments);          // MODEL
 void AddModels(CLI::App& command, std::vector<std::string>& models);  // MODEL...
 void AddMovable(CLI::App& command, SceneArguments& arguments);        // --movable
 void AddRoot(CLI::App& command, SceneArguments& arguments);           // --root
-void AddPairs(CLI::App& command,
-              SceneArguments& arguments);  // --exclude, --allow, --ignore-permanent
+// --exclude, --allow, --ignore-permanent
+void AddPairs(CLI::App& command, SceneArguments& arguments);
 void AddExactMesh(CLI::App& command, SceneArguments& arguments);  // --exact-mesh
-void AddEquality(CLI::App& command, SceneArguments& arguments);
+// What of the model counts: --equality, --flags, --flex
+void AddModelRules(CLI::App& command, SceneArguments& arguments);
+// --clearance M|model
+void AddClearance(CLI::App& command, SceneArguments& arguments, Options& options);
 void AddMetric(CLI::App& command, Metric& metric);       // --metric
 void AddMethod(CLI::App& command, Method& method);       // --method
 void AddEffort(CLI::App& command, Effort& effort);       // --effort

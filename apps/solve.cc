@@ -52,12 +52,11 @@ void AddFlags(CLI::App& command, SolveArguments& arguments) {
   AddRoot(command, arguments.scene);
   AddPairs(command, arguments.scene);
   AddExactMesh(command, arguments.scene);
-  AddEquality(command, arguments.scene);
+  AddModelRules(command, arguments.scene);
   AddRest(command, arguments.options);
   AddMetric(command, arguments.options.metric);
   AddTolerance(command, arguments.options);
-  AddNumber(command, {"--clearance", "M", "distance to keep between all pairs", {}},
-            arguments.options.clearance);
+  AddClearance(command, arguments.scene, arguments.options);
   AddNumber(command,
             {"--time-limit", "MS", "per row; ends with the best so far", {.above_low = true}},
             arguments.time_limit_ms);

@@ -136,12 +136,6 @@ void FindExcludes(const Scene& scene, Audit& audit) {
 void WarnOfBlindness(const Scene& scene, Audit& audit) {
   const mjModel& m = *scene.model();
   const auto warn = [&](const std::string& words) { audit.warnings.push_back(words); };
-  if (m.opt.disableflags & mjDSBL_CONTACT) {
-    warn("contacts are disabled (<flag contact>): MuJoCo sees none of these overlaps");
-  }
-  if (m.opt.disableflags & mjDSBL_LIMIT) {
-    warn("joint limits are disabled (<flag limit>): MuJoCo holds none of them");
-  }
   if (m.opt.disableflags & mjDSBL_FILTERPARENT) {
     warn("the filter of parent and child is off (<flag filterparent>): neighbours collide");
   }
@@ -155,8 +149,7 @@ void WarnOfBlindness(const Scene& scene, Audit& audit) {
   }
   if (gaps > 0) {
     warn(std::to_string(gaps) +
-         " geoms have a gap: their contacts push only when they overlap by " +
-         "more than margin less gap");
+         " geoms have a gap: their contacts are listed so much before they push");
   }
 }
 

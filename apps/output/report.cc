@@ -112,12 +112,26 @@ bool HoldsEqualities(const Scene& scene) {
   return scene.model()->neq > 0 && !scene.HeldEqualities().empty();
 }
 
-std::string LeftOut(std::size_t rows) {
-  return rows == 0 ? "" : "... and " + std::to_string(rows) + " rows that are not shown\n";
-}
-
 std::string Plural(std::size_t n, const std::string& noun) {
   return std::to_string(n) + " " + noun + (n == 1 ? "" : "s");
+}
+
+// Only then can MuJoCo push on pairs that are apart.
+bool HasMargins(const mjModel& m) {
+  const auto positive = [](double margin) { return margin > 0.0; };
+  return std::any_of(m.geom_margin, m.geom_margin + m.ngeom, positive) ||
+         std::any_of(m.pair_margin, m.pair_margin + m.npair, positive);
+}
+
+std::string StillPushes(const RowName& name, const Configuration& row, int pairs) {
+  if (pairs == 0) return "";
+  return ReasonLine(name, row,
+                    "MuJoCo still pushes on " + Plural(static_cast<std::size_t>(pairs), "pair") +
+                        " within their margin (solve --clearance model keeps them apart)");
+}
+
+std::string LeftOut(std::size_t rows) {
+  return rows == 0 ? "" : "... and " + std::to_string(rows) + " rows that are not shown\n";
 }
 
 }  // namespace
@@ -173,6 +187,7 @@ std::string SolveJson(const Scene& scene, const RowName& name, const Configurati
   json["contacts_in"] = ContactsJson(scene, result.contacts_in);
   json["contacts"] = ContactsJson(scene, result.contacts);
   json["contacts_kept"] = result.contacts_kept;
+  if (HasMargins(*scene.model())) json["pushed_pairs"] = result.pushed_pairs;
   if (!scene.IgnoredPairs().empty()) json["ignored"] = IgnoredJson(scene);
   json["certified"] = result.certified;
   json["geometry"] = GeometryName(scene);
@@ -204,6 +219,7 @@ void SolveTable::Add(const Scene& scene, const RowName& name, const Configuratio
                  Short(result.sigma), Millimetres(result.min_distance), Kept(result), result.start,
                  Thousandths(result.stats.seconds)});
   table_.AddRow(std::move(cells));
+  reasons_ += StillPushes(name, row, unsolved ? 0 : result.pushed_pairs);
   if (!unsolved) return;
   ++shown_unsolved_;
   reasons_ += ReasonLine(name, row, result.reason);
@@ -226,6 +242,7 @@ std::string CheckJson(const Scene& scene, const RowName& name, const Configurati
   json["limit_excess"] = verdict.limit_excess;
   if (HoldsEqualities(scene)) json["equality_residual"] = verdict.equality_residual;
   json["contacts"] = ContactsJson(scene, verdict.contacts);
+  if (HasMargins(*scene.model())) json["pushed_pairs"] = verdict.pushed_pairs;
   if (!scene.IgnoredPairs().empty()) json["ignored"] = IgnoredJson(scene);
   json["certified"] = verdict.certified;
   json["geometry"] = GeometryName(scene);
@@ -262,6 +279,7 @@ void CheckTable::Add(const Scene& scene, const RowName& name, const Configuratio
   Append(cells, {verdict.free ? "yes" : "no", std::to_string(overlaps),
                  Millimetres(verdict.min_distance), Short(verdict.limit_excess)});
   summary_.AddRow(std::move(cells));
+  reasons_ += StillPushes(name, row, verdict.free ? verdict.pushed_pairs : 0);
   // Overlaps are in the table of pairs already; the reason names the joints.
   if (verdict.free || (overlaps > 0 && verdict.limit_excess <= 0.0)) return;
   reasons_ += ReasonLine(name, row, verdict.reason);

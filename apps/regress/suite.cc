@@ -107,7 +107,15 @@ void ReadOptions(const Place& place, SceneOptions& scene, Options& options) {
              p, {{"sequential", Metric::kSequential}, {"displacement", Metric::kDisplacement}});
        }},
       {"tolerance", [&](const Place& p) { options.tolerance = p.Number(1e-12, 1.0); }},
-      {"clearance", [&](const Place& p) { options.clearance = p.Number(0.0, kMost); }},
+      {"clearance",
+       [&](const Place& p) {
+         scene.keep_margins = p.value.is_string();
+         if (scene.keep_margins) {
+           Choice<bool>(p, {{"model", true}});
+         } else {
+           options.clearance = p.Number(0.0, kMost);
+         }
+       }},
       {"rest", [&](const Place& p) { options.rest = p.Number(0.0, kMost); }},
       {"seed", [&](const Place& p) { options.seed = p.Whole(); }},
       {"exact_mesh", [&](const Place& p) { scene.exact_mesh = p.Flag(); }},
@@ -125,6 +133,14 @@ void ReadOptions(const Place& place, SceneOptions& scene, Options& options) {
          scene.equality = Choice<EqualityMode>(p, {{"hold", EqualityMode::kHold},
                                                    {"all", EqualityMode::kAll},
                                                    {"ignore", EqualityMode::kIgnore}});
+       }},
+      {"flags",
+       [&](const Place& p) {
+         scene.model_flags = Choice<bool>(p, {{"all", false}, {"model", true}});
+       }},
+      {"flex",
+       [&](const Place& p) {
+         scene.ignore_flexes = Choice<bool>(p, {{"refuse", false}, {"ignore", true}});
        }},
   });
 }

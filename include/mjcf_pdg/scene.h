@@ -55,6 +55,14 @@ struct SceneOptions {
   bool exact_mesh = false;
   // Of the constraints that are active in the model, or in the mjData that is solved.
   EqualityMode equality = EqualityMode::kHold;
+  // What the model disables by <flag> (contact, limit, constraint) does not count. If this is
+  // false, contacts and limits count all the same, and Scene::Warnings says so.
+  bool model_flags = false;
+  // Pairs that can move apart keep their margin of the model, within which MuJoCo pushes on them,
+  // where it is more than Options::clearance.
+  bool keep_margins = false;
+  // Flexes are left out instead of refused: they collide with nothing, and their vertices stay.
+  bool ignore_flexes = false;
 };
 
 struct SceneTables;    // internal, src/model/scene_tables.h
@@ -64,9 +72,9 @@ struct VerifierModel;  // internal, src/verify/verifier_model.h
 class MJCF_PDG_API Scene {
  public:
   // All three throw Error if there is no such file, the XML is broken (with MuJoCo's line), a name
-  // of the options is unknown or a movable body has no joints below it, the model has flexes or
-  // another unsupported feature (which is named), or an exact_mesh text names anything but a mesh
-  // geom.
+  // of the options is unknown or a movable body has no joints below it, the model has flexes
+  // (but see ignore_flexes) or another unsupported feature (which is named), or an exact_mesh text
+  // names anything but a mesh geom.
   static Scene FromFile(const std::string& path, const SceneOptions& options = {});
   static Scene FromString(const std::string& xml, const SceneOptions& options = {});
   // A scene of a running program's model, which is never written to. The model must outlive the

@@ -105,7 +105,7 @@ struct Options {
   std::vector<std::string> without = {};
   // Poses of the mocap bodies, which are obstacles: position [m] and quaternion (w, x, y, z), 3 and
   // 4 values per mocap body, in order of mocap id. Empty: as in the model.
-  std::vector<double> mocap_pos, mocap_quat;
+  std::vector<double> mocap_pos = {}, mocap_quat = {};
   // Most seconds of one solve, > 0: a guard, since a search normally ends by itself.
   // Solver::SetBudget replaces it.
   double time_limit = std::numeric_limits<double>::infinity();
@@ -159,6 +159,9 @@ struct Result {
   // Options::report_contacts is set.
   std::vector<Contact> contacts_in, contacts;
   int contacts_kept = 0;  // of contacts_in, those whose geoms are still within 1 mm of each other
+  // Pairs that are nearer at q than their margin in the model, so that MuJoCo still pushes on them,
+  // if the options ask for contacts or distances. SceneOptions::keep_margins leaves none.
+  int pushed_pairs = 0;
   Stats stats;
 };
 

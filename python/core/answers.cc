@@ -103,6 +103,7 @@ nb::dict ToDict(const Scene& scene, const Result& result) {
   d["equality_residual_in"] = result.equality_residual_in;
   d["equality_residual"] = result.equality_residual;
   d["contacts_kept"] = result.contacts_kept;
+  d["pushed_pairs"] = result.pushed_pairs;
   d["certified"] = result.certified;
   d["proven"] = IsProven(result);
   d["start"] = Text(result.start);
@@ -123,6 +124,7 @@ nb::dict ToDict(const Scene& scene, const Verdict& verdict) {
   d["min_distance"] = verdict.min_distance;
   d["limit_excess"] = verdict.limit_excess;
   d["equality_residual"] = verdict.equality_residual;
+  d["pushed_pairs"] = verdict.pushed_pairs;
   d["contacts"] = ToList(scene, verdict.contacts);
   d["reason"] = Text(verdict.reason);
   return d;

@@ -137,6 +137,16 @@ void Read(const std::string& name, nb::handle value, EqualityMode& target) {
                        target);
 }
 
+// A clearance that is a text asks for the margins of the model.
+void ReadClearance(const std::string& name, nb::handle value, Asked& asked) {
+  asked.scene.keep_margins = nb::isinstance<nb::str>(value);
+  if (asked.scene.keep_margins) {
+    Choose<bool>(name, value, {{"model", true}}, asked.scene.keep_margins);
+  } else {
+    Read(name, value, asked.options.clearance);
+  }
+}
+
 void ReadMilliseconds(const std::string& name, nb::handle value, double& seconds) {
   Read(name, value, seconds);
   seconds /= 1e3;
@@ -158,11 +168,19 @@ const Row kTable[] = {
     MJCF_PDG_ROW(allow, kVerify | kSolve, scene.allow),
     MJCF_PDG_ROW(ignore_permanent, kVerify | kSolve, scene.ignore_permanent),
     MJCF_PDG_ROW(equality, kVerify | kSolve, scene.equality),
+    {"flags", kVerify | kSolve,
+     [](const std::string& n, nb::handle v, Asked& a) {
+       Choose<bool>(n, v, {{"all", false}, {"model", true}}, a.scene.model_flags);
+     }},
+    {"flex", kNorm | kVerify | kSolve,
+     [](const std::string& n, nb::handle v, Asked& a) {
+       Choose<bool>(n, v, {{"refuse", false}, {"ignore", true}}, a.scene.ignore_flexes);
+     }},
     MJCF_PDG_ROW(root, kNorm | kSolve, scene.root),
     MJCF_PDG_ROW(metric, kNorm | kSolve, options.metric),
     MJCF_PDG_ROW(exact_mesh, kVerify | kSolve, scene.exact_mesh),
     MJCF_PDG_ROW(tolerance, kVerify | kSolve, options.tolerance),
-    MJCF_PDG_ROW(clearance, kVerify | kSolve, options.clearance),
+    {"clearance", kVerify | kSolve, ReadClearance},
     MJCF_PDG_ROW(rest, kVerify | kSolve, options.rest),
     MJCF_PDG_ROW(mocap_pos, kVerify | kSolve, options.mocap_pos),
     MJCF_PDG_ROW(mocap_quat, kVerify | kSolve, options.mocap_quat),

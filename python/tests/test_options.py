@@ -153,3 +153,32 @@ def test_values_of_another_type_are_type_errors(ball, options):
 def test_options_of_another_function_are_refused(ball, call):
     with pytest.raises(ValueError, match="no option '"):
         call(ball)
+
+
+def test_margins_are_kept_or_counted():
+    model = mujoco.MjModel.from_xml_string("""<mujoco><worldbody><geom type="plane" size="1 1 1"/>
+      <body><joint type="slide" axis="0 0 1"/><geom size=".1" margin=".01"/></body></worldbody></mujoco>""")
+    assert mjcf_pdg.verify(model, [0.105]).pushed_pairs == 1
+    assert mjcf_pdg.solve(model, [0.05]).pushed_pairs == 1
+    kept = mjcf_pdg.solve(model, [0.05], clearance="model")
+    assert kept.pushed_pairs == 0 and kept.q == pytest.approx([0.11], abs=1e-5)
+    with pytest.raises(ValueError, match="clearance: 'much' is none of model"):
+        mjcf_pdg.solve(model, [0.05], clearance="much")
+
+
+def test_flags_of_the_model_are_honoured_when_asked():
+    model = mujoco.MjModel.from_xml_string("""<mujoco><option><flag contact="disable"/></option>
+      <worldbody><geom type="plane" size="1 1 1"/>
+      <body><joint type="slide" axis="0 0 1"/><geom size=".1"/></body></worldbody></mujoco>""")
+    assert mjcf_pdg.solve(model, [0.05]).status == "solved"
+    assert mjcf_pdg.solve(model, [0.05], flags="model").status == "already_free"
+
+
+def test_flexes_are_left_out_when_asked():
+    model = mujoco.MjModel.from_xml_string("""<mujoco><worldbody><geom type="plane" size="1 1 1"/>
+      <body><joint type="slide" axis="0 0 1"/><geom size=".1"/></body>
+      <flexcomp name="cloth" type="grid" count="3 3 1" spacing=".1 .1 .1" dim="2" mass="1">
+      <edge equality="true"/></flexcomp></worldbody></mujoco>""")
+    with pytest.raises(ValueError, match="cloth"):
+        mjcf_pdg.solve(model, model.qpos0)
+    assert mjcf_pdg.solve(model, model.qpos0, flex="ignore").status == "solved"

@@ -63,7 +63,7 @@ const CcdResult& Ccdg::Move(const CcdMotion& motion, const CcdOptions& options) 
       Pop();
       continue;
     }
-    if (result_.poses >= options_.max_poses) return Finish(CcdOutcome::kBudget, front_);
+    if (Spent()) return Finish(CcdOutcome::kBudget, front_);
     now.t0 = options_.halve ? std::min(now.t0, front_) : front_;
     const double next = NextPose(now);
     if (next > now.t0 && next < now.t1) {
@@ -102,6 +102,11 @@ void Ccdg::Start(const CcdMotion& motion, const CcdOptions& options) {
   if (asked_.empty()) return;
   intervals_.push_back({0.0, end_});
   Ask(0.0);
+}
+
+bool Ccdg::Spent() const {
+  return result_.poses >= options_.max_poses ||
+         (options_.budget && options_.budget->Spent(finder_.queries()));
 }
 
 // The end of the interval or its start, if that is to be asked next; else where to split it.

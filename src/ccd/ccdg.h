@@ -7,8 +7,7 @@
 // motion's bounds reach (pair_proof.h), until the two proofs meet. If not, it is split.
 // Differs from it:
 //   1. Certified: what lies between poses is proven, except in 6. The t found may be smaller than
-//   the
-//      time of contact, never larger.
+//      the time of contact, never larger.
 //   2. The split is where two proofs are expected to meet, a quarter of the interval or more from
 //      its ends; CcdOptions::halve splits in the middle, as the paper does.
 //   3. An end is asked when the proofs are expected to meet before it. From the start an interval
@@ -29,6 +28,7 @@
 #include <vector>
 
 #include "ccd/pair_proof.h"
+#include "problem/budget.h"
 
 namespace mjcf_pdg {
 
@@ -38,6 +38,7 @@ struct CcdOptions {
   bool halve = false;       // plain bisection: both ends of an interval are asked, then its middle
   // Pairs that the motion does not move count, too: where they overlap, the start is in collision.
   bool still_pairs = false;
+  const BudgetMeter* budget = nullptr;  // of a solve that the motion is part of, if it has one
 
   // Contact band: pairs stop between half of it and all of it apart [m]. Four tolerances: two are
   // left where the motion ends, so that contact normals, noise below a tenth of one, are sure.
@@ -49,7 +50,7 @@ enum class CcdOutcome {
   kContact,           // `pairs` are in the way at t
   kStartInCollision,  // `pairs` overlap already; t = 0
   kLimit,             // `joint` reaches its limit at t
-  kBudget,            // max_poses used up at t
+  kBudget,            // max_poses or the budget used up at t
 };
 
 struct CcdResult {
@@ -103,6 +104,7 @@ class Ccdg {
   };
 
   void Start(const CcdMotion& motion, const CcdOptions& options);
+  bool Spent() const;
   double NextPose(const Interval& interval) const;
   void Split(double at);
   void Pop();

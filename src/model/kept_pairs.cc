@@ -77,14 +77,15 @@ bool JointBetween(const SceneTables& tables, int body1, int body2) {
   return false;
 }
 
-KeptPair MakePair(const SceneTables& tables, int g1, int g2, double margin_and_gap) {
+KeptPair MakePair(const SceneTables& tables, int g1, int g2, double margin, double gap) {
   const mjModel& m = *tables.model;
   const int type1 = m.geom_type[g1], type2 = m.geom_type[g2];
   if (type1 > type2 || (type1 == type2 && g1 > g2)) std::swap(g1, g2);
   KeptPair pair;
   pair.geom1 = g1;
   pair.geom2 = g2;
-  pair.allowed = std::max(0.0, -margin_and_gap);
+  pair.allowed = std::max(0.0, -(margin + gap));
+  pair.kept = std::max(0.0, margin);
   auto contact_only = [](int type) { return type == mjGEOM_SDF || type == mjGEOM_HFIELD; };
   pair.has_distance = !contact_only(type1) && !contact_only(type2);
   // Pairs with an SDF or a height field are never exact: MuJoCo collides the mesh as its hull
@@ -132,7 +133,7 @@ void AppendDynamicPairs(SceneTables& tables, const std::set<std::pair<int, int>>
           if (explicit_pairs.count(std::minmax(g1, g2))) continue;
           const double margin = m.geom_margin[g1] + m.geom_margin[g2];
           const double gap = m.geom_gap[g1] + m.geom_gap[g2];
-          tables.pairs.push_back(MakePair(tables, g1, g2, margin + gap));
+          tables.pairs.push_back(MakePair(tables, g1, g2, margin, gap));
         }
       }
     }
@@ -179,24 +180,29 @@ void Allow(const AllowedOverlap& overlap, SceneTables& tables) {
 
 }  // namespace
 
-void FillKeptPairs(const std::vector<AllowedOverlap>& allow, SceneTables& tables) {
+void FillKeptPairs(const SceneOptions& options, SceneTables& tables) {
   const mjModel& m = *tables.model;
   std::set<std::pair<int, int>> explicit_pairs;
   for (int k = 0; k < m.npair; ++k) {
     const int g1 = m.pair_geom1[k], g2 = m.pair_geom2[k];
     if (!Collidable(m, g1, g2)) continue;
     if (!explicit_pairs.insert({std::min(g1, g2), std::max(g1, g2)}).second) continue;
-    tables.pairs.push_back(MakePair(tables, g1, g2, m.pair_margin[k] + m.pair_gap[k]));
+    tables.pairs.push_back(MakePair(tables, g1, g2, m.pair_margin[k], m.pair_gap[k]));
   }
   AppendDynamicPairs(tables, explicit_pairs);
   std::erase_if(tables.pairs, [&tables](const KeptPair& pair) { return LeftOut(tables, pair); });
-  for (const AllowedOverlap& overlap : allow) Allow(overlap, tables);
+  if (options.model_flags && (m.opt.disableflags & (mjDSBL_CONTACT | mjDSBL_CONSTRAINT))) {
+    tables.pairs.clear();
+  }
+  for (const AllowedOverlap& overlap : options.allow) Allow(overlap, tables);
   GroupByBodies(tables);
   for (int body = 0; body < m.nbody; ++body) {
     tables.body_spheres.push_back(EncloseBody(m, body));
   }
-  for (const KeptPair& pair : tables.pairs) {
+  for (KeptPair& pair : tables.pairs) {
+    if (!options.keep_margins) pair.kept = 0.0;
     if (!pair.has_distance) tables.has_contact_only_pairs = true;
+    tables.largest_kept = std::max(tables.largest_kept, pair.kept);
   }
 }
 

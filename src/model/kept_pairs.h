@@ -10,13 +10,13 @@
 
 namespace mjcf_pdg {
 
-// Fills tables.pairs, body_pairs, body_spheres and has_contact_only_pairs, which must be empty.
-// Reads tables.model, column_of_dof, exact, convex, excluded and ignored, and allows the overlaps
-// of `allow`. Follows engine_collision_driver.c of MuJoCo
-// 4.0: explicit <pair>s always count; of all others those count that pass the contype/conaffinity,
-// weld, parent-child and <exclude> filters. Throws Error for a geom of such a pair whose type we do
-// not know.
-void FillKeptPairs(const std::vector<AllowedOverlap>& allow, SceneTables& tables);
+// Fills tables.pairs, body_pairs, body_spheres, has_contact_only_pairs and largest_kept, which must
+// be empty. Reads tables.model, column_of_dof, exact, convex, excluded and ignored; of the options
+// those of allowed overlaps, margins and flags. Follows engine_collision_driver.c of MuJoCo 4.0:
+// explicit <pair>s always count; of all others those count that pass the contype/conaffinity, weld,
+// parent-child and <exclude> filters. Throws Error for a geom of such a pair whose type we do not
+// know.
+void FillKeptPairs(const SceneOptions& options, SceneTables& tables);
 
 }  // namespace mjcf_pdg
 

@@ -6,6 +6,7 @@
 #include <mujoco/mujoco.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <string>
@@ -38,9 +39,15 @@ struct JointEntry {
 struct KeptPair {
   int geom1 = 0, geom2 = 0;
   double allowed = 0.0;      // overlap that the model allows by a negative margin + gap [m], >= 0
+  double kept = 0.0;         // distance that SceneOptions::keep_margins asks for [m], >= 0
   bool has_distance = true;  // false if a geom is an SDF or height field: "contact-only"
   bool exact = false;        // one geom or both collide as their triangles, not as convex hulls
   bool moves = true;         // some movable joint lies between the two geoms
+
+  // The smallest signed distance that counts as free [m]. `clearance` is Options::clearance.
+  double Required(double clearance) const {
+    return (moves ? std::max(clearance, kept) : 0.0) - allowed;
+  }
 };
 
 // The kept pairs of two bodies, body1 < body2: SceneTables::pairs[begin, end).
@@ -82,6 +89,7 @@ struct SceneTables {
   std::vector<BodyPair> body_pairs;
   std::vector<BoundingSphere> body_spheres;  // nbody
   bool has_contact_only_pairs = false;
+  double largest_kept = 0.0;                     // KeptPair::kept of any pair [m]
   std::shared_ptr<const SupportPoints> support;  // of the kept pairs' convex geoms
 
   std::vector<char> exact;   // ngeom: the geom is a mesh that collides as its triangles

@@ -58,7 +58,7 @@ void LinearizedStep::AppendContactRows(const NearPair& near, const RowOptions& o
   if (near.local || !problem_.Uses(Component::kWitnessMemory)) return;
   const auto append_remembered = [&](const Vector3d& p1_W, const Vector3d& p2_W) {
     const double distance = near.n_W.dot(p2_W - p1_W);
-    if (distance > options.margin + problem_.options.clearance) return;
+    if (distance > options.margin + problem_.clearance) return;
     const int extra = rows_.Append(distance + offset);
     ContactRow(tables, posed, near.pair, p1_W, p2_W, near.n_W, rows_.C.row(extra));
   };

@@ -34,7 +34,7 @@ LocalOptimization::LocalOptimization(Workspace& work)
 void LocalOptimization::Look(const VectorXd& q, double margin, Iterate& out) {
   out.q = q;
   work_.finder.Pose(q);
-  out.near = work_.finder.Find(margin + problem_.options.clearance, Depths::kSkipped);
+  out.near = work_.finder.Find(margin + problem_.clearance, Depths::kSkipped);
   std::erase_if(out.near,
                 [this](const NearPair& n) { return !problem_.tables.pairs[n.pair].moves; });
 }

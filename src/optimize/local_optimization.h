@@ -6,9 +6,8 @@
 // Differs from it:
 //   1. The start may penetrate; rows are kept for all pairs within a margin (contact_matrix.h).
 //   2. Rows are elastic and steps are damped and cut to a trust radius (linearized_step.h). A step
-//   is
-//      judged by the merit function ½σ + ν Σ violation, where the penalty weight ν is a few times
-//      the largest contact force.
+//      is judged by the merit function ½σ + ν Σ violation, where the penalty weight ν is a few
+//      times the largest contact force.
 //   3. The LCP is solved by an active-set method (lcp.h); Gauss-Seidel fails on pinched cases.
 //   4. Steps hold equality constraints to first order, and are then brought onto them (equality/).
 //   5. Exact meshes: a step that ends in an overlap is made again, shorter, bounded by the planes

@@ -23,6 +23,7 @@ ContactSpaceIteration::ContactSpaceIteration(Workspace& work)
       ccd_(work.problem().tables, work.finder),
       projection_(work.problem().tables, ccd_) {
   projection_options_.ccd.tolerance = work.problem().tolerances.accept;
+  projection_options_.ccd.budget = &work.budget;
   const SceneTables& tables = problem_.tables;
   const int n = tables.n, nq = static_cast<int>(tables.model->nq), k = work.norm.rows();
   const int contacts = std::min(kContacts, static_cast<int>(tables.pairs.size()));
@@ -59,7 +60,7 @@ void ContactSpaceIteration::Optimize(const VectorXd& q_c, const IterationOptions
 void ContactSpaceIteration::AppendContactRows(const VectorXd& q) {
   const double band = tune::kTouchingBand * projection_options_.ccd.Gap();
   work_.finder.Pose(q);
-  for (const NearPair& near : work_.finder.Find(problem_.options.clearance + band)) {
+  for (const NearPair& near : work_.finder.Find(problem_.clearance + band)) {
     const double gap = near.distance - problem_.required[near.pair];
     if (!problem_.tables.pairs[near.pair].moves || gap > band) continue;
     const int row = rows_.Append(0.0);
@@ -99,7 +100,7 @@ void ContactSpaceIteration::Minimize(const VectorXd& q_c, const IterationOptions
 // the others, and the minimum is sought again, until it is free.
 bool ContactSpaceIteration::Correct(const VectorXd& q_c, const IterationOptions& options,
                                     VectorXd& q) {
-  for (int k = 0; k < options.corrections; ++k) {
+  for (int k = 0; k < options.corrections && !work_.Spent(); ++k) {
     AppendContactRows(q);
     Minimize(q_c, options, q);
     if (!q.allFinite()) return false;

@@ -115,7 +115,9 @@ bool ContactSpaceProjection::FlaggedDifference(const VectorXd& q_in) {
 // free sample. Returns false if there is none.
 bool ContactSpaceProjection::JumpToFreeSample() {
   for (int k = options_.reverse_samples; k > 0; --k) {
+    const BudgetMeter* budget = options_.ccd.budget;
     if (result_.poses >= options_.ccd.max_poses) return false;
+    if (budget && budget->Spent(ccd_.finder().queries())) return false;
     step_ = (static_cast<double>(k) / options_.reverse_samples) * dq_;
     Integrate(tables_, result_.q, step_, sample_);
     if (!FreeSample(sample_)) continue;

@@ -130,7 +130,7 @@ std::optional<VectorXd> FreeConfigurationSelection::TranslateFrom(VectorXd q) {
 std::vector<NearPair> FreeConfigurationSelection::Overlaps(const VectorXd& q) {
   std::vector<NearPair> overlaps;
   work_.finder.Pose(q);
-  for (const NearPair& near : work_.finder.Find(problem_.options.clearance, Depths::kSkipped)) {
+  for (const NearPair& near : work_.finder.Find(problem_.clearance, Depths::kSkipped)) {
     if (problem_.Overlaps(near, 0.0)) overlaps.push_back(near);
   }
   return overlaps;
@@ -174,7 +174,7 @@ VectorXd FreeConfigurationSelection::AtBaseOfInput(const VectorXd& pose) const {
 double FreeConfigurationSelection::Clearance(const VectorXd& q, double reach) {
   double clearance = reach;
   work_.finder.Pose(q);
-  for (const NearPair& near : work_.finder.Find(problem_.options.clearance + reach)) {
+  for (const NearPair& near : work_.finder.Find(problem_.clearance + reach)) {
     if (!problem_.tables.pairs[near.pair].moves) continue;
     clearance = std::min(clearance, near.distance - problem_.required[near.pair]);
   }

@@ -38,7 +38,7 @@ const std::vector<LinkPair>& SuccessivePerturbation::Overlaps(const VectorXd& q)
   const SceneTables& tables = problem_.tables;
   overlaps_.clear();
   work_.finder.Pose(q);
-  for (const NearPair& near : work_.finder.Find(problem_.options.clearance, Depths::kSkipped)) {
+  for (const NearPair& near : work_.finder.Find(problem_.clearance, Depths::kSkipped)) {
     if (!problem_.Overlaps(near, problem_.tolerances.accept)) continue;
     const KeptPair& pair = tables.pairs[near.pair];
     overlaps_.push_back({tree_.link_of_body[tables.model->geom_bodyid[pair.geom1]],

@@ -25,7 +25,8 @@ struct Tolerances {
 struct Problem {
   const SceneTables& tables;
   const Options& options;
-  double size;  // half of the geoms that may move have a smaller bounding radius [m]
+  double clearance;  // the largest distance that a pair must keep [m]
+  double size;       // half of the geoms that may move have a smaller bounding radius [m]
   Tolerances tolerances;
   ComponentSet without;  // Options::without
   MocapPoses mocap = {};

@@ -18,10 +18,11 @@ Tolerances::Tolerances(double tolerance, double scene_size)
 
 Workspace::Workspace(const SceneTables& tables, const Options& options)
     : norm(tables, options.metric),
-      finder(tables, options.clearance),
+      finder(tables, std::max(options.clearance, tables.largest_kept)),
       equality(tables),
       problem_{.tables = tables,
                .options = options,
+               .clearance = std::max(options.clearance, tables.largest_kept),
                .size = tables.size,
                .tolerances = Tolerances(options.tolerance, tables.size),
                .without = ComponentsNamed(options.without, options.method)} {
@@ -60,7 +61,7 @@ void Workspace::SetRequired() {
   const SceneTables& tables = problem_.tables;
   for (std::size_t k = 0; k < tables.pairs.size(); ++k) {
     const KeptPair& pair = tables.pairs[k];
-    double required = (pair.moves ? problem_.options.clearance : 0.0) - pair.allowed;
+    double required = pair.Required(problem_.options.clearance);
     if (pair.moves && finder.NeedsGap(static_cast<int>(k))) {
       required += problem_.tolerances.aim + problem_.tolerances.mesh_gap;
     }
@@ -70,7 +71,7 @@ void Workspace::SetRequired() {
 
 bool Workspace::Free(const VectorXd& q) {
   finder.Pose(q);
-  const std::vector<NearPair>& near = finder.Find(problem_.options.clearance, Depths::kSkipped);
+  const std::vector<NearPair>& near = finder.Find(problem_.clearance, Depths::kSkipped);
   const bool apart = std::none_of(near.begin(), near.end(), [this](const NearPair& n) {
     return problem_.Overlaps(n, problem_.tolerances.accept);
   });
@@ -80,8 +81,7 @@ bool Workspace::Free(const VectorXd& q) {
 const std::vector<NearPair>& Workspace::OverlapsAtInput() {
   overlaps_.clear();
   finder.Pose(problem_.q_in);
-  for (const NearPair& near :
-       finder.Find(problem_.options.clearance + problem_.options.tolerance)) {
+  for (const NearPair& near : finder.Find(problem_.clearance + problem_.options.tolerance)) {
     // What cannot be mended counts only if it cannot be accepted either.
     const double accepted =
         problem_.tables.pairs[near.pair].moves ? 0.0 : problem_.options.tolerance;

@@ -17,7 +17,7 @@ bool Search::Begin(const StrategyInput& input, Component hint_start) {
   TurnInsideLimits(problem_.tables, center_);
   depth_ = 0.0;
   for (const NearPair& near : input.overlaps) {
-    depth_ = std::max(depth_, problem_.options.clearance - near.distance);
+    depth_ = std::max(depth_, problem_.clearance - near.distance);
   }
   meshes_overlap_ = MeshesOverlap(input.overlaps);
   trials_.Begin(plan_, input, depth_, meshes_overlap_);

@@ -18,8 +18,7 @@ constexpr std::size_t kNamed = 8;  // <exclude> lines
 std::vector<int> OverlappingPairs(Workspace& work, const VectorXd& q) {
   std::vector<int> pairs;
   work.finder.Pose(q);
-  for (const NearPair& near :
-       work.finder.Find(work.problem().options.clearance, Depths::kSkipped)) {
+  for (const NearPair& near : work.finder.Find(work.problem().clearance, Depths::kSkipped)) {
     if (!near.local && work.problem().Overlaps(near, work.problem().tolerances.user))
       pairs.push_back(near.pair);
   }

@@ -39,7 +39,7 @@ struct MJCF_PDG_LOCAL MotionChecker::Impl {
   Impl(const Scene& s, const Options& o)
       : scene(s),
         options(o),
-        finder(scene.tables(), options.clearance),
+        finder(scene.tables(), std::max(options.clearance, scene.tables().largest_kept)),
         ccd(scene.tables(), finder),
         q0(scene.nq()),
         q1(scene.nq()) {
@@ -48,8 +48,7 @@ struct MJCF_PDG_LOCAL MotionChecker::Impl {
     const std::vector<KeptPair>& pairs = scene.tables().pairs;
     required.resize(static_cast<Eigen::Index>(pairs.size()));
     for (std::size_t k = 0; k < pairs.size(); ++k) {
-      const double clearance = pairs[k].moves ? options.clearance : 0.0;
-      required[static_cast<Eigen::Index>(k)] = clearance - pairs[k].allowed;
+      required[static_cast<Eigen::Index>(k)] = pairs[k].Required(options.clearance);
     }
     motion.pairs.reserve(pairs.size());
     if (options.rest > 0.0) {

@@ -41,7 +41,7 @@ void Reporter::Clear(Result& result) {
   result.reason.clear();
   result.contacts_in.clear();
   result.contacts.clear();
-  result.contacts_kept = 0;
+  result.contacts_kept = result.pushed_pairs = 0;
   result.stats = {};
 }
 
@@ -99,6 +99,7 @@ void Reporter::Answer(const Verdict& verdict, Result& result) const {
   result.min_distance = verdict.min_distance;
   result.certified = verdict.certified;
   result.equality_residual = verdict.equality_residual;
+  result.pushed_pairs = verdict.pushed_pairs;
   if (problem_.options.report_contacts) result.contacts = verdict.contacts;
 }
 

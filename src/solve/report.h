@@ -17,7 +17,7 @@ class Reporter {
   Reporter(Workspace& work, Verifier& verifier)
       : problem_(work.problem()), work_(work), verifier_(verifier) {}
 
-  // Empties `result`, keeping its memory.
+  // Resets `result`, keeping its memory.
   static void Clear(Result& result);
 
   // Asks the verifier about q_in. If it is free, the result is complete: returns true.

@@ -1,8 +1,10 @@
 #include "mjcf_pdg/scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <tuple>
 #include <utility>
 
 #include "base/names.h"
@@ -34,9 +36,10 @@ std::string OneLine(std::string text) {
   return text;
 }
 
-void RefuseUnsupported(const mjModel& m) {
-  if (m.nflex > 0) {
-    throw Error("flex " + QuotedNameOrId(m, mjOBJ_FLEX, 0) + " is not supported");
+void RefuseUnsupported(const mjModel& m, const SceneOptions& options) {
+  if (m.nflex > 0 && !options.ignore_flexes) {
+    throw Error("flex " + QuotedNameOrId(m, mjOBJ_FLEX, 0) +
+                " is not supported (--flex ignore leaves it out)");
   }
   if (m.njnt == 0) throw Error("the model has no joints: nothing can move");
 }
@@ -74,10 +77,29 @@ std::vector<char> FixedBodies(const mjModel* m, const std::vector<std::string>& 
   return fixed;
 }
 
+// The bodies that are nothing but vertices or nodes of a flex: they have slides only, and no geom.
+std::vector<int> BodiesOfFlexes(const mjModel& m) {
+  std::vector<int> bodies(m.flex_vertbodyid, m.flex_vertbodyid + m.nflexvert);
+  bodies.insert(bodies.end(), m.flex_nodebodyid, m.flex_nodebodyid + m.nflexnode);
+  std::erase_if(bodies, [&m](int body) {
+    const int* joints = m.jnt_type + m.body_jntadr[body];
+    return body == 0 || m.body_geomnum[body] > 0 ||
+           !std::all_of(joints, joints + m.body_jntnum[body],
+                        [](int type) { return type == mjJNT_SLIDE; });
+  });
+  return bodies;
+}
+
+bool HonoursDisabled(const mjModel& m, const SceneOptions& options, int flag) {
+  return options.model_flags && (m.opt.disableflags & (flag | mjDSBL_CONSTRAINT));
+}
+
 void FillJoints(SceneTables& tables, const SceneOptions& options) {
   const mjModel* m = tables.model;
   const std::vector<char> selected = SelectedBodies(m, options.movable);
-  const std::vector<char> fixed = FixedBodies(m, options.fixed);
+  std::vector<char> fixed = FixedBodies(m, options.fixed);
+  for (const int body : BodiesOfFlexes(*m)) fixed[body] = 1;
+  const bool limits = !HonoursDisabled(*m, options, mjDSBL_LIMIT);
   tables.column_of_dof.assign(m->nv, -1);
   tables.body_moves.assign(m->nbody, 0);
   for (int j = 0; j < m->njnt; ++j) {
@@ -91,7 +113,7 @@ void FillJoints(SceneTables& tables, const SceneOptions& options) {
     joint.vadr = m->jnt_dofadr[j];
     joint.col = tables.n;
     joint.ndof = joint.type == mjJNT_FREE ? 6 : joint.type == mjJNT_BALL ? 3 : 1;
-    joint.limited = m->jnt_limited[j] && joint.type != mjJNT_FREE;
+    joint.limited = limits && m->jnt_limited[j] && joint.type != mjJNT_FREE;
     joint.lo = m->jnt_range[2 * j];
     joint.hi = m->jnt_range[2 * j + 1];
     for (int k = 0; k < joint.ndof; ++k) tables.column_of_dof[joint.vadr + k] = tables.n++;
@@ -131,6 +153,7 @@ double TypicalSize(const SceneTables& tables) {
 // Settings that blind MuJoCo's collision detection are undone on a private struct.
 mjModel UnblindedCopy(const SceneTables& tables) {
   mjModel copy = *tables.model;
+  copy.nflex = 0;
   copy.opt.disableflags &= ~(mjDSBL_CONTACT | mjDSBL_CONSTRAINT | mjDSBL_NATIVECCD);
   copy.opt.enableflags &= ~(mjENBL_OVERRIDE | mjENBL_SLEEP | mjENBL_SPECULATIVE | mjENBL_IPC);
   copy.opt.ccd_iterations = std::max(copy.opt.ccd_iterations, 50);
@@ -156,6 +179,28 @@ void WarnOfEqualities(EqualityMode mode, SceneTables& tables) {
                             (left_out == 1 ? " equality constraint joins a mocap body and is"
                                            : " equality constraints join mocap bodies and are") +
                             " left out: --equality all holds them, too");
+}
+
+void WarnOfFlexes(SceneTables& tables) {
+  const mjModel& m = *tables.model;
+  for (int f = 0; f < m.nflex; ++f) {
+    tables.warnings.push_back("flex " + QuotedNameOrId(m, mjOBJ_FLEX, f) +
+                              " is left out: it collides with nothing, its vertices stay");
+  }
+}
+
+void WarnOfFlags(const SceneOptions& options, SceneTables& tables) {
+  const mjModel& m = *tables.model;
+  const std::array<std::tuple<int, const char*, const char*>, 3> flags = {
+      {{mjDSBL_CONTACT, "contact", "contacts"},
+       {mjDSBL_LIMIT, "limit", "joint limits"},
+       {mjDSBL_CONSTRAINT, "constraint", "contacts, limits and equality constraints"}}};
+  for (const auto& [flag, name, what] : flags) {
+    if (!(m.opt.disableflags & flag)) continue;
+    tables.warnings.push_back(
+        std::string("the model disables ") + what + " (<flag " + name + "=\"disable\"/>): they " +
+        (options.model_flags ? "do not count" : "count all the same, unless --flags model"));
+  }
 }
 
 // All pairs of geoms that the names mean, ascending.
@@ -184,7 +229,8 @@ void FillPairs(const SceneOptions& options, SceneTables& tables) {
   tables.body_pairs.clear();
   tables.body_spheres.clear();
   tables.has_contact_only_pairs = false;
-  FillKeptPairs(options.allow, tables);
+  tables.largest_kept = 0.0;
+  FillKeptPairs(options, tables);
   RefuseUnseenPairs(tables);
   BuildBvhs(tables);
   tables.support = std::make_shared<const SupportPoints>(*tables.model, tables.pairs);
@@ -196,7 +242,7 @@ void FillPairs(const SceneOptions& options, SceneTables& tables) {
 std::shared_ptr<const SceneTables> MakeTables(std::shared_ptr<const mjModel> owner,
                                               const mjModel* model, const SceneOptions& options) {
   CheckMujocoVersion();
-  RefuseUnsupported(*model);
+  RefuseUnsupported(*model, options);
   auto tables = std::make_shared<SceneTables>();
   tables->owner = std::move(owner);
   tables->model = model;
@@ -211,8 +257,12 @@ std::shared_ptr<const SceneTables> MakeTables(std::shared_ptr<const mjModel> own
     tables->ignored = FindPermanentOverlaps(*tables);
     if (!tables->ignored.empty()) FillPairs(options, *tables);
   }
-  tables->held_equalities = HeldEqualities(*model, options.equality);
-  WarnOfEqualities(options.equality, *tables);
+  const bool equalities = !(options.model_flags && (model->opt.disableflags & mjDSBL_CONSTRAINT));
+  const EqualityMode equality = equalities ? options.equality : EqualityMode::kIgnore;
+  tables->held_equalities = HeldEqualities(*model, equality);
+  WarnOfEqualities(equality, *tables);
+  WarnOfFlags(options, *tables);
+  WarnOfFlexes(*tables);
   return tables;
 }
 

@@ -133,7 +133,7 @@ void StartSelection::MarkDofsOfSomeContact(const VectorXd& q, Random& random) {
   touching_.clear();
   work_.finder.Pose(q);
   for (const NearPair& near :
-       work_.finder.Find(problem_.options.clearance + reach, Depths::kSkipped)) {
+       work_.finder.Find(problem_.clearance + reach, Depths::kSkipped)) {
     const bool touches = near.distance < problem_.required[near.pair] + reach;
     if (touches && tables.pairs[near.pair].moves) touching_.push_back(near.pair);
   }
@@ -329,7 +329,7 @@ std::span<const VectorXd> StartSelection::ConstrainedTranslation(
   if (own_.empty() || others_.empty()) return {};
   const Sphere A = Enclose(posed, own_, Vector3d::Zero(), problem_.size);
   const Sphere B = Enclose(posed, others_, A.center_W, problem_.size);
-  const double distance = A.radius + B.radius + problem_.options.clearance;
+  const double distance = A.radius + B.radius + problem_.clearance;
   const Vector3d d = (A.center_W - B.center_W).normalized();
   Vector3d projected = Vector3d::Zero();
   for (const FreeDirection& f : free_) projected += d.dot(f.a_W) * f.a_W;

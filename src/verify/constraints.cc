@@ -101,6 +101,7 @@ bool OnMocap(const mjModel& m, int e) {
 
 double CheckLimits(const mjModel& m, std::span<const double> q, std::vector<LimitExcess>& outside) {
   double largest = 0.0;
+  if (m.opt.disableflags & (mjDSBL_LIMIT | mjDSBL_CONSTRAINT)) return largest;
   for (int j = 0; j < m.njnt; ++j) {
     const int type = m.jnt_type[j];
     if (!m.jnt_limited[j] || type == mjJNT_FREE) continue;
@@ -119,9 +120,11 @@ double CheckLimits(const mjModel& m, std::span<const double> q, std::vector<Limi
   return largest;
 }
 
-std::vector<char> EqualitiesToHold(const mjModel& m, EqualityMode mode) {
+std::vector<char> EqualitiesToHold(const mjModel& m, const SceneOptions& options) {
   std::vector<char> hold(m.neq, 0);
-  const bool none = mode == EqualityMode::kIgnore || (m.opt.disableflags & mjDSBL_EQUALITY);
+  const EqualityMode mode = options.equality;
+  const int flags = mjDSBL_EQUALITY | (options.model_flags ? mjDSBL_CONSTRAINT : 0);
+  const bool none = mode == EqualityMode::kIgnore || (m.opt.disableflags & flags);
   for (int e = 0; e < m.neq && !none; ++e) {
     const int type = m.eq_type[e];
     if (IsJoin(type)) {

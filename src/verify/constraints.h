@@ -14,13 +14,14 @@
 namespace mjcf_pdg::verify {
 
 // Appends the joints that q (nq entries) puts outside their ranges by more than the verifier's own
-// kLimitTolerance, frozen joints too. Returns the largest excess of any joint, at least 0 [rad or
-// m]. The limit of a ball joint is on its total rotation angle, twist included.
+// kLimitTolerance, frozen joints too; none if m.opt disables limits. Returns the largest excess of
+// any joint, at least 0 [rad or m]. The limit of a ball joint is on its total rotation angle, twist
+// included.
 double CheckLimits(const mjModel& m, std::span<const double> q, std::vector<LimitExcess>& outside);
 
-// By equality constraint of the model: joint and tendon couplings, connects and welds that
-// SceneOptions::equality asks to hold, while they are active.
-std::vector<char> EqualitiesToHold(const mjModel& m, EqualityMode mode);
+// By equality constraint of the model: joint and tendon couplings, connects and welds that the
+// options ask to hold, while they are active.
+std::vector<char> EqualitiesToHold(const mjModel& m, const SceneOptions& options);
 
 // Appends the constraints, of those with an entry in `active`, that are violated by more than the
 // verifier's own kEqualityTolerance at the pose of `d`, for which mj_kinematics has run; where

@@ -100,13 +100,18 @@ bool ContactOnly(int type) { return type == mjGEOM_SDF || type == mjGEOM_HFIELD;
 
 std::vector<CheckedPair> FindPairs(const mjModel& m, const SceneOptions& options,
                                    const std::vector<char>& exact) {
+  const int no_contacts = mjDSBL_CONTACT | mjDSBL_CONSTRAINT;
+  if (options.model_flags && (m.opt.disableflags & no_contacts)) return {};
   const std::vector<std::vector<int>> joints = MovableJointsAbove(m, options);
   const Filter filter(m);
-  std::map<std::pair<int, int>, double> reach;  // margin + gap of the pairs of geoms (low, high)
+  struct Reach {
+    double margin, gap;
+  };
+  std::map<std::pair<int, int>, Reach> reach;  // of the pairs of geoms (low, high)
   for (int k = 0; k < m.npair; ++k) {
     if (!filter.HasCollisionFunction(m.pair_geom1[k], m.pair_geom2[k])) continue;
     const auto [low, high] = std::minmax(m.pair_geom1[k], m.pair_geom2[k]);
-    reach.try_emplace({low, high}, m.pair_margin[k] + m.pair_gap[k]);
+    reach.try_emplace({low, high}, Reach{m.pair_margin[k], m.pair_gap[k]});
   }
   std::map<std::pair<int, int>, bool> kept_bodies;
   for (int a = 0; a < m.ngeom; ++a) {
@@ -117,15 +122,16 @@ std::vector<CheckedPair> FindPairs(const mjModel& m, const SceneOptions& options
       if (is_new) known->second = filter.KeepsBodies(m.geom_bodyid[a], m.geom_bodyid[b]);
       if (!known->second || !filter.HasCollisionFunction(a, b)) continue;
       reach.try_emplace({a, b},
-                        m.geom_margin[a] + m.geom_margin[b] + m.geom_gap[a] + m.geom_gap[b]);
+                        Reach{m.geom_margin[a] + m.geom_margin[b], m.geom_gap[a] + m.geom_gap[b]});
     }
   }
   std::vector<CheckedPair> pairs;
-  for (const auto& [geoms, margin_and_gap] : reach) {
+  for (const auto& [geoms, of_model] : reach) {
     CheckedPair pair;
     std::tie(pair.geom1, pair.geom2) = geoms;
     if (m.geom_type[pair.geom1] > m.geom_type[pair.geom2]) std::swap(pair.geom1, pair.geom2);
-    pair.allowed = std::max(0.0, -margin_and_gap);
+    pair.allowed = std::max(0.0, -(of_model.margin + of_model.gap));
+    pair.margin = of_model.margin;
     pair.contact_only =
         ContactOnly(m.geom_type[geoms.first]) || ContactOnly(m.geom_type[geoms.second]);
     pair.exact = !pair.contact_only && (exact[geoms.first] || exact[geoms.second]);

@@ -25,6 +25,7 @@ bool ContactOnly(int type);
 struct CheckedPair {
   int geom1 = 0, geom2 = 0;   // ids, ordered by type (mjtGeom), then by id
   double allowed = 0.0;       // overlap that a negative margin + gap allows [m], >= 0
+  double margin = 0.0;        // nearer than this MuJoCo pushes on the pair [m]
   bool contact_only = false;  // one of the geoms is ContactOnly
   bool exact = false;         // not contact_only, and a mesh of it collides as its triangles
   bool separable = true;      // some movable joint lies between the two geoms

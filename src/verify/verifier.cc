@@ -50,6 +50,7 @@ Verifier::Verifier(std::shared_ptr<const VerifierModel> model, const Options& op
     : shared_(std::move(model)),
       tolerance_(options.tolerance),
       clearance_(options.clearance),
+      reach_(std::max(clearance_, shared_->keeps_margins ? shared_->largest_margin : 0.0)),
       rest_(options.rest),
       range_(range),
       model_(shared_->unblinded),
@@ -82,8 +83,8 @@ void Verifier::SetActive(std::span<const mjtBool> active) {
 
 // Sets the margins and gaps of the private model to zero. MuJoCo detects contacts nearer than
 // margin + gap; the overlap that a negative sum allows is in CheckedPair::allowed. Geoms without
-// signed distances get the clearance as their margin, because only a contact can tell that a pair
-// is nearer.
+// signed distances get the largest required distance as their margin, because only a contact can
+// tell that a pair is nearer.
 void Verifier::NeutraliseMargins() {
   geom_margin_.assign(model_.ngeom, 0.0);
   body_margin_.assign(model_.nbody, 0.0);
@@ -91,13 +92,13 @@ void Verifier::NeutraliseMargins() {
   no_gap_.assign(std::max(model_.ngeom, model_.npair), 0.0);
   for (int g = 0; g < model_.ngeom; ++g) {
     if (!verify::ContactOnly(model_.geom_type[g])) continue;
-    geom_margin_[g] = clearance_;
-    body_margin_[model_.geom_bodyid[g]] = clearance_;
+    geom_margin_[g] = reach_;
+    body_margin_[model_.geom_bodyid[g]] = reach_;
   }
   for (int k = 0; k < model_.npair; ++k) {
     if (verify::ContactOnly(model_.geom_type[model_.pair_geom1[k]]) ||
         verify::ContactOnly(model_.geom_type[model_.pair_geom2[k]])) {
-      pair_margin_[k] = clearance_;
+      pair_margin_[k] = reach_;
     }
   }
   model_.geom_margin = geom_margin_.data();
@@ -131,10 +132,11 @@ void Verifier::SetMocap(std::span<const double> pos, std::span<const double> qua
   UpdateRest({});
 }
 
-// The least signed distance [m] of a pair that does not rest: the clearance (0 if no movable joint
-// can separate the pair) less the overlap that the model allows.
+// The least signed distance [m] of a pair that does not rest: the clearance or the margin that is
+// kept (0 if no movable joint can separate the pair) less the overlap that the model allows.
 double Verifier::Usual(const CheckedPair& pair) const {
-  return (pair.separable ? clearance_ : 0.0) - pair.allowed;
+  if (!pair.separable) return -pair.allowed;
+  return std::max(clearance_, shared_->keeps_margins ? pair.margin : 0.0) - pair.allowed;
 }
 
 double Verifier::DepthAtRest(int geom1, int geom2) const {
@@ -297,6 +299,7 @@ const Verdict& Verifier::Check(std::span<const double> q, std::span<const double
                                Depths depths, verify::Words words) {
   verdict_.free = false;
   verdict_.contacts.clear();
+  verdict_.pushed_pairs = 0;
   violations_ = {};
   if (!SetRest(q, q_in)) {
     violations_.not_a_number = true;
@@ -321,7 +324,7 @@ const Verdict& Verifier::Check(std::span<const double> q, std::span<const double
 // Measures the pairs in ascending order of the lower bounds of their distances. It ends at the
 // first bound above both the least distance so far and what freeness requires.
 void Verifier::CheckPairs(Depths depths) {
-  const double matters = tolerance_ + clearance_;
+  const double matters = std::max(tolerance_ + reach_, shared_->largest_margin);
   order_.clear();
   for (int k = 0; k < static_cast<int>(shared_->pairs.size()); ++k) {
     if (shared_->pairs[k].contact_only) continue;
@@ -338,6 +341,8 @@ void Verifier::CheckPairs(Depths depths) {
     const Reading reading = Read(k, cutoff, asked);
     if (reading.distance >= cutoff) continue;
     verdict_.min_distance = std::min(verdict_.min_distance, reading.distance);
+    verdict_.pushed_pairs +=
+        posed.pair.margin > 0.0 && reading.distance < posed.pair.margin - tolerance_;
     const double needed = required_[k] - tolerance_;
     Proof proof = Proof::kPlane;
     if (posed.pair.exact) {

@@ -120,7 +120,7 @@ class Verifier {
   void FindDisputes();
 
   const std::shared_ptr<const VerifierModel> shared_;
-  const double tolerance_, clearance_, rest_, range_;  // [m]
+  const double tolerance_, clearance_, reach_, rest_, range_;  // [m]; reach_: the largest required
   std::vector<mjtNum> geom_margin_, body_margin_, pair_margin_, no_gap_;
   mjModel model_;  // copy of shared_->unblinded whose margins and gaps are the arrays above
   struct DataDeleter {

@@ -86,9 +86,11 @@ ConvexShape ShapeOf(const mjModel& m, int geom) {
   return shape;
 }
 
-mjModel Unblinded(const mjModel& m, const std::vector<CheckedPair>& pairs) {
+mjModel Unblinded(const mjModel& m, const std::vector<CheckedPair>& pairs, bool model_flags) {
   mjModel copy = m;
-  copy.opt.disableflags &= ~(mjDSBL_CONTACT | mjDSBL_CONSTRAINT | mjDSBL_NATIVECCD);
+  copy.nflex = 0;  // flexes collide with nothing
+  copy.opt.disableflags &= ~mjDSBL_NATIVECCD;
+  if (!model_flags) copy.opt.disableflags &= ~(mjDSBL_CONTACT | mjDSBL_LIMIT | mjDSBL_CONSTRAINT);
   // One contact per pair is enough to detect an overlap. With several, MuJoCo 4.0.1 ends the
   // process at some poses: "collision function returned 4 contacts, expected at most 2".
   copy.opt.disableflags |= mjDSBL_MULTICCD;
@@ -180,17 +182,19 @@ VerifierModel::VerifierModel(std::shared_ptr<const mjModel> model_owner, const m
       exact(ExactGeoms(m, options).Take()),
       pairs(verify::FindPairs(m, options, exact)),
       left_out(verify::PairsLeftOut(m, options, ignored)),
-      equalities(verify::EqualitiesToHold(m, options.equality)) {
+      equalities(verify::EqualitiesToHold(m, options)),
+      keeps_margins(options.keep_margins) {
   std::erase_if(pairs, [this](const CheckedPair& pair) {
     return left_out.contains(std::minmax(pair.geom1, pair.geom2));
   });
-  unblinded = Unblinded(m, pairs);
+  unblinded = Unblinded(m, pairs, options.model_flags);
   std::map<int, std::shared_ptr<const VertexTree>> trees;  // by mesh
   shapes.resize(m.ngeom);
   std::vector<char> has_shape(m.ngeom);
   double largest = 0.0;  // extent of the largest box or mesh of an exact pair [m]
   for (const CheckedPair& pair : pairs) {
     has_contact_only_pairs |= pair.contact_only;
+    largest_margin = std::max(largest_margin, pair.margin);
     for (const int g : {pair.geom1, pair.geom2}) {
       const int type = m.geom_type[g];
       if (!has_shape[g]) {

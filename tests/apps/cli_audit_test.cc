@@ -119,7 +119,7 @@ TEST_F(CliAuditTest, EqualitiesAndFlagsAreSeen) {
   const Json audit = Audit({"model.xml"}, 3);
   EXPECT_EQ(audit["keyframes"][0]["equality_residual"], 0.0);
   EXPECT_NEAR(audit["keyframes"][1]["equality_residual"].get<double>(), 0.25, 1e-9);
-  EXPECT_THAT(audit["warnings"].dump(), HasSubstr("contacts are disabled"));
+  EXPECT_THAT(audit["warnings"].dump(), HasSubstr("the model disables contacts"));
 }
 
 TEST_F(CliAuditTest, SeveralModelsAndOneThatIsBroken) {

@@ -25,11 +25,6 @@ constexpr char kMocap[] = R"(<mujoco><worldbody>
   <keyframe><key name="far" mpos="0 0 3"/><key name="near" mpos="-.15 0 0"/><key name="again"/>
   </keyframe></mujoco>)";
 
-constexpr char kTwoBalls[] = R"(<mujoco><worldbody>
-  <body name="a"><joint name="ja" type="slide"/><geom size=".1"/></body>
-  <body name="b" pos="1 0 0"><joint name="jb" type="slide"/><geom size=".1"/></body></worldbody>
-  <equality><joint name="couple" joint1="ja" joint2="jb"/></equality></mujoco>)";
-
 std::string Rows(int n) {
   std::string text;
   Random random(7);
@@ -77,7 +72,7 @@ TEST_F(CliTest, AJsonLineHasEveryField) {
   for (const char* field :
        {"index", "status", "qpos_in", "qpos", "sigma", "rms", "sigma_lower_bound", "depth_in",
         "min_distance", "iterations", "collision_queries", "time_us", "start", "contacts_in",
-        "contacts", "contacts_kept", "certified"}) {
+        "contacts", "contacts_kept", "certified", "geometry", "proven"}) {
     for (const Json& line : lines) EXPECT_TRUE(line.contains(field)) << field;
   }
   EXPECT_EQ(lines[0]["index"], 0);
@@ -175,44 +170,6 @@ TEST_F(CliTest, KeyframesMoveMocapBodies) {
   EXPECT_EQ(lines[2]["status"], "already_free");  // mocap at the body's own place
   EXPECT_EQ(Run({"check", "mocap.xml", "--key", "near"}).exit_code, 3);
   EXPECT_EQ(Run({"check", "mocap.xml", "--key", "far"}).exit_code, 0);
-}
-
-TEST_F(CliTest, EqualitiesAreHeldOrIgnored) {
-  Write("coupled.xml", kTwoBalls);
-  const nlohmann::json held = SolveJson({"coupled.xml", "--qpos", "0 1"})[0];
-  EXPECT_EQ(held["status"], "solved");
-  EXPECT_EQ(held["equality_residual_in"], 1.0);
-  EXPECT_LE(held["equality_residual"], 1e-6);
-  EXPECT_NEAR(held["qpos"][0].get<double>(), held["qpos"][1].get<double>(), 1e-6);
-  const nlohmann::json ignored =
-      SolveJson({"coupled.xml", "--qpos", "0 1", "--equality", "ignore"})[0];
-  EXPECT_EQ(ignored["status"], "already_free");
-  EXPECT_FALSE(ignored.contains("equality_residual"));
-  const Outcome check = Run({"check", "coupled.xml", "--qpos", "0 1"});
-  EXPECT_EQ(check.exit_code, 3);
-  EXPECT_NE(check.out.find("'couple' is violated by 1"), std::string::npos) << check.out;
-  EXPECT_EQ(Run({"check", "coupled.xml", "--qpos", "0 1", "--equality", "ignore"}).exit_code, 0);
-  ExpectRefused({"solve", "coupled.xml", "--equality", "some"}, "--equality");
-  ExpectRefused({"solve", "coupled.xml", "--method", "paper"}, "couple");
-  EXPECT_EQ(Run({"norm", "coupled.xml", "--from", "0 0", "--to", "0 1"}).exit_code, 0);
-}
-
-TEST_F(CliTest, PairsAreExcludedAllowedAndCounted) {
-  const nlohmann::json excluded =
-      SolveJson({"scene.xml", "--key", "deep", "--exclude", "wall,ball"})[0];
-  EXPECT_EQ(excluded["status"], "already_free");
-  const nlohmann::json allowed =
-      SolveJson({"scene.xml", "--key", "deep", "--allow", "wall,sphere=.02"})[0];
-  EXPECT_NEAR(allowed["qpos"][1].get<double>(), 0.03, 1e-5);
-  EXPECT_EQ(allowed["contacts_kept"], 1);
-  EXPECT_FALSE(allowed.contains("ignored"));
-  const nlohmann::json fixed = SolveJson({"scene.xml", "--key", "deep", "--ignore-permanent"})[0];
-  EXPECT_FALSE(fixed.contains("ignored"));
-  ExpectRefused({"solve", "scene.xml", "--exclude", "wall"}, "--exclude");
-  ExpectRefused({"solve", "scene.xml", "--exclude", "wall,nobody"}, "'nobody'");
-  ExpectRefused({"solve", "scene.xml", "--allow", "wall,ball"}, "DEPTH");
-  ExpectRefused({"solve", "scene.xml", "--allow", "wall,ball=x"}, "--allow");
-  ExpectRefused({"solve", "scene.xml", "--fixed", "ball"}, "no joint may move");
 }
 
 TEST_F(CliTest, CheckTellsPairsDepthsAndLimits) {

@@ -91,6 +91,27 @@ TEST_F(BudgetTest, QueriesOfTheHullStageCount) {
   EXPECT_GT(spent, 10);
 }
 
+// The paper's method looks at its budget between configurations too: while it perturbs, projects
+// and corrects. The translations of one selection, and the samples of a projection, are whole
+// steps.
+TEST_F(BudgetTest, QueriesEndThePapersMethodToo) {
+  int spent = 0;
+  for (const Case& c : RandomCases()) {
+    for (const Q& q : c.overlapping) {
+      Solver all(c.scene, {.method = Method::kPaper});
+      const int unbounded = all.Solve(q).stats.collision_queries;
+      for (const int budget : {1, 3, 10, 30}) {
+        Solver solver(c.scene, {.method = Method::kPaper});
+        solver.SetBudget({.queries = budget});
+        const Result result = solver.Solve(q);
+        EXPECT_LE(result.stats.collision_queries, budget + 6) << unbounded;
+        spent += unbounded > budget + 6;
+      }
+    }
+  }
+  EXPECT_GT(spent, 60) << "solves that would have taken more";
+}
+
 TEST_F(BudgetTest, WhatIsCalledSolvedIsFreeAndTheRestSaysWhy) {
   int solved = 0, unsolved = 0;
   for (const Case& c : RandomCases()) {

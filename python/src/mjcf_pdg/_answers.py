@@ -48,6 +48,8 @@ class Result:
     """The same by q."""
     contacts_kept: int
     """Of the contacts at q_in, those whose geoms are still within 1 mm of each other at q."""
+    pushed_pairs: int
+    """Pairs nearer at q than their margin in the model, on which MuJoCo still pushes."""
     certified: bool
     """That q is free rests on signed distances: no SDF geom and no height field is in the scene."""
     proven: bool
@@ -147,6 +149,8 @@ class Verdict:
     """The largest violation of a joint limit [rad or m]."""
     equality_residual: float
     """The largest violation of a held equality constraint [m or rad]."""
+    pushed_pairs: int
+    """Pairs nearer than their margin in the model, on which MuJoCo pushes although they are apart."""
     contacts: list[Contact]
     """Pairs that are nearer than the tolerance or than required, deepest first."""
     reason: str

@@ -28,9 +28,11 @@ class VerifyOptions(_SceneOptions, total=False):
     allow: dict[str | tuple[str, str], float] | None
     ignore_permanent: bool
     equality: typing.Literal["hold", "all", "ignore"]
+    flags: typing.Literal["all", "model"]
+    flex: typing.Literal["refuse", "ignore"]
     exact_mesh: bool
     tolerance: float
-    clearance: float
+    clearance: float | typing.Literal["model"]
     rest: float
     mocap_pos: npt.ArrayLike | None
     mocap_quat: npt.ArrayLike | None
@@ -133,7 +135,8 @@ def solve(model, qpos, *, threads=1, progress=False, **options):
       exact_mesh: meshes collide as their triangles: those that the model marks, or all.
       metric: "sequential", the paper's norm, or "displacement", the true mean squared displacement.
       tolerance: overlap that still counts as free [m], default 1e-6.
-      clearance: distance to keep between pairs that can move apart [m], default 0.
+      clearance: distance to keep between pairs that can move apart [m], default 0; "model": each
+        pair's margin, within which MuJoCo pushes on it.
       rest: contacts of qpos no deeper than this may keep their depth [m], default 0.
       method: "auto", a search over many starts, or "paper", the paper's sequence of steps.
       effort: "fast", "default" or "max": how many starts are tried.
