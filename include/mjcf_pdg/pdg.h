@@ -22,6 +22,7 @@
 #include "mjcf_pdg/motion.h"
 #include "mjcf_pdg/object_norm.h"
 #include "mjcf_pdg/scene.h"
+#include "mjcf_pdg/tracker.h"
 #include "mjcf_pdg/types.h"
 
 struct mjData_;

@@ -162,6 +162,7 @@ struct Result {
   // Pairs that are nearer at q than their margin in the model, so that MuJoCo still pushes on them,
   // if the options ask for contacts or distances. SceneOptions::keep_margins leaves none.
   int pushed_pairs = 0;
+  bool switched = false;  // Tracker: the answer has left its optimum for another
   Stats stats;
 };
 

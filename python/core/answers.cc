@@ -104,6 +104,7 @@ nb::dict ToDict(const Scene& scene, const Result& result) {
   d["equality_residual"] = result.equality_residual;
   d["contacts_kept"] = result.contacts_kept;
   d["pushed_pairs"] = result.pushed_pairs;
+  d["switched"] = result.switched;
   d["certified"] = result.certified;
   d["proven"] = IsProven(result);
   d["start"] = Text(result.start);

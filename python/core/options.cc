@@ -1,5 +1,6 @@
 #include "options.h"
 
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <string>
@@ -196,6 +197,15 @@ const Row kTable[] = {
     MJCF_PDG_ROW(report_contacts, kSolve, options.report_contacts),
     MJCF_PDG_ROW(report_lower_bound, kSolve, options.report_lower_bound),
     MJCF_PDG_ROW(report_distances_to, kSolve, options.report_distances_to),
+    {"queries", kTrack,
+     [](const std::string& n, nb::handle v, Asked& a) {
+       std::uint64_t queries = 0;
+       Read(n, v, queries);
+       a.track.queries = static_cast<int>(std::min<std::uint64_t>(queries, 1 << 30));
+     }},
+    MJCF_PDG_ROW(switch_gain, kTrack, track.switch_gain),
+    MJCF_PDG_ROW(max_step, kTrack, track.max_step),
+    MJCF_PDG_ROW(certify_motion, kTrack, track.certify_motion),
 };
 
 #undef MJCF_PDG_ROW

@@ -5,6 +5,7 @@
 #include <nanobind/nanobind.h>
 
 #include "mjcf_pdg/scene.h"
+#include "mjcf_pdg/tracker.h"
 #include "mjcf_pdg/types.h"
 
 namespace mjcf_pdg::python {
@@ -16,11 +17,13 @@ enum Users : unsigned {
   kNorm = 1,    // what may move and how it is measured
   kVerify = 2,  // what counts as free
   kSolve = 4,
+  kTrack = 8,
 };
 
 struct Asked {
   SceneOptions scene;
   Options options;
+  TrackOptions track;  // but for its `options`
 };
 
 // As the command line asks: contacts, and distances up to a metre.

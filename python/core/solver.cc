@@ -14,6 +14,15 @@ Asked Read(const nb::kwargs& given) {
   return asked;
 }
 
+// What costs time is not reported in every tick, unless it is asked for.
+Asked ReadForTracker(const nb::kwargs& given) {
+  Asked asked;
+  asked.options.report_lower_bound = false;
+  ReadOptions(given, kNorm | kVerify | kSolve | kTrack, asked);
+  asked.track.options = asked.options;
+  return asked;
+}
+
 }  // namespace
 
 SharedSolver::SharedSolver(nb::handle model, const Asked& asked)
@@ -54,7 +63,33 @@ void SharedSolver::Reset() {
   Alone([&] { solver_.Reset(); });
 }
 
+SharedTracker::SharedTracker(nb::handle model, const Asked& asked)
+    : model_(ReadModel(model, asked.scene)),
+      tracker_(CallLibrary([&] { return Tracker(model_.scene, asked.track); })) {}
+
+SharedTracker::SharedTracker(nb::handle model, const nb::kwargs& options)
+    : SharedTracker(model, ReadForTracker(options)) {}
+
+nb::dict SharedTracker::Step(nb::handle qpos, nb::handle data) {
+  const std::vector<double> q = ReadConfiguration(qpos, "qpos", model_.scene.nq());
+  const mjData* const obstacles = data.is_none() ? nullptr : ReadData(model_, data);
+  Result result;
+  Alone([&] { obstacles ? tracker_.Step(obstacles, q, result) : tracker_.Step(q, result); });
+  return ToDict(model_.scene, result);
+}
+
+void SharedTracker::Reset(nb::handle qpos) {
+  const std::vector<double> q = ReadConfiguration(qpos, "qpos", model_.scene.nq());
+  Alone([&] { tracker_.Reset(q); });
+}
+
 void BindSolver(nb::module_& m) {
+  nb::class_<SharedTracker>(m, "Tracker")
+      .def(nb::init<nb::handle, nb::kwargs>(), "model"_a.none(), "options"_a)
+      .def_prop_ro("model", &SharedTracker::model, "The mujoco.MjModel that is tracked in.")
+      .def("_step", &SharedTracker::Step, "qpos"_a.none(), "data"_a.none())
+      .def("reset", &SharedTracker::Reset, "qpos"_a.none(),
+           "Says where the follower stands now, qpos (nq,): the next answer is sought from there.");
   nb::class_<SharedSolver>(m, "Solver")
       .def(nb::init<nb::handle, nb::kwargs>(), "model"_a.none(), "options"_a)
       .def_prop_ro("model", &SharedSolver::model, "The mujoco.MjModel that is solved for.")

@@ -44,6 +44,33 @@ class SharedSolver {
   Solver solver_;
 };
 
+// Tracker for Python, in the same way.
+class SharedTracker {
+ public:
+  SharedTracker(nb::handle model, const nb::kwargs& options);
+
+  // `data` may be None.
+  nb::dict Step(nb::handle qpos, nb::handle data);
+  void Reset(nb::handle qpos);
+  nb::object model() const { return model_.owner; }
+
+ private:
+  SharedTracker(nb::handle model, const Asked& asked);
+
+  template <typename Function>
+  auto Alone(const Function& function) {
+    return CallLibrary([&] {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      return function();
+    });
+  }
+
+  const Model model_;
+  std::mutex mutex_;
+  Tracker tracker_;
+};
+
+// Both.
 void BindSolver(nb::module_& m);
 
 }  // namespace mjcf_pdg::python

@@ -160,6 +160,26 @@ inline constexpr double kLargestTurn = 0.5;  // of a joint in one of them [rad]
 inline constexpr double kRank = 1e-9;
 }  // namespace equality
 
+// Following an optimum from one command to the next (track/). Measured by bench/track_bench.
+namespace track {
+// Steps of a tick's descent from the last answer where that is free; where it is not; and of one
+// that keeps distances in full, where the verifier refuses what the first found.
+inline constexpr int kFollowSteps = 2, kRepairSteps = 8, kRetreatSteps = 4;
+// An answer moves by at most this many times what the command moved [1], and this [size], in steps
+// of the descent; farther than the second number times, it has jumped.
+inline constexpr double kReach = 6.0, kNoise = 1e-5, kJump = 8.0;
+// Pairs within this have rows in a tick's descent [size]; a quarter of the usual, since it is
+// short.
+inline constexpr double kMargin = 0.03;
+// Queries of a tick that are kept for the verifier, and the fewest that leave something to follow
+// with.
+inline constexpr int kReserve = 2, kFewestQueries = 6;
+// Another optimum is sought in one of so many ticks, in so many of them from one start.
+inline constexpr int kSearchEvery = 3, kSlices = 8;
+// A way that leads no farther than this share of it is blocked [1].
+inline constexpr double kLeastShare = 1e-3;
+}  // namespace track
+
 // When a search ends (search/stopping_rule.cc).
 namespace stopping {
 inline constexpr double kSameAnswer = 1.01;  // two answers are the same up to this ratio of their σ

@@ -104,7 +104,7 @@ void LocalOptimization::Keep(const Iterate& it, LocalResult& result) const {
 
 // Linearizes at the current iterate and makes one step from there, to the trial.
 void LocalOptimization::Step(Descent& d) {
-  const double margin = tune::kFirstMargin * problem_.size;
+  const double margin = d.options.margin * problem_.size;
   if (!d.finder_at_current) work_.finder.Pose(d.current.q);
   step_.Linearize(d.current.q, d.current.near,
                   {.margin = margin, .aim = aim_, .safety_margin = safety_margin_});
@@ -250,8 +250,8 @@ void LocalOptimization::Begin(const VectorXd& q, const LocalOptions& options, De
   next_ = q;
   ClampToLimits(problem_.tables, next_);
   work_.equality.Project(next_);
-  Look(next_, tune::kFirstMargin * problem_.size, d.current);
-  Evaluate(tune::kFirstMargin * problem_.size, d.current);
+  Look(next_, options.margin * problem_.size, d.current);
+  Evaluate(options.margin * problem_.size, d.current);
   scale_ = std::max(problem_.size, tune::kSizePerDepth * d.current.worst) / tune::kDeskSize;
   mu_ = tune::kFirstPenalty * scale_;
   d.radius = d.largest_radius = std::min(d.options.trust_radius * scale_, d.options.largest_step);

@@ -35,6 +35,7 @@ struct LocalOptions {
   // ones, up to largest_step.
   double trust_radius = tuning::descent::kTrustRadius;
   double largest_step = kInfinity;
+  double margin = tuning::descent::kFirstMargin;  // pairs within it have rows from the start [size]
   double convergence = tuning::descent::kConvergence;  // a smaller relative decrease of σ ends it
   Depths depths = Depths::kMeasured;  // how carefully depths of exact meshes are measured
   int last_chances = tuning::descent::kLastChances;  // exact meshes: steps without a lower σ end it

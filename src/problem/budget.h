@@ -40,6 +40,8 @@ class BudgetMeter {
   void Charge(std::int64_t queries) {
     if (last_query_ != kNoLimit) last_query_ -= queries;
   }
+  // How many queries are left when the finder has counted `queries`.
+  std::int64_t Left(std::int64_t queries) const { return last_query_ - queries; }
   // Whether the budget is spent when the finder has counted `queries`.
   bool Spent(std::int64_t queries) const { return queries >= last_query_ || Late(); }
   // Whether `share` of the budget in seconds is spent; false, without reading the clock, if there

@@ -42,31 +42,44 @@ void Reporter::Clear(Result& result) {
   result.contacts_in.clear();
   result.contacts.clear();
   result.contacts_kept = result.pushed_pairs = 0;
+  result.switched = false;
   result.stats = {};
 }
 
 bool Reporter::Input(const std::vector<double>& q_in, Result& result) {
+  const bool free = Reports() ? MeasureInput(q_in, result) : verifier_.IsFree(q_in, q_in);
+  result.equality_residual_in = verifier_.verdict().equality_residual;
+  if (free) FillFree(q_in, result);
+  return free;
+}
+
+void Reporter::AlreadyFree(const std::vector<double>& q_in, Result& result) {
+  if (Reports()) MeasureInput(q_in, result);
+  FillFree(q_in, result);
+}
+
+// What is to be reported of q_in.
+bool Reporter::MeasureInput(const std::vector<double>& q_in, Result& result) {
+  const Verdict& verdict =
+      verifier_.Check(q_in, q_in, verify::Depths::kMeasured, verify::Words::kSkipped);
+  result.depth_in = verdict.min_distance;
+  result.limit_excess_in = verdict.limit_excess;
+  if (problem_.options.report_contacts) result.contacts_in = verdict.contacts;
+  return verdict.free;
+}
+
+// The verifier was last asked about q_in.
+void Reporter::FillFree(const std::vector<double>& q_in, Result& result) {
   if (Reports()) {
-    const Verdict& verdict =
-        verifier_.Check(q_in, q_in, verify::Depths::kMeasured, verify::Words::kSkipped);
-    result.depth_in = verdict.min_distance;
-    result.limit_excess_in = verdict.limit_excess;
-    result.equality_residual_in = verdict.equality_residual;
-    if (problem_.options.report_contacts) result.contacts_in = verdict.contacts;
-    if (!verdict.free) return false;
-    Answer(verdict, result);
+    Answer(verifier_.verdict(), result);
     CountKeptContacts(result);
   } else {
-    const bool free = verifier_.IsFree(q_in, q_in);
-    result.equality_residual_in = verifier_.verdict().equality_residual;
-    if (!free) return false;
     AnswerUnmeasured(result);
     result.depth_in = result.min_distance;
   }
   result.status = Status::kAlreadyFree;
   result.q = q_in;
   result.start = NameOf(Component::kNone);
-  return true;
 }
 
 void Reporter::Overlaps(const std::vector<NearPair>& overlaps, Result& result) const {
@@ -88,6 +101,15 @@ void Reporter::Solved(const std::vector<double>& q_in, const std::vector<double>
   } else {
     AnswerUnmeasured(result);
   }
+}
+
+void Reporter::SolvedBeside(const std::vector<double>& q_in, const std::vector<double>& q,
+                            Component start, Result& result) {
+  if (Reports()) {
+    MeasureInput(q_in, result);
+    result.equality_residual_in = verifier_.verdict().equality_residual;
+  }
+  Solved(q_in, q, start, result);
 }
 
 double Reporter::Sigma(const std::vector<double>& q) {

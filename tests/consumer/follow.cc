@@ -4,13 +4,12 @@
 #include <mujoco/mujoco.h>
 
 #include <cstdio>
-#include <stdexcept>
 #include <vector>
 
 // A ball on a slide that is told to sink into the floor, a little deeper each tick.
 struct Arm {
-  bool NextCommand(mjData* data) {
-    data->qpos[0] = -0.01 * static_cast<double>(height.size());
+  bool NextCommand(std::vector<double>& command, const mjData*) {
+    command = {-0.01 * static_cast<double>(height.size())};
     return height.size() < 10;
   }
   void MoveTo(const std::vector<double>& q) { height.push_back(q[0]); }
@@ -22,8 +21,9 @@ struct Arm {
 
 bool FollowsCommandsWithoutTouching(const mjModel* model) {
   mjData* data = mj_makeData(model);
+  data->qpos[0] = 0.03;
   Arm arm;
-  Follow(model, data, {0.5}, arm);
+  Follow(model, data, arm);
   mj_deleteData(data);
   bool apart = arm.height.size() == 10;
   for (const double height : arm.height) apart = apart && height > 0.02 - 2e-6;

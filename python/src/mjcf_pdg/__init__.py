@@ -15,7 +15,7 @@ _libmujoco.share()
 
 from mjcf_pdg._answers import Contact, Motion, Result, Results, Verdict  # noqa: E402
 from mjcf_pdg._core import __version__  # noqa: E402
-from mjcf_pdg._functions import Solver, audit, check_motion, object_norm, solve, verify  # noqa: E402
+from mjcf_pdg._functions import Solver, Tracker, audit, check_motion, object_norm, solve, verify  # noqa: E402
 
 if typing.TYPE_CHECKING:
     from mjcf_pdg._gymnasium import RepairOnReset
@@ -26,6 +26,7 @@ __all__ = [
     "Result",
     "Results",
     "Solver",
+    "Tracker",
     "Verdict",
     "__version__",
     "audit",

@@ -50,6 +50,8 @@ class Result:
     """Of the contacts at q_in, those whose geoms are still within 1 mm of each other at q."""
     pushed_pairs: int
     """Pairs nearer at q than their margin in the model, on which MuJoCo still pushes."""
+    switched: bool
+    """Of a Tracker: the answer has left its optimum for another."""
     certified: bool
     """That q is free rests on signed distances: no SDF geom and no height field is in the scene."""
     proven: bool

@@ -34,6 +34,16 @@ class Solver:
     def reset(self) -> None:
         """Forgets every earlier solve, which matters with trajectory=True. Hint and budget stay."""
 
+class Tracker:
+    def __init__(self, model: mujoco.MjModel, **options: typing.Any) -> None: ...
+    @property
+    def model(self) -> mujoco.MjModel:
+        """The mujoco.MjModel that is tracked in."""
+
+    def _step(self, qpos: npt.ArrayLike, data: mujoco.MjData | None) -> dict[str, typing.Any]: ...
+    def reset(self, qpos: npt.ArrayLike) -> None:
+        """Says where the follower stands now, qpos (nq,): the next answer is sought from there."""
+
 def solve_rows(
     model: mujoco.MjModel,
     qpos: npt.ArrayLike,

@@ -50,6 +50,13 @@ class SolveOptions(NormOptions, VerifyOptions, total=False):
     report_distances_to: float
 
 
+class TrackOptions(SolveOptions, total=False):
+    queries: int
+    switch_gain: float
+    max_step: float
+    certify_motion: bool
+
+
 class Solver(_core.Solver):
     """Finds nearest free configurations of one model, as control loops do: what it needs is made once.
 
@@ -68,6 +75,32 @@ class Solver(_core.Solver):
         finding a free configuration is no error: see Result.status.
         """
         return _answers.result(self._solve(qpos))
+
+
+class Tracker(_core.Tracker):
+    """The nearest free configuration of one command after another, for control loops.
+
+    Takes a mujoco.MjModel, which must not change as long as the tracker lives, the options of `solve`
+    (contacts, distances and lower bounds are reported only if asked for) and:
+
+      queries: most collision queries of a step, default 12.
+      switch_gain: another optimum is taken if the root of its sigma is smaller by this share, default
+        0.05.
+      max_step: no joint moves farther in a step [rad or m]; default: any distance.
+      certify_motion: the straight motion from each answer to the next is proven free, and cut short
+        where it is not.
+    """
+
+    def __init__(self, model: mujoco.MjModel, **options: typing.Unpack[TrackOptions]) -> None:
+        super().__init__(model, **options)
+
+    def step(self, qpos: npt.ArrayLike, data: mujoco.MjData | None = None) -> Result:
+        """A free configuration near the command qpos (nq,).
+
+        If the last answer is still free, so is this one. Obstacles (mocap bodies, frozen joints) are as
+        in `data` if it is given. The first step, unless reset came before, solves as Solver does.
+        """
+        return _answers.result(self._step(qpos, data))
 
 
 def _thread_count(threads: int) -> int:

@@ -1,0 +1,66 @@
+// All that a Solver is made of, and the path of a solve: check, bound, search, accept, report.
+// Solver (mjcf_pdg/pdg.h) checks its arguments and calls this; Tracker (track/) shares the parts.
+#ifndef MJCF_PDG_SRC_SOLVE_SOLVER_CORE_H_
+#define MJCF_PDG_SRC_SOLVE_SOLVER_CORE_H_
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "bound/lower_bound.h"
+#include "mjcf_pdg/scene.h"
+#include "mjcf_pdg/types.h"
+#include "problem/strategy.h"
+#include "problem/workspace.h"
+#include "solve/acceptance.h"
+#include "solve/report.h"
+#include "verify/verifier.h"
+
+namespace mjcf_pdg {
+
+struct SolverCore {
+  // Throws Error as Solver's constructor does.
+  SolverCore(const Scene& s, const Options& o);
+
+  // Solves for q (nq), which has been checked.
+  Status Solve(std::span<const double> q, Result& result);
+  void SetMocap(std::span<const double> pos, std::span<const double> quat);
+  // By equality constraint of the model. Throws Error if the method cannot hold one.
+  void SetActive(std::span<const mjtBool> active);
+  // Mocap poses and active constraints as in `data`; and whether they are so already.
+  void SetObstacles(const mjData& data);
+  bool HasObstacles(const mjData& data) const;
+  // Throws Error unless q has nq good entries and the model is as it was.
+  void CheckInput(std::span<const double> q) const;
+  std::int64_t Queries() const {
+    return work.finder.queries() + strategy->other_queries() + verifier.queries();
+  }
+
+  const Scene scene;
+  const Options options;
+  Workspace work;
+  LowerBound bound;
+  std::unique_ptr<Strategy> strategy;
+  Verifier verifier;
+  Acceptance acceptance;
+  Reporter reporter;
+  Budget budget;
+  MocapPoses mocap;
+  VectorXd hint;  // nq; empty: none
+
+ private:
+  bool Search(Result& result);
+  void Remember(const Result& result);
+
+  // The present solve.
+  std::vector<double> q_in_;    // as the user gave it
+  VectorXd at_rest_;            // per kept pair, see DistancesAtRest
+  VectorXd q_hint_;             // the hint with what is frozen as in q_in
+  Outcome* outcome_ = nullptr;  // null: nothing was searched
+  bool frozen_ = false;         // pairs overlap that no movable joint can part
+};
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_SOLVE_SOLVER_CORE_H_
