@@ -137,6 +137,9 @@ inline constexpr double kFollowed = 2.0;
 inline constexpr int kFramesFollowed = 5;
 // Answers this far, over the depth to which meshes overlap at q_in [1], may well have a nearer one.
 inline constexpr double kFar = 2.5, kVeryFar = 10.0;
+// Exact meshes may make this many times the queries of an effort [1], since most of theirs only ask
+// whether a configuration is free; and this many while the answer is very far.
+inline constexpr double kQueries = 1.5, kQueriesVeryFar = 3.0;
 // Then the short way out of the overlap is tried with patience: tries, steps of a try, and the
 // noise about q_in with which a try begins [depth].
 inline constexpr int kWaysOut = 5, kPatientSteps = 120;
@@ -176,8 +179,10 @@ inline constexpr double kMargin = 0.03;
 inline constexpr int kReserve = 2, kFewestQueries = 6;
 // Another optimum is sought in one of so many ticks, in so many of them from one start.
 inline constexpr int kSearchEvery = 3, kSlices = 8;
-// A way that leads no farther than this share of it is blocked [1].
+// A way that leads no farther than this share of it is blocked [1]; then no other optimum is sought
+// for so many ticks, a tenth of a second at 1 kHz.
 inline constexpr double kLeastShare = 1e-3;
+inline constexpr int kBlocked = 100;
 }  // namespace track
 
 // When a search ends (search/stopping_rule.cc).

@@ -46,10 +46,11 @@ bool StoppingRule::Done(double best_sigma, std::int64_t lcp_steps) const {
   const std::int64_t queries = work_.finder.queries() - first_query_;
   if (!meshes_overlap_)
     return Evaluations(lcp_steps) >= plan_.evaluations || queries >= plan_.queries;
-  // Exact meshes get more queries, because most of theirs only ask whether a configuration is free.
-  if (Exceeds(tuning::exact_meshes::kVeryFar, best_sigma)) return queries >= 3 * plan_.queries;
+  const auto asked = static_cast<double>(queries);
+  if (Exceeds(tuning::exact_meshes::kVeryFar, best_sigma))
+    return asked >= tuning::exact_meshes::kQueriesVeryFar * plan_.queries;
   const auto box_tests = static_cast<double>(work_.finder.box_tests() - first_box_test_);
-  return 2 * queries >= 3 * plan_.queries ||
+  return asked >= tuning::exact_meshes::kQueries * plan_.queries ||
          box_tests >= plan_.box_tests * work_.problem().tables.n;
 }
 

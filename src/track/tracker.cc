@@ -78,10 +78,11 @@ struct MJCF_PDG_LOCAL Tracker::Impl {
   bool on_command = false,
        on_way = false;  // the follower stands on the command; on its way to `optimum`
   int tick = 0;
+  int blocked = 0;  // ticks for which no other optimum is sought, since the way to one was blocked
   Component start = Component::kNone;
   double moved = 0.0;  // how far the command has moved since the last tick [√σ, m]
   std::vector<double> q_in, asked, merged;
-  VectorXd command, last_command, optimum, at, candidate, at_rest;
+  VectorXd command, last_command, optimum, at, last_at, candidate, at_rest;
 };
 
 Tracker::Impl::Impl(const Scene& scene, const TrackOptions& o)
@@ -154,7 +155,8 @@ void Tracker::Impl::Reset(std::span<const double> q) {
   obstacles_moved = true;  // nobody has asked whether q is free
   on_command = false;
   started = true;
-  tick = 0;
+  tick = blocked = 0;
+  on_way = false;
   elsewhere.Reset();
 }
 
@@ -229,12 +231,13 @@ void Tracker::Impl::TrySwitch() {
 // Moves the follower. Returns false if nothing free is known.
 bool Tracker::Impl::Approached(bool command_free) {
   start = Component::kMotionCoherence;
+  blocked = std::max(0, blocked - 1);
   if (command_free) {
-    switched = follower.Apart(optimum, command) > tune::kJump * moved + Noise();
+    switched = blocked == 0 && follower.Apart(optimum, command) > tune::kJump * moved + Noise();
     optimum = command;
   } else {
     if (!Follow()) return false;
-    if (at == optimum || !on_way) TrySwitch();
+    if (!on_way && blocked == 0) TrySwitch();
   }
   if (!Limited()) {
     at = optimum;
@@ -243,12 +246,13 @@ bool Tracker::Impl::Approached(bool command_free) {
   on_way = true;
   if (switched && !command_free)
     return Free(at);  // the search took the queries: off in the next tick
-  if (MoveTowards(optimum) || SlideTowards(optimum)) {
+  if (MoveTowards(optimum) || (blocked == 0 && SlideTowards(optimum))) {
     on_way = at != optimum;
     return true;
   }
   // No way leads there: back to the optimum on this side.
   on_way = false;
+  blocked = tune::kBlocked;
   work.Begin(command, core.mocap, Rest());
   candidate = follower.Follow(at, true, kInfinity).q;
   if (!Free(candidate)) return Free(at);
@@ -273,8 +277,10 @@ bool Tracker::Impl::SlideTowards(const VectorXd& target) {
   work.Begin(approach.q(), core.mocap, Rest());
   const double before = follower.Apart(at, target);
   const VectorXd& beside = follower.Follow(at, true, kInfinity).q;
-  const bool moved_on = MoveTowards(beside);
-  return moved_on && follower.Apart(at, target) < before;
+  last_at = at;
+  if (MoveTowards(beside) && follower.Apart(at, target) < before) return true;
+  at = last_at;
+  return false;
 }
 
 // Nothing that is followed is free: a solve with what is left of the budget. Where max_step does
