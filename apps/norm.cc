@@ -64,6 +64,7 @@ Verb AddNormVerb(CLI::App& program) {
   AddModel(*command, arguments->scene);
   for (CLI::Option* end : AddEnds(*command, arguments->ends)) end->required();
   AddRoot(*command, arguments->scene);
+  AddArmature(*command, arguments->scene);
   AddMetric(*command, arguments->metric);
   AddMovable(*command, arguments->scene);
   AddJson(*command, arguments->json);

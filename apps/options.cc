@@ -186,6 +186,17 @@ void AddPairs(CLI::App& command, SceneArguments& arguments) {
                    "set aside pairs that overlap wherever the joints go");
 }
 
+// A flag with a number, or the word "model".
+void AddNumberOrModel(CLI::App& command, const NumberFlag& flag, double& number, bool& model) {
+  auto parse = [flag, &number, &model](const std::string& text) {
+    model = text == "model";
+    if (!model) ParseInto(flag, text, number);
+  };
+  command.add_option_function<std::string>(flag.flag, parse, flag.help)
+      ->type_name(flag.unit)
+      ->default_str("0");
+}
+
 void AddRoot(CLI::App& command, SceneArguments& arguments) {
   auto set = [&arguments](const std::string& name) {
     if (name.empty()) throw Error("--root: empty body name");
@@ -220,19 +231,23 @@ void AddModelRules(CLI::App& command, SceneArguments& arguments) {
 }
 
 void AddClearance(CLI::App& command, SceneArguments& arguments, Options& options) {
-  const NumberFlag flag = {
-      "--clearance",
-      "M|model",
-      "distance to keep between all pairs [m]; model: each pair's margin, within which MuJoCo "
-      "pushes",
-      {}};
-  auto parse = [flag, &arguments, &options](const std::string& text) {
-    arguments.options.keep_margins = text == "model";
-    if (text != "model") ParseInto(flag, text, options.clearance);
-  };
-  command.add_option_function<std::string>(flag.flag, parse, flag.help)
-      ->type_name(flag.unit)
-      ->default_str("0");
+  AddNumberOrModel(command,
+                   {"--clearance",
+                    "M|model",
+                    "distance to keep between all pairs [m]; model: each pair's margin, within "
+                    "which MuJoCo pushes",
+                    {}},
+                   options.clearance, arguments.options.keep_margins);
+}
+
+void AddArmature(CLI::App& command, SceneArguments& arguments) {
+  AddNumberOrModel(command,
+                   {"--armature",
+                    "KGM2|model",
+                    "inertia added to every hinge and ball (and mass to every slide) in the norm, "
+                    "so that light links cost something; model: each joint's own",
+                    {.high = 1e3}},
+                   arguments.options.armature, arguments.options.model_armature);
 }
 
 void AddMetric(CLI::App& command, Metric& metric) {

@@ -48,6 +48,7 @@ void AddModel(CLI::App& command, SceneArguments& arguments);          // MODEL
 void AddModels(CLI::App& command, std::vector<std::string>& models);  // MODEL...
 void AddMovable(CLI::App& command, SceneArguments& arguments);        // --movable
 void AddRoot(CLI::App& command, SceneArguments& arguments);           // --root
+void AddArmature(CLI::App& command, SceneArguments& arguments);       // --armature
 // --exclude, --allow, --ignore-permanent
 void AddPairs(CLI::App& command, SceneArguments& arguments);
 void AddExactMesh(CLI::App& command, SceneArguments& arguments);  // --exact-mesh

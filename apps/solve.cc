@@ -50,6 +50,7 @@ void AddFlags(CLI::App& command, SolveArguments& arguments) {
                    "rows are frames of one motion: each starts from earlier answers too");
   AddMovable(command, arguments.scene);
   AddRoot(command, arguments.scene);
+  AddArmature(command, arguments.scene);
   AddPairs(command, arguments.scene);
   AddExactMesh(command, arguments.scene);
   AddModelRules(command, arguments.scene);

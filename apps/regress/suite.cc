@@ -77,6 +77,15 @@ T Choice(const Place& place, const std::map<std::string, T>& choices) {
   place.Refuse("is none of " + names);
 }
 
+void NumberOrModel(const Place& place, double most, double& number, bool& model) {
+  model = place.value.is_string();
+  if (model) {
+    Choice<bool>(place, {{"model", true}});
+  } else {
+    number = place.Number(0.0, most);
+  }
+}
+
 std::vector<std::string> Texts(const Place& place) {
   std::vector<std::string> texts;
   for (const Place& text : place.List()) texts.push_back(text.Text());
@@ -108,14 +117,9 @@ void ReadOptions(const Place& place, SceneOptions& scene, Options& options) {
        }},
       {"tolerance", [&](const Place& p) { options.tolerance = p.Number(1e-12, 1.0); }},
       {"clearance",
-       [&](const Place& p) {
-         scene.keep_margins = p.value.is_string();
-         if (scene.keep_margins) {
-           Choice<bool>(p, {{"model", true}});
-         } else {
-           options.clearance = p.Number(0.0, kMost);
-         }
-       }},
+       [&](const Place& p) { NumberOrModel(p, kMost, options.clearance, scene.keep_margins); }},
+      {"armature",
+       [&](const Place& p) { NumberOrModel(p, 1e3, scene.armature, scene.model_armature); }},
       {"rest", [&](const Place& p) { options.rest = p.Number(0.0, kMost); }},
       {"seed", [&](const Place& p) { options.seed = p.Whole(); }},
       {"exact_mesh", [&](const Place& p) { scene.exact_mesh = p.Flag(); }},

@@ -48,6 +48,11 @@ struct SceneOptions {
   // The body that is the root link of the object norm (a palm, a torso; Sec. 4). Empty: the top
   // body of every tree.
   std::string root = {};
+  // Rotational inertia that is added to that of what every hinge and ball moves [kg m²], and, as a
+  // mass, to that of every slide [kg], in the norm; 0 to 1000. So toes and finger tips, which weigh
+  // next to nothing, do not turn far to save grams.
+  double armature = 0.0;
+  bool model_armature = false;  // each joint's own `armature` of the model is added, too
   // Whether mesh geoms collide as their triangles (closed meshes as solids) instead of as their
   // convex hulls. It holds for the geoms that the model's text <custom><text
   // name="mjcf_pdg.exact_mesh" data="geom geom ..."/></custom> names, or for all if the model has

@@ -138,13 +138,13 @@ void Read(const std::string& name, nb::handle value, EqualityMode& target) {
                        target);
 }
 
-// A clearance that is a text asks for the margins of the model.
-void ReadClearance(const std::string& name, nb::handle value, Asked& asked) {
-  asked.scene.keep_margins = nb::isinstance<nb::str>(value);
-  if (asked.scene.keep_margins) {
-    Choose<bool>(name, value, {{"model", true}}, asked.scene.keep_margins);
+// A number, or the text "model": what the model says.
+void ReadNumberOrModel(const std::string& name, nb::handle value, double& number, bool& model) {
+  model = nb::isinstance<nb::str>(value);
+  if (model) {
+    Choose<bool>(name, value, {{"model", true}}, model);
   } else {
-    Read(name, value, asked.options.clearance);
+    Read(name, value, number);
   }
 }
 
@@ -178,10 +178,17 @@ const Row kTable[] = {
        Choose<bool>(n, v, {{"refuse", false}, {"ignore", true}}, a.scene.ignore_flexes);
      }},
     MJCF_PDG_ROW(root, kNorm | kSolve, scene.root),
+    {"armature", kNorm | kSolve,
+     [](const std::string& n, nb::handle v, Asked& a) {
+       ReadNumberOrModel(n, v, a.scene.armature, a.scene.model_armature);
+     }},
     MJCF_PDG_ROW(metric, kNorm | kSolve, options.metric),
     MJCF_PDG_ROW(exact_mesh, kVerify | kSolve, scene.exact_mesh),
     MJCF_PDG_ROW(tolerance, kVerify | kSolve, options.tolerance),
-    {"clearance", kVerify | kSolve, ReadClearance},
+    {"clearance", kVerify | kSolve,
+     [](const std::string& n, nb::handle v, Asked& a) {
+       ReadNumberOrModel(n, v, a.options.clearance, a.scene.keep_margins);
+     }},
     MJCF_PDG_ROW(rest, kVerify | kSolve, options.rest),
     MJCF_PDG_ROW(mocap_pos, kVerify | kSolve, options.mocap_pos),
     MJCF_PDG_ROW(mocap_quat, kVerify | kSolve, options.mocap_quat),

@@ -168,6 +168,18 @@ def test_margins_are_kept_or_counted():
         mjcf_pdg.solve(model, [0.05], clearance="much")
 
 
+def test_armature_weighs_joints():
+    model = mujoco.MjModel.from_xml_string("""<mujoco><worldbody><body><joint armature=".4"/>
+      <inertial mass="2" pos=".5 0 0" diaginertia=".1 .1 .1"/></body></worldbody></mujoco>""")
+    chord = 4 * np.sin(0.35) ** 2 / 2  # over the mass
+    for armature, inertia in [(0, 0.6), (0.2, 0.8), ("model", 1.0)]:
+        sigma = mjcf_pdg.object_norm(model, [0], [0.7], armature=armature)
+        assert sigma == pytest.approx(inertia * chord)
+    for bad in [-1, "heavy"]:
+        with pytest.raises(ValueError, match="armature"):
+            mjcf_pdg.object_norm(model, [0], [0.7], armature=bad)
+
+
 def test_flags_of_the_model_are_honoured_when_asked():
     model = mujoco.MjModel.from_xml_string("""<mujoco><option><flag contact="disable"/></option>
       <worldbody><geom type="plane" size="1 1 1"/>

@@ -126,6 +126,7 @@ bool Chains::HasJoint(int body) const {
 void Chains::MergeRigidPieces() {
   pieces_.assign(m_->nbody, NormTerm());
   for (const NormTerm& term : in_->norm.terms()) {
+    if (term.joint >= 0) continue;  // armature, which only adds to σ
     NormTerm& piece = pieces_[Piece(term.body)];
     const double mass = piece.mass + term.mass;
     const Vector3d com = (piece.mass * piece.com_W + term.mass * term.com_W) / mass;

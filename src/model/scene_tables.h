@@ -29,6 +29,7 @@ struct JointEntry {
   bool limited = false;
   // Limits: hinge [rad], slide [m]; a ball's total rotation angle is at most hi [rad].
   double lo = 0.0, hi = 0.0;
+  double armature = 0.0;  // added by the norm: hinge and ball [kg m²], slide [kg]
 
   // True if the joint's k-th degree of freedom is a translation [m], false if a rotation [rad].
   bool Slides(int k) const { return type == mjJNT_SLIDE || (type == mjJNT_FREE && k < 3); }

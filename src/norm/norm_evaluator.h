@@ -28,10 +28,10 @@ struct NormTerm {
   int joint = -1;        // index into SceneTables::joints; -1 for kBodyPose
   int body = -1;         // kBodyPose and kFree: the body that carries the piece
   int row = 0;           // first row of r; 1 row (slide, hinge), 3 (ball) or 6 (free, body pose)
-  double mass = 0.0;     // of the piece [kg]
+  double mass = 0.0;     // of the piece, and a slide's armature [kg]
   double inertia = 0.0;  // hinge: ωᵀ I ω [kg m²]
   // The piece's rotational inertia I at q_in [kg m²]: of a free joint or body pose about the centre
-  // of mass, of the others about the joint's anchor.
+  // of mass, of the others about the joint's anchor, where the armature is added.
   Matrix3d inertia_W = Matrix3d::Zero();
   Matrix3d sqrt_inertia_W = Matrix3d::Zero();  // L with I = L Lᵀ
   Matrix3d R_in = Matrix3d::Identity();        // frame of the joint's body, or of `body`, at q_in
@@ -94,6 +94,7 @@ class NormEvaluator {
   void ListSequential();
   void ListWithRoot(int root_body);
   void ListDisplacements();
+  void ListArmature();
   void AddTerm(NormTerm term);
   NormTerm JointTerm(int joint_index, const std::vector<int>& bodies) const;
   NormTerm PoseTerm(int body, const std::vector<int>& bodies) const;

@@ -2,6 +2,7 @@
 // its mass and inertia at q_in.
 //
 // Part of norm_evaluator.h.
+#include <algorithm>
 #include <cmath>
 
 #include "base/names.h"
@@ -68,6 +69,7 @@ NormEvaluator::NormEvaluator(const SceneTables& tables, Metric metric)
   } else {
     ListSequential();
   }
+  if (NeedsPose()) ListArmature();
 }
 
 void NormEvaluator::SetReference(const VectorXd& q_in, const MocapPoses& mocap) {
@@ -142,8 +144,9 @@ NormTerm NormEvaluator::JointTerm(int joint_index, const std::vector<int>& bodie
   const Piece piece = RigidPiece(bodies);
   NormTerm term;
   term.joint = joint_index;
-  term.mass = piece.mass;
-  term.inertia_W = piece.About(AsVector(d.xanchor + 3 * joint.id));
+  term.mass = piece.mass + joint.armature;
+  term.inertia_W =
+      piece.About(AsVector(d.xanchor + 3 * joint.id)) + joint.armature * Matrix3d::Identity();
   term.R_in = AsMatrix(d.xmat + 9 * joint.body);
   if (joint.type == mjJNT_HINGE) {
     const Vector3d axis_W = AsVector(d.xaxis + 3 * joint.id);
@@ -198,6 +201,15 @@ void NormEvaluator::ListWithRoot(int root_body) {
 
 void NormEvaluator::ListDisplacements() {
   for (const int b : all_moving_) moved_.push_back({.body = b, .bodies = {b}});
+}
+
+// Where the terms are those of bodies, joints without one of their own have one for their armature.
+void NormEvaluator::ListArmature() {
+  for (int i = 0; i < static_cast<int>(tables_.joints.size()); ++i) {
+    const bool has_term = std::any_of(moved_.begin(), moved_.end(),
+                                      [i](const Moved& moved) { return moved.joint == i; });
+    if (tables_.joints[i].armature > 0.0 && !has_term) moved_.push_back({.joint = i, .bodies = {}});
+  }
 }
 
 bool NormEvaluator::HasOtherRoot() const {

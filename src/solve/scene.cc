@@ -94,8 +94,19 @@ bool HonoursDisabled(const mjModel& m, const SceneOptions& options, int flag) {
   return options.model_flags && (m.opt.disableflags & (flag | mjDSBL_CONSTRAINT));
 }
 
+void CheckArmature(double armature) {
+  if (armature >= 0.0 && armature <= 1000.0) return;
+  throw Error("the armature is not between 0 and 1000 kg m²");
+}
+
+double Armature(const mjModel& m, const JointEntry& joint, const SceneOptions& options) {
+  if (joint.type == mjJNT_FREE) return 0.0;
+  return options.armature + (options.model_armature ? m.dof_armature[joint.vadr] : 0.0);
+}
+
 void FillJoints(SceneTables& tables, const SceneOptions& options) {
   const mjModel* m = tables.model;
+  CheckArmature(options.armature);
   const std::vector<char> selected = SelectedBodies(m, options.movable);
   std::vector<char> fixed = FixedBodies(m, options.fixed);
   for (const int body : BodiesOfFlexes(*m)) fixed[body] = 1;
@@ -116,6 +127,7 @@ void FillJoints(SceneTables& tables, const SceneOptions& options) {
     joint.limited = limits && m->jnt_limited[j] && joint.type != mjJNT_FREE;
     joint.lo = m->jnt_range[2 * j];
     joint.hi = m->jnt_range[2 * j + 1];
+    joint.armature = Armature(*m, joint, options);
     for (int k = 0; k < joint.ndof; ++k) tables.column_of_dof[joint.vadr + k] = tables.n++;
     tables.joints.push_back(joint);
     tables.body_moves[body] = 1;

@@ -80,6 +80,7 @@ TEST_F(CliInputTest, RefusesValuesOutOfRange) {
       {"--json", ""},           {"--threads", "1", "--threads", "2"},
       {"--movable", "nobody"},  {"--movable", "ball,"},
       {"--movable", ""},        {"--root", "nobody"},
+      {"--armature", "-1"},     {"--armature", "heavy"},
       {"--root", ""},           {"--root", "world"}};
   for (const Arguments& flag : flags) {
     Arguments arguments = {"solve", "scene.xml"};

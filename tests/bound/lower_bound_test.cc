@@ -326,7 +326,9 @@ TEST_F(LowerBoundTest, HoldsOnRandomRobots) {
     RobotOptions options;
     options.free_base = i % 2 == 0;
     options.bodies = 2 + rng.Index(5);
-    ratios.Try(Scene::FromString(RandomRobotXml(rng, options)), rng, Metric::kSequential);
+    SceneOptions scene;
+    scene.armature = i % 3 == 0 ? rng.Uniform(0.0, 1.0) : 0.0;
+    ratios.Try(Scene::FromString(RandomRobotXml(rng, options), scene), rng, Metric::kSequential);
   }
   EXPECT_GT(ratios.values.size(), 10u);
   EXPECT_GT(ratios.Median(), 0.1);
@@ -336,7 +338,8 @@ TEST_F(LowerBoundTest, HoldsForTheDisplacementMetric) {
   Random rng(13);
   Ratios ratios;
   for (int i = 0; i < 40; ++i) {
-    ratios.Try(Scene::FromString(TwoTreesXml()), rng, Metric::kDisplacement, 0.2);
+    ratios.Try(Scene::FromString(TwoTreesXml(), {.armature = i % 2 ? 0.1 : 0.0}), rng,
+               Metric::kDisplacement, 0.2);
     ratios.Try(Scene::FromString(OffCentreXml()), rng, Metric::kDisplacement, 0.3);
     ratios.Try(Scene::FromString(RandomRobotXml(rng)), rng, Metric::kDisplacement, 0.3);
   }

@@ -205,6 +205,62 @@ TEST_F(ObjectNormTest, AnotherRootCarriesItsWholeTreeAndTurnsPathJointsRound) {
   }
 }
 
+// What armature adds to σ, by hand: 4 a sin²(Δ/2)/M for a hinge or a ball turned by Δ, a Δ²/M for a
+// slide, nothing for a free joint.
+double ByArmature(const Scene& scene, const VectorXd& q_in, const VectorXd& q, double armature) {
+  double sum = 0.0, mass = 0.0;
+  for (const JointEntry& joint : scene.tables().joints) {
+    if (joint.type == mjJNT_FREE) continue;
+    const double delta = q[joint.qadr] - q_in[joint.qadr];
+    if (joint.type == mjJNT_SLIDE) {
+      sum += delta * delta;
+    } else if (joint.type == mjJNT_HINGE) {
+      sum += 4.0 * std::pow(std::sin(delta / 2), 2);
+    } else {
+      const double cosine = q_in.segment<4>(joint.qadr).dot(q.segment<4>(joint.qadr));  // of Δ/2
+      sum += 4.0 * (1.0 - cosine * cosine);
+    }
+  }
+  for (int b = 1; b < scene.model()->nbody; ++b) {
+    if (scene.tables().body_moves[b]) mass += scene.model()->body_mass[b];
+  }
+  return armature * sum / mass;
+}
+
+TEST_F(ObjectNormTest, ArmatureIsAddedToEveryJointWhateverTheMetricAndRoot) {
+  for (int trial = 0; trial < 20; ++trial) {
+    const std::string xml = PointMassXml(kForest, rng_);
+    const double armature = rng_.Uniform(0.01, 2.0);
+    for (const char* root : {"", "hand", "tip", "mast"}) {
+      for (const Metric metric : {Metric::kSequential, Metric::kDisplacement}) {
+        const Scene plain = Scene::FromString(xml, {.root = root});
+        const Scene heavy = Scene::FromString(xml, {.root = root, .armature = armature});
+        const VectorXd q_in = RandomConfiguration(plain, rng_),
+                       q = RandomConfiguration(plain, rng_);
+        const double added = ByArmature(plain, q_in, q, armature);
+        const double expected = Sigma(plain, q_in, q, metric) + added;
+        EXPECT_GT(added, 0.0);
+        EXPECT_NEAR(Sigma(heavy, q_in, q, metric), expected, 1e-8 * expected) << root;
+      }
+    }
+  }
+}
+
+TEST_F(ObjectNormTest, TheModelsOwnArmatureIsTakenWhereItIsAskedFor) {
+  const std::string xml = R"(<mujoco><worldbody><body><joint armature="0.4"/>
+      <inertial mass="2" pos=".5 0 0" diaginertia=".1 .1 .1"/></body></worldbody></mujoco>)";
+  const Scene plain = Scene::FromString(xml);
+  const Scene own = Scene::FromString(xml, {.model_armature = true});
+  const Scene both = Scene::FromString(xml, {.armature = 0.2, .model_armature = true});
+  const VectorXd q_in = VectorXd::Zero(1), q = VectorXd::Constant(1, 0.7);
+  const double s = 4.0 * std::pow(std::sin(0.35), 2) / 2.0;  // over the mass
+  EXPECT_NEAR(Sigma(plain, q_in, q), 0.6 * s, 1e-12);
+  EXPECT_NEAR(Sigma(own, q_in, q), 1.0 * s, 1e-12);
+  EXPECT_NEAR(Sigma(both, q_in, q), 1.2 * s, 1e-12);
+  for (const double bad : {-1e-9, 1001.0, std::nan("")})
+    EXPECT_THROW(Scene::FromString(xml, {.armature = bad}), Error);
+}
+
 TEST_F(ObjectNormTest, ATopBodyAsRootGivesThePlainFormula) {
   const std::string xml = PointMassXml(kForest, rng_);
   const Scene plain = Scene::FromString(xml);

@@ -21,6 +21,7 @@ class _SceneOptions(typing.TypedDict, total=False):
 class NormOptions(_SceneOptions, total=False):
     metric: typing.Literal["sequential", "displacement"]
     root: str | None
+    armature: float | typing.Literal["model"]
 
 
 class VerifyOptions(_SceneOptions, total=False):
@@ -165,6 +166,8 @@ def solve(model, qpos, *, threads=1, progress=False, **options):
       movable: bodies (names in a sequence, or with commas in a text) whose own joints and subtrees
         may move; all else is frozen. Default: all.
       root: the body that is the root link of the norm. Default: the top body of each tree.
+      armature: inertia that the norm adds to every hinge and ball [kg m²], and as a mass to every
+        slide [kg], so that light links cost something; "model": each joint's own. Default: 0.
       exact_mesh: meshes collide as their triangles: those that the model marks, or all.
       metric: "sequential", the paper's norm, or "displacement", the true mean squared displacement.
       tolerance: overlap that still counts as free [m], default 1e-6.
@@ -201,7 +204,7 @@ def object_norm(
 ) -> float:
     """The object norm σ [m²] between two configurations (nq,); its root is an rms displacement.
 
-    Options: movable, root and metric, as in `solve`.
+    Options: movable, root, armature and metric, as in `solve`.
     """
     return _core.object_norm(model, q0, q1, **options)
 
