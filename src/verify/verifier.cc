@@ -55,7 +55,8 @@ Verifier::Verifier(std::shared_ptr<const VerifierModel> model, const Options& op
       range_(range),
       model_(shared_->unblinded),
       data_(mj_makeData(&model_)),
-      exact_(*shared_, rest_ * (1.0 + kRestRounding)) {
+      exact_(*shared_, rest_ * (1.0 + kRestRounding)),
+      sweep_(*shared_) {
   if (!data_) throw Error("MuJoCo could not allocate its data for this model");
   NeutraliseMargins();
   model_.opt.ccd_tolerance =
@@ -64,6 +65,7 @@ Verifier::Verifier(std::shared_ptr<const VerifierModel> model, const Options& op
   required_.resize(pairs);
   plane_.assign(pairs, Vector3d::Zero());
   contact_.assign(pairs, -1);
+  touching_.reserve(pairs);
   order_.reserve(pairs);
   findings_.pairs.reserve(pairs);
   findings_.limits.reserve(model_.njnt);
@@ -78,6 +80,15 @@ void Verifier::SetActive(std::span<const mjtBool> active) {
   active_ = shared_->equalities;
   for (int e = 0; e < model_.neq; ++e) {
     if (!(active.empty() ? model_.eq_active0[e] : active[e])) active_[e] = 0;
+  }
+  SetScope(scope_);
+}
+
+void Verifier::SetScope(const Scope& scope) {
+  scope_ = scope;
+  active_in_scope_ = active_;
+  for (std::size_t e = 0; e < scope.equalities.size(); ++e) {
+    active_in_scope_[e] &= scope.equalities[e];
   }
 }
 
@@ -196,7 +207,8 @@ void Verifier::AskCollision() {
   d.warning[mjWARN_CONTACTFULL].number = 0;
   mj_collision(&model_, &d);
   findings_.arena_full = d.warning[mjWARN_CONTACTFULL].number > 0;
-  std::fill(contact_.begin(), contact_.end(), -1);
+  for (const int pair : touching_) contact_[pair] = -1;
+  touching_.clear();
   contacts_of_other_pairs_.clear();
   for (int c = 0; c < d.ncon; ++c) {
     const int pair = PairIndex(d.contact[c].geom[0], d.contact[c].geom[1]);
@@ -206,8 +218,10 @@ void Verifier::AskCollision() {
       continue;
     }
     int& deepest = contact_[pair];
+    if (deepest < 0) touching_.push_back(pair);
     if (deepest < 0 || !(d.contact[c].dist >= d.contact[deepest].dist)) deepest = c;
   }
+  std::sort(touching_.begin(), touching_.end());
 }
 
 Reading Verifier::AskExact(int index, double cutoff, Depths depths) const {
@@ -281,13 +295,19 @@ bool Verifier::IsFree(std::span<const double> q, std::span<const double> q_in) {
   Pose(q);
   findings_.Clear();
   verdict_.limit_excess = verify::CheckLimits(model_, q, findings_.limits);
+  std::erase_if(findings_.limits, [this](const verify::LimitExcess& limit) {
+    const int body = model_.jnt_bodyid[limit.joint];
+    return !scope_.bodies.empty() && !scope_.bodies[body];
+  });
   verdict_.equality_residual =
-      verify::CheckEqualities(model_, active_, *data_, findings_.equalities);
+      verify::CheckEqualities(model_, active_in_scope_, *data_, findings_.equalities);
   if (!findings_.limits.empty() || !findings_.equalities.empty()) return false;
-  if (too_near_ >= 0 && !KeepsApart(too_near_)) return false;
+  const auto& pairs = shared_->pairs;
+  const auto concerns = [&](int k) { return InScope(pairs[k].geom1, pairs[k].geom2); };
+  if (too_near_ >= 0 && concerns(too_near_) && !KeepsApart(too_near_)) return false;
   too_near_ = -1;
-  for (int k = 0; k < static_cast<int>(shared_->pairs.size()); ++k) {
-    if (shared_->pairs[k].contact_only || KeepsApart(k)) continue;
+  for (const int k : sweep_.Near(*data_, reach_)) {
+    if (!concerns(k) || KeepsApart(k)) continue;
     too_near_ = k;
     return false;
   }
@@ -295,8 +315,9 @@ bool Verifier::IsFree(std::span<const double> q, std::span<const double> q_in) {
   CheckContacts();
   FindDisputes();
   return !findings_.arena_full &&
-         std::none_of(findings_.pairs.begin(), findings_.pairs.end(),
-                      [](const Finding& finding) { return finding.violates; });
+         std::none_of(findings_.pairs.begin(), findings_.pairs.end(), [this](const Finding& f) {
+           return f.violates && InScope(f.contact.geom[0], f.contact.geom[1]);
+         });
 }
 
 const Verdict& Verifier::Check(std::span<const double> q, std::span<const double> q_in,
@@ -330,8 +351,7 @@ const Verdict& Verifier::Check(std::span<const double> q, std::span<const double
 void Verifier::CheckPairs(Depths depths) {
   const double matters = std::max(tolerance_ + reach_, shared_->largest_margin);
   order_.clear();
-  for (int k = 0; k < static_cast<int>(shared_->pairs.size()); ++k) {
-    if (shared_->pairs[k].contact_only) continue;
+  for (const int k : sweep_.Near(*data_, std::max(verdict_.min_distance, matters))) {
     const double bound = Posed(k).SphereBound();
     if (bound <= std::max(verdict_.min_distance, matters)) order_.emplace_back(bound, k);
   }
@@ -389,9 +409,9 @@ void Verifier::CheckContacts() {
       *known = finding;
     }
   };
-  for (std::size_t k = 0; k < contact_.size(); ++k) {
+  for (const int k : touching_) {
     const CheckedPair& pair = shared_->pairs[k];
-    if (!pair.contact_only || contact_[k] < 0) continue;
+    if (!pair.contact_only) continue;
     verdict_.min_distance = std::min(verdict_.min_distance, d.contact[contact_[k]].dist);
     Finding finding;
     finding.contact.geom = {pair.geom1, pair.geom2};
@@ -420,9 +440,10 @@ void Verifier::FillViolations() {
 void Verifier::FindDisputes() {
   disputed_ = false;
   if (tolerance_ < model_.opt.ccd_tolerance) return;  // contacts are no more accurate
-  for (std::size_t k = 0; k < contact_.size(); ++k) {
+  for (const int k : touching_) {
     const CheckedPair& pair = shared_->pairs[k];
-    if (contact_[k] < 0 || pair.exact || pair.contact_only) continue;
+    if (pair.exact || pair.contact_only) continue;
+    if (!InScope(pair.geom1, pair.geom2)) continue;
     disputed_ |= data_->contact[contact_[k]].dist < required_[k] - tolerance_;
   }
 }

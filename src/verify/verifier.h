@@ -26,6 +26,7 @@
 #include "verify/exact_pair.h"
 #include "verify/findings.h"
 #include "verify/posed_pair.h"
+#include "verify/sweep.h"
 #include "verify/verifier_model.h"
 
 namespace mjcf_pdg {
@@ -47,6 +48,15 @@ class Verifier {
   // Sets which equality constraints are active, an entry for each of the model (mjData::eq_active);
   // empty: as in the model.
   void SetActive(std::span<const mjtBool> active);
+
+  // What IsFree asks about: pairs of which one geom at least belongs to a body with an entry in
+  // `bodies` (nbody), the limits of these bodies' joints, and the equality constraints with an
+  // entry in `equalities` (an entry for each of the model). Empty: everything.
+  struct Scope {
+    std::span<const char> bodies, equalities;
+  };
+  // The arrays must live until the next SetScope.
+  void SetScope(const Scope& scope);
 
   // True if q is free: the same answer as Check gives, without distances and words. `q` and `q_in`
   // are those of Check. After the first call it allocates nothing, unless meshes collide as their
@@ -100,6 +110,10 @@ class Verifier {
 
  private:
   void NeutraliseMargins();
+  bool InScope(int geom1, int geom2) const {
+    return scope_.bodies.empty() || scope_.bodies[model_.geom_bodyid[geom1]] ||
+           scope_.bodies[model_.geom_bodyid[geom2]];
+  }
   int PairIndex(int geom1, int geom2) const;  // index in shared_->pairs; -1: no kept pair
   double Usual(const verify::CheckedPair& pair) const;
   void UpdateRest(std::span<const double> q_in);
@@ -128,18 +142,22 @@ class Verifier {
   };
   std::unique_ptr<mjData, DataDeleter> data_;
   const verify::ExactPairs exact_;
+  verify::Sweep sweep_;
 
   // One entry per pair of shared_->pairs:
   std::vector<double> required_;        // least signed distance, rest considered [m]
   std::vector<Eigen::Vector3d> plane_;  // normal of the last plane, frame of geom 1; 0: none
   std::vector<int> contact_;            // index of MuJoCo's deepest contact; -1: none
+  std::vector<int> touching_;           // the pairs that have one, ascending
 
   // The pair by which the last IsFree was false; the next one asks it first. -1: none.
   int too_near_ = -1;
   std::vector<double> rest_q_in_;              // the q_in that required_ refers to; empty: none
   std::vector<std::pair<double, int>> order_;  // scratch: (bound of the distance [m], pair)
   std::vector<char> active_;                   // by equality constraint: held, and active
-  std::vector<int> contacts_of_other_pairs_;   // indices of MuJoCo's contacts between other geoms
+  std::vector<char> active_in_scope_;
+  Scope scope_;
+  std::vector<int> contacts_of_other_pairs_;  // indices of MuJoCo's contacts between other geoms
   verify::Findings findings_;
   Violations violations_;
   bool disputed_ = false;
