@@ -46,21 +46,20 @@ NearPair ToNearPair(int pair, const SignedGap& gap, bool local) {
 ContactFinder::ContactFinder(const SceneTables& tables, double clearance)
     : tables_(tables),
       model_(tables.query_model),
-      posed_(&model_),
+      posed_(&model_, tables.moving_trees),
       exact_(tables, clearance),
       convex_(tables),
       centers_W_(tables.body_spheres.size()) {
   near_.reserve(tables.pairs.size());
+  for (int b = 0; b < model_.nbody; ++b) {
+    if (tables.body_moves[b]) moving_bodies_.push_back(b);
+  }
 }
 
 const std::vector<NearPair>& ContactFinder::Find(double margin, Depths depths) {
   ++queries_;
   near_.clear();
-  const mjData& d = *posed_.data();
-  for (std::size_t b = 0; b < centers_W_.size(); ++b) {
-    centers_W_[b] =
-        AsVector(d.xpos + 3 * b) + AsMatrix(d.xmat + 9 * b) * tables_.body_spheres[b].center_B;
-  }
+  MoveCenters();
   NearPair near;
   for (const BodyPair& bodies : tables_.body_pairs) {
     if (!BodiesNear(bodies, margin)) continue;
@@ -88,6 +87,20 @@ void ContactFinder::AppendFeatures(int pair, double margin, Depths depths,
     features_.insert(features_.begin(), hull);
   }
   for (const SignedGap& gap : features_) out.push_back(ToNearPair(pair, gap, true));
+}
+
+void ContactFinder::MoveCenters() {
+  const mjData& d = *posed_.data();
+  const auto move = [this, &d](int b) {
+    centers_W_[b] =
+        AsVector(d.xpos + 3 * b) + AsMatrix(d.xmat + 9 * b) * tables_.body_spheres[b].center_B;
+  };
+  if (all_centers_moved_) {
+    for (int b = 0; b < model_.nbody; ++b) move(b);
+  } else {
+    std::for_each(moving_bodies_.begin(), moving_bodies_.end(), move);
+  }
+  all_centers_moved_ = false;
 }
 
 bool ContactFinder::BodiesNear(const BodyPair& bodies, double margin) const {

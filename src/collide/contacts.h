@@ -46,10 +46,15 @@ class ContactFinder {
 
   void SetMocap(const MocapPoses& poses) { posed_.SetMocap(poses); }
   // Poses the model at q (nq entries). The queries below refer to this configuration.
-  void Pose(const Eigen::Ref<const VectorXd>& q) { posed_.Pose(q); }
+  void Pose(const Eigen::Ref<const VectorXd>& q) {
+    all_centers_moved_ |= posed_.PosesAll() || tables_.moving_trees.empty();
+    posed_.Pose(q);
+  }
   const PosedModel& posed() const { return posed_; }
   // Drops all remembered starting points, so that later answers do not depend on earlier queries.
+  // In an island, whatever else can move may stand elsewhere from here on.
   void Forget() {
+    posed_.PoseAllNext();
     exact_.Forget();
     ForgetConvex();
   }
@@ -95,6 +100,7 @@ class ContactFinder {
   void FindContactOnly(double margin);
   // First broad phase: false if the bodies' bounding spheres prove a distance above `margin` [m].
   bool BodiesNear(const BodyPair& bodies, double margin) const;
+  void MoveCenters();
   bool BoxesNear(int geom1, int geom2, double margin) const;
 
   const SceneTables& tables_;
@@ -105,6 +111,8 @@ class ContactFinder {
   std::vector<SignedGap> features_;
   std::vector<NearPair> near_;
   std::vector<Vector3d> centers_W_;  // of SceneTables::body_spheres, at the posed configuration
+  std::vector<int> moving_bodies_;   // that Pose moves in an island (model/island.h)
+  bool all_centers_moved_ = true;    // since the last MoveCenters
   std::int64_t queries_ = 0, distances_ = 0;
 };
 

@@ -121,25 +121,61 @@ void Unwind(const SceneTables& tables, const VectorXd& q_in, VectorXd& q) {
   }
 }
 
-PosedModel::PosedModel(const mjModel* model) : model_(model), data_(mj_makeData(model)) {
+PosedModel::PosedModel(const mjModel* model, const std::vector<char>& moving_trees)
+    : model_(model), data_(mj_makeData(model)), of_island_(!moving_trees.empty()) {
   if (!data_) throw Error("MuJoCo could not allocate its data for this model");
+  if (of_island_) LetOthersSleep(moving_trees);
+}
+
+// MuJoCo poses only what is awake (mjENBL_SLEEP, which Pose sets). It keeps lists of that, which
+// its simulation updates; here they are written once.
+void PosedModel::LetOthersSleep(const std::vector<char>& moving_trees) {
+  mjData& d = *data_;
+  d.ntree_awake = d.nbody_awake = d.nparent_awake = d.nv_awake = 0;
+  for (int tree = 0; tree < model_->ntree; ++tree) {
+    d.tree_awake[tree] = moving_trees[tree];
+    d.ntree_awake += moving_trees[tree];
+  }
+  for (int body = 0; body < model_->nbody; ++body) {
+    const int tree = model_->body_treeid[body];
+    const bool awake = tree >= 0 && moving_trees[tree];
+    d.body_awake[body] = tree < 0 ? mjS_STATIC : awake ? mjS_AWAKE : mjS_ASLEEP;
+    if (!awake) continue;
+    d.body_awake_ind[d.nbody_awake++] = body;
+    d.parent_awake_ind[d.nparent_awake++] = body;
+  }
+  for (int dof = 0; dof < model_->nv; ++dof) {
+    if (moving_trees[model_->dof_treeid[dof]]) d.dof_awake_ind[d.nv_awake++] = dof;
+  }
 }
 
 void PosedModel::SetMocap(const MocapPoses& poses) {
+  const auto set = [this](mjtNum* to, const mjtNum* from, int count) {
+    poses_all_ |= !std::equal(from, from + count, to);
+    std::copy_n(from, count, to);
+  };
   for (int b = 1; b < model_->nbody; ++b) {
     const int mocap = model_->body_mocapid[b];
     if (mocap < 0) continue;
-    mju_copy3(data_->mocap_pos + 3 * mocap, model_->body_pos + 3 * b);
-    mju_copy4(data_->mocap_quat + 4 * mocap, model_->body_quat + 4 * b);
+    set(data_->mocap_pos + 3 * mocap,
+        poses.pos.empty() ? model_->body_pos + 3 * b : poses.pos.data() + 3 * mocap, 3);
+    set(data_->mocap_quat + 4 * mocap,
+        poses.quat.empty() ? model_->body_quat + 4 * b : poses.quat.data() + 4 * mocap, 4);
   }
-  if (!poses.pos.empty()) mju_copy(data_->mocap_pos, poses.pos.data(), 3 * model_->nmocap);
-  if (!poses.quat.empty()) mju_copy(data_->mocap_quat, poses.quat.data(), 4 * model_->nmocap);
 }
 
 void PosedModel::Pose(const Eigen::Ref<const VectorXd>& q) {
   mju_copy(data_->qpos, q.data(), static_cast<int>(q.size()));
-  mj_kinematics(model_, data_.get());
-  mj_comPos(model_, data_.get());
+  if (!of_island_) {
+    mj_kinematics(model_, data_.get());
+    mj_comPos(model_, data_.get());
+    return;
+  }
+  mjModel model = *model_;  // the struct alone
+  if (!poses_all_) model.opt.enableflags |= mjENBL_SLEEP;
+  mj_kinematics(&model, data_.get());
+  mj_comPos(&model, data_.get());
+  poses_all_ = false;
 }
 
 void BodyJacobians::Fill(const SceneTables& tables, const PosedModel& posed, int body,

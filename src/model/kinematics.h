@@ -69,15 +69,21 @@ struct MocapPoses {
 // A model with private mjData, posed at a configuration. Use one object per thread.
 class PosedModel {
  public:
-  // `model` is one of the scene's private copies and must outlive this object. Throws Error if
-  // MuJoCo cannot allocate the mjData.
-  explicit PosedModel(const mjModel* model);
+  // `model` is one of the scene's private copies and must outlive this object. `moving_trees` is
+  // SceneTables::moving_trees. Throws Error if MuJoCo cannot allocate the mjData.
+  explicit PosedModel(const mjModel* model, const std::vector<char>& moving_trees = {});
 
   // Takes effect with the next Pose.
   void SetMocap(const MocapPoses& poses);
-  // Computes the kinematics of the whole model at q (nq entries): frames of bodies and geoms, joint
-  // anchors and axes, motion axes of all degrees of freedom (cdof).
+  // Computes the kinematics at q (nq entries): frames of bodies and geoms, joint anchors and axes,
+  // motion axes of all degrees of freedom (cdof). Of an island, only its trees are posed anew: q
+  // must have all else as it was when the whole model was posed.
   void Pose(const Eigen::Ref<const VectorXd>& q);
+  // The next Pose poses the whole model, as the first one does, and the first with other mocap
+  // poses.
+  void PoseAllNext() { poses_all_ = true; }
+  // Whether the next Pose poses the whole model.
+  bool PosesAll() const { return poses_all_; }
 
   const mjModel* model() const { return model_; }
   mjData* data() { return data_.get(); }
@@ -87,8 +93,12 @@ class PosedModel {
   struct Deleter {
     void operator()(mjData* d) const { mj_deleteData(d); }
   };
+  void LetOthersSleep(const std::vector<char>& moving_trees);
+
   const mjModel* model_;
   std::unique_ptr<mjData, Deleter> data_;
+  bool of_island_ = false;
+  bool poses_all_ = true;
 };
 
 // The Jacobians of a body at a posed configuration with respect to dq, in the world frame W.

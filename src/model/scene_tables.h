@@ -80,7 +80,11 @@ struct SceneTables {
   std::vector<JointEntry> joints;  // the movable joints, in MJCF order
   std::vector<int> column_of_dof;  // nv: a MuJoCo dof's entry in dq, -1 if the joint is frozen
   std::vector<char> body_moves;    // nbody: a movable joint is at the body or above it
-  int n = 0;                       // number of movable degrees of freedom: the length of dq
+  // Of an island (model/island.h): the kinematic trees that move, an entry for each of the model,
+  // and the mass of all others that are movable in the scene [kg]. Empty and 0 otherwise.
+  std::vector<char> moving_trees;
+  double outside_mass = 0.0;
+  int n = 0;  // number of movable degrees of freedom: the length of dq
   // The scene's size [m], to which lengths are compared: the median bounding radius of the
   // colliding geoms that may move.
   double size = 1.0;

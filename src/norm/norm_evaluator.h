@@ -50,7 +50,7 @@ class NormEvaluator {
   // Sets q_in, poses the model there, and computes the terms: masses, inertias and moment arms.
   void SetReference(const VectorXd& q_in, const MocapPoses& mocap = {});
 
-  double total_mass() const { return total_mass_; }  // M, of the bodies that may move [kg]
+  double total_mass() const { return total_mass_; }  // M, of the scene's movable bodies [kg]
   int rows() const { return rows_; }                 // the length of r
   const std::vector<NormTerm>& terms() const { return terms_; }
   const VectorXd& q_in() const { return q_in_; }

@@ -55,7 +55,7 @@ struct NormEvaluator::Piece {
 NormEvaluator::NormEvaluator(const SceneTables& tables, Metric metric)
     : tables_(tables),
       metric_(metric),
-      posed_(&tables.query_model),
+      posed_(&tables.query_model, tables.moving_trees),
       all_moving_(Moving(tables.body_moves)) {
   if (NeedsPose()) {
     blocks_.push_back({0, tables.n});
@@ -78,7 +78,7 @@ void NormEvaluator::SetReference(const VectorXd& q_in, const MocapPoses& mocap) 
   posed_.Pose(q_in);
   terms_.clear();
   rows_ = 0;
-  total_mass_ = RigidPiece(all_moving_).mass;
+  total_mass_ = RigidPiece(all_moving_).mass + tables_.outside_mass;
   scale_ = 1.0 / std::sqrt(total_mass_);
   for (const Moved& moved : moved_) {
     if (moved.joint >= 0) {

@@ -24,12 +24,14 @@ void Candidates::Insert(const VectorXd& q, double sigma, Component start) {
 void Outcome::Reserve(int nq) {
   free.Reserve(nq);
   least_overlap.q.resize(nq);
+  nearest_overlap.q.resize(nq);
 }
 
 void Outcome::Clear() {
   free.Clear();
   has_overlap = false;
   least_overlap.start = Component::kNone;
+  nearest_overlap.sigma = std::numeric_limits<double>::infinity();
   starts = iterations = 0;
 }
 

@@ -56,6 +56,8 @@ struct Outcome {
   bool has_overlap = false;  // some start ended in an overlap; of those:
   Candidate least_overlap;   // the one with the least violation
   double least_violation = 0.0;  // its sum of overlaps beyond what descents aim at [m]
+  // The one with the least σ, of those that were not given up; σ is infinite if there is none.
+  Candidate nearest_overlap;
   int starts = 0;
   int iterations = 0;
 

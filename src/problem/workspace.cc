@@ -26,7 +26,7 @@ Workspace::Workspace(const SceneTables& tables, const Options& options)
                .size = tables.size,
                .tolerances = Tolerances(options.tolerance, tables.size),
                .without = ComponentsNamed(options.without, options.method)} {
-  problem_.required.setZero(static_cast<Eigen::Index>(tables.pairs.size()));
+  usual_ = problem_.required = RequiredDistances();
   overlaps_.reserve(tables.pairs.size());
   norm.SetReference(Eigen::Map<const VectorXd>(tables.model->qpos0, tables.model->nq));
 }
@@ -40,8 +40,12 @@ void Workspace::Begin(const Eigen::Ref<const VectorXd>& q_in, const MocapPoses& 
   problem_.q_in = q_in;
   SetMovable(problem_.tables, problem_.q_in, problem_.q_in);  // normalizes quaternions
   norm.SetReference(problem_.q_in, mocap);
-  SetRequired();
-  if (rest) problem_.required = problem_.required.cwiseMin(*rest);
+  if (rest) {
+    problem_.required = usual_.cwiseMin(*rest);
+  } else if (rested_) {
+    problem_.required = usual_;
+  }
+  rested_ = rest != nullptr;
 }
 
 void Workspace::Begin(const Workspace& other) {
@@ -57,16 +61,18 @@ void Workspace::Begin(const Workspace& other) {
   budget = other.budget.For(finder.queries(), other.finder.queries());
 }
 
-void Workspace::SetRequired() {
+VectorXd Workspace::RequiredDistances() const {
   const SceneTables& tables = problem_.tables;
+  VectorXd required(static_cast<Eigen::Index>(tables.pairs.size()));
   for (std::size_t k = 0; k < tables.pairs.size(); ++k) {
     const KeptPair& pair = tables.pairs[k];
-    double required = pair.Required(problem_.options.clearance);
+    required[static_cast<Eigen::Index>(k)] = pair.Required(problem_.options.clearance);
     if (pair.moves && finder.NeedsGap(static_cast<int>(k))) {
-      required += problem_.tolerances.aim + problem_.tolerances.mesh_gap;
+      required[static_cast<Eigen::Index>(k)] +=
+          problem_.tolerances.aim + problem_.tolerances.mesh_gap;
     }
-    problem_.required[static_cast<Eigen::Index>(k)] = required;
   }
+  return required;
 }
 
 bool Workspace::Free(const VectorXd& q) {

@@ -47,9 +47,11 @@ class Workspace {
   BudgetMeter budget;
 
  private:
-  void SetRequired();
+  VectorXd RequiredDistances() const;
 
   Problem problem_;
+  VectorXd usual_;       // Problem::required where nothing rests
+  bool rested_ = false;  // something may rest in the present problem
   std::vector<NearPair> overlaps_;
 };
 

@@ -9,6 +9,7 @@
 #ifndef MJCF_PDG_SRC_COLLIDE_EXACT_EXACT_CONTACTS_H_
 #define MJCF_PDG_SRC_COLLIDE_EXACT_EXACT_CONTACTS_H_
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -34,7 +35,11 @@ class ExactContacts {
   // two meshes that are apart is the nearest one, since it decides whether they are far enough
   // apart. With 0 it may be up to 1.25 times as far, which is found faster.
   ExactContacts(const SceneTables& tables, double clearance)
-      : tables_(tables), rough_(clearance == 0.0), warm_(tables.pairs.size()) {}
+      : tables_(tables), rough_(clearance == 0.0) {
+    const bool any = std::any_of(tables.pairs.begin(), tables.pairs.end(),
+                                 [](const KeptPair& pair) { return pair.exact; });
+    if (any) warm_.resize(tables.pairs.size());
+  }
 
   // Drops the remembered triangles. Answers may depend on them: which of several equally near
   // triangles Distance reports and, without a clearance, with which feature Features begins.
@@ -68,7 +73,7 @@ class ExactContacts {
   const bool rough_;  // Features may begin with a feature that is not quite the nearest
   // The nearest triangles per pair. Of a primitive and a mesh only `b`, the mesh's triangle, is
   // set.
-  std::vector<NearestTriangles> warm_;
+  std::vector<NearestTriangles> warm_;  // per kept pair; empty if none is exact
   std::vector<SignedGap> scratch_;
   std::int64_t box_tests_ = 0;
 };

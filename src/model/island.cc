@@ -1,0 +1,152 @@
+#include "model/island.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace mjcf_pdg {
+namespace {
+
+// The bodies that an equality constraint refers to, and those that its tendons run along.
+std::vector<int> BodiesOfEquality(const mjModel& m, int equality) {
+  std::vector<int> bodies;
+  const auto add_tendon = [&](int tendon) {
+    for (int k = 0; k < m.tendon_num[tendon]; ++k) {
+      const int wrap = m.tendon_adr[tendon] + k, object = m.wrap_objid[wrap];
+      switch (m.wrap_type[wrap]) {
+        case mjWRAP_JOINT:
+          bodies.push_back(m.jnt_bodyid[object]);
+          break;
+        case mjWRAP_SITE:
+          bodies.push_back(m.site_bodyid[object]);
+          break;
+        case mjWRAP_SPHERE:
+        case mjWRAP_CYLINDER:
+          bodies.push_back(m.geom_bodyid[object]);
+          break;
+        default:
+          break;
+      }
+    }
+  };
+  for (const int object : {m.eq_obj1id[equality], m.eq_obj2id[equality]}) {
+    if (object < 0) continue;
+    switch (m.eq_type[equality]) {
+      case mjEQ_JOINT:
+        bodies.push_back(m.jnt_bodyid[object]);
+        break;
+      case mjEQ_TENDON:
+        add_tendon(object);
+        break;
+      case mjEQ_CONNECT:
+      case mjEQ_WELD:
+        bodies.push_back(m.eq_objtype[equality] == mjOBJ_SITE ? m.site_bodyid[object] : object);
+        break;
+      default:
+        break;
+    }
+  }
+  return bodies;
+}
+
+}  // namespace
+
+MovableTrees::MovableTrees(const SceneTables& scene)
+    : model_(scene.model), of_body_(scene.model->nbody, -1) {
+  const mjModel& m = *model_;
+  std::vector<int> index(m.ntree, -1);
+  for (int body = 0; body < m.nbody; ++body) {
+    if (!scene.body_moves[body]) continue;
+    int& tree = index[m.body_treeid[body]];
+    if (tree < 0) tree = count_++;
+    of_body_[body] = tree;
+  }
+  of_equality_.resize(m.neq);
+  for (int e = 0; e < m.neq; ++e) {
+    std::vector<int>& trees = of_equality_[e];
+    for (const int body : BodiesOfEquality(m, e)) {
+      if (of_body_[body] >= 0) trees.push_back(of_body_[body]);
+    }
+    std::sort(trees.begin(), trees.end());
+    trees.erase(std::unique(trees.begin(), trees.end()), trees.end());
+  }
+  body_pairs_.resize(count_);
+  for (int k = 0; k < static_cast<int>(scene.body_pairs.size()); ++k) {
+    const int tree1 = of_body_[scene.body_pairs[k].body1];
+    const int tree2 = of_body_[scene.body_pairs[k].body2];
+    if (tree1 >= 0) body_pairs_[tree1].push_back(k);
+    if (tree2 >= 0 && tree2 != tree1) body_pairs_[tree2].push_back(k);
+  }
+}
+
+Island::Island(const SceneTables& scene, const MovableTrees& all, std::vector<int> of_trees)
+    : trees(std::move(of_trees)) {
+  const mjModel& m = *scene.model;
+  const auto has = [this](int tree) {
+    return tree >= 0 && std::binary_search(trees.begin(), trees.end(), tree);
+  };
+  tables.owner = scene.owner;
+  tables.model = scene.model;
+  tables.query_model = scene.query_model;
+  tables.size = scene.size;
+  tables.root_body =
+      scene.root_body >= 0 && has(all.OfBody(scene.root_body)) ? scene.root_body : -1;
+  tables.body_spheres = scene.body_spheres;
+  tables.support = scene.support;
+  tables.exact = scene.exact;
+  tables.convex = scene.convex;
+  tables.bvhs = scene.bvhs;
+  tables.tree_units = scene.tree_units;
+
+  tables.column_of_dof.assign(m.nv, -1);
+  for (JointEntry joint : scene.joints) {
+    if (!has(all.OfJoint(joint))) continue;
+    joint.col = tables.n;
+    for (int k = 0; k < joint.ndof; ++k) tables.column_of_dof[joint.vadr + k] = tables.n++;
+    tables.joints.push_back(joint);
+  }
+  tables.body_moves.assign(m.nbody, 0);
+  tables.moving_trees.assign(m.ntree, 0);
+  for (int body = 1; body < m.nbody; ++body) {
+    if (has(all.OfBody(body))) {
+      tables.body_moves[body] = tables.moving_trees[m.body_treeid[body]] = 1;
+    } else if (scene.body_moves[body]) {
+      tables.outside_mass += m.body_mass[body];
+    }
+  }
+
+  // Where no tree sleeps, MuJoCo's lists of what is awake do not count.
+  const std::vector<char>& moving = tables.moving_trees;
+  if (std::find(moving.begin(), moving.end(), 0) == moving.end()) tables.moving_trees.clear();
+
+  std::vector<int> body_pairs;
+  for (const int tree : trees) {
+    const std::vector<int>& of_tree = all.BodyPairsOf(tree);
+    body_pairs.insert(body_pairs.end(), of_tree.begin(), of_tree.end());
+  }
+  std::sort(body_pairs.begin(), body_pairs.end());
+  body_pairs.erase(std::unique(body_pairs.begin(), body_pairs.end()), body_pairs.end());
+  for (const int k : body_pairs) {
+    BodyPair bodies = scene.body_pairs[k];
+    const bool both = has(all.OfBody(bodies.body1)) && has(all.OfBody(bodies.body2));
+    const int begin = static_cast<int>(tables.pairs.size());
+    for (int pair = bodies.begin; pair < bodies.end; ++pair) {
+      tables.pairs.push_back(scene.pairs[pair]);
+      // A joint of the island lies between it and all else.
+      tables.pairs.back().moves = !both || scene.pairs[pair].moves;
+      tables.has_contact_only_pairs |= !scene.pairs[pair].has_distance;
+      tables.largest_kept = std::max(tables.largest_kept, scene.pairs[pair].kept);
+      scene_pairs.push_back(pair);
+    }
+    bodies.begin = begin;
+    bodies.end = static_cast<int>(tables.pairs.size());
+    tables.body_pairs.push_back(bodies);
+  }
+
+  tables.held_equalities = scene.held_equalities;
+  for (int e = 0; e < m.neq; ++e) {
+    const std::vector<int> joined = all.OfEquality(e);
+    tables.held_equalities[e] &= std::any_of(joined.begin(), joined.end(), has);
+  }
+}
+
+}  // namespace mjcf_pdg
