@@ -185,6 +185,17 @@ inline constexpr double kLeastShare = 1e-3;
 inline constexpr int kBlocked = 100;
 }  // namespace track
 
+// Scenes of several trees (solve/island_search.cc).
+namespace islands {
+// A tree nearer to an island's answer than this touches it [tolerance]: as for contact hops.
+inline constexpr double kTouching = starts::kHoppable;
+// A larger island is solved where a descent in it lowers σ below this share of what it was [1].
+inline constexpr double kHelps = 0.99;
+// So many islands are kept for later solves: each needs memory of its own. Objects that a robot
+// handles come in few combinations.
+inline constexpr std::size_t kKept = 8;
+}  // namespace islands
+
 // When a search ends (search/stopping_rule.cc).
 namespace stopping {
 inline constexpr double kSameAnswer = 1.01;  // two answers are the same up to this ratio of their σ

@@ -43,12 +43,20 @@ bool Trials::Try(const VectorXd& q, Component start, const LocalOptions& options
 void Trials::Keep(const LocalResult& result, Component start) {
   if (result.free) {
     outcome_.free.Insert(result.q, result.sigma, start);
-  } else if (!outcome_.has_overlap || result.violation < outcome_.least_violation) {
+    return;
+  }
+  const auto keep = [&](Candidate& candidate) {
+    candidate.q = result.q;
+    candidate.sigma = result.sigma;
+    candidate.start = start;
+  };
+  if (!outcome_.has_overlap || result.violation < outcome_.least_violation) {
     outcome_.has_overlap = true;
     outcome_.least_violation = result.violation;
-    outcome_.least_overlap.q = result.q;
-    outcome_.least_overlap.sigma = result.sigma;
-    outcome_.least_overlap.start = start;
+    keep(outcome_.least_overlap);
+  }
+  if (!result.hopeless && result.sigma < outcome_.nearest_overlap.sigma) {
+    keep(outcome_.nearest_overlap);
   }
 }
 

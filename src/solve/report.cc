@@ -20,11 +20,17 @@ constexpr std::size_t kLongestStart = 32;
 // Whether a configuration that is not free is still worth going to from another one: it is no
 // deeper, and either less deep, or fewer pairs are too near, or equality constraints hold that did
 // not.
-bool Improves(const Verdict& there, const Verdict& here, double tolerance) {
+bool Improves(const Verdict& there, const Verdict& here, const Options& options) {
+  const double tolerance = options.tolerance;
   if (there.min_distance < here.min_distance - tolerance) return false;
+  const auto too_near = [&options](const Verdict& v) {
+    return std::count_if(v.contacts.begin(), v.contacts.end(), [&options](const Contact& contact) {
+      return contact.distance < options.clearance - options.tolerance;
+    });
+  };
   const auto holds = [](const Verdict& v) { return v.equality_residual <= kEqualityTolerance; };
-  return there.min_distance > here.min_distance + tolerance ||
-         there.contacts.size() < here.contacts.size() || (holds(there) && !holds(here));
+  return there.min_distance > here.min_distance + tolerance || too_near(there) < too_near(here) ||
+         (holds(there) && !holds(here));
 }
 
 }  // namespace
@@ -159,7 +165,7 @@ void Reporter::Unsolved(const std::vector<double>& q_in, const Outcome* outcome,
     std::vector<double> q_inside;
     Assign(inside, q_inside);
     const Verdict& at_start = verifier_.Check(q_inside, q_in);
-    if (!Improves(verdict, at_start, problem_.options.tolerance)) {
+    if (!Improves(verdict, at_start, problem_.options)) {
       verdict = at_start;
       result.q = q_inside;
       result.start = NameOf(Component::kNone);

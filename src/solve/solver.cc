@@ -88,6 +88,6 @@ void Solver::SetMocap(const std::vector<double>& pos, const std::vector<double>&
   impl_->SetMocap(pos, quat);
 }
 
-void Solver::Reset() { impl_->strategy->Forget(); }
+void Solver::Reset() { impl_->Forget(); }
 
 }  // namespace mjcf_pdg

@@ -7,9 +7,6 @@
 #include <string>
 
 #include "equality/held.h"
-#include "paper/paper_method.h"
-#include "problem/effort.h"
-#include "search/auto_method.h"
 #include "solve/options.h"
 #include "solve/rest.h"
 
@@ -18,11 +15,6 @@ namespace {
 
 Eigen::Map<const VectorXd> AsEigen(std::span<const double> q) {
   return {q.data(), static_cast<Eigen::Index>(q.size())};
-}
-
-std::unique_ptr<Strategy> MakeStrategy(Workspace& work) {
-  if (work.problem().options.method == Method::kPaper) return std::make_unique<PaperMethod>(work);
-  return std::make_unique<AutoMethod>(work);
 }
 
 // The motions of method paper are straight, and so leave what equality constraints allow.
@@ -39,23 +31,46 @@ const Options& Checked(const Scene& scene, const Options& options) {
   return options;
 }
 
+// Frames of a trajectory begin with earlier answers of the whole scene, and method paper is the
+// paper's.
+bool SolvesIslands(const Scene& scene, const Options& options) {
+  return options.method == Method::kAuto && !options.trajectory &&
+         MovableTrees(scene.tables()).count() > 1;
+}
+
 }  // namespace
 
 SolverCore::SolverCore(const Scene& s, const Options& o)
     : scene(s),
       options(Checked(scene, o)),
       work(scene.tables(), options),
-      strategy(MakeStrategy(work)),
       verifier(scene.verifier_model(), options, options.report_distances_to),
-      acceptance(work, *strategy, verifier),
       reporter(work, verifier),
       budget{.queries = 0, .seconds = options.time_limit} {
+  if (SolvesIslands(scene, options)) {
+    islands_ = std::make_unique<IslandSearch>(work, verifier);
+  } else {
+    whole_ = std::make_unique<Stages>(work, verifier);
+  }
   SetMocap(options.mocap_pos, options.mocap_quat);
+}
+
+void SolverCore::Forget() {
+  if (whole_) whole_->strategy->Forget();
+}
+
+std::int64_t SolverCore::Queries() const {
+  return work.finder.queries() + (whole_ ? whole_->strategy->other_queries() : 0) +
+         (islands_ ? islands_->queries() : 0) + verifier.queries();
+}
+
+std::int64_t SolverCore::LcpSteps() const {
+  return (whole_ ? whole_->strategy->lcp_steps() : 0) + (islands_ ? islands_->lcp_steps() : 0);
 }
 
 Status SolverCore::Solve(std::span<const double> q, Result& result) {
   const BudgetMeter::Clock::time_point begin = BudgetMeter::Clock::now();
-  const std::int64_t queries_before = Queries(), lcp_before = strategy->lcp_steps();
+  const std::int64_t queries_before = Queries(), lcp_before = LcpSteps();
   q_in_.assign(q.begin(), q.end());
   work.budget.Begin(budget, begin, work.finder.queries());
   Reporter::Clear(result);
@@ -63,51 +78,72 @@ Status SolverCore::Solve(std::span<const double> q, Result& result) {
     if (options.rest > 0.0) DistancesAtRest(verifier, scene.tables(), at_rest_);
     work.Begin(AsEigen(q_in_), mocap, options.rest > 0.0 ? &at_rest_ : nullptr);
     if (Search(result)) {
-      reporter.Solved(q_in_, acceptance.q(), acceptance.start(), result);
+      reporter.Solved(q_in_, q_, start_, result);
     } else {
       reporter.Unsolved(q_in_, outcome_, frozen_, result);
     }
   }
   if (options.trajectory) Remember(result);
   result.stats.collision_queries = static_cast<int>(Queries() - queries_before);
-  result.stats.lcp_sweeps = static_cast<int>(strategy->lcp_steps() - lcp_before);
+  result.stats.lcp_sweeps = static_cast<int>(LcpSteps() - lcp_before);
   result.stats.seconds = std::chrono::duration<double>(BudgetMeter::Clock::now() - begin).count();
   return result.status;
 }
 
-// q_in_ penetrates: bound, search, accept. True if acceptance has a free configuration.
+// q_in_ penetrates: bound, search, accept. True if q_ is a free configuration.
 bool SolverCore::Search(Result& result) {
   outcome_ = nullptr;
   const std::int64_t distances_before = work.finder.distances();
-  StrategyInput input{.overlaps = work.OverlapsAtInput()};
-  reporter.Overlaps(input.overlaps, result);
-  input.distances_at_input = static_cast<int>(work.finder.distances() - distances_before);
-  if (options.report_lower_bound || strategy->UsesLowerBound()) {
-    input.sigma_lower_bound =
-        bound.Sigma(work, input.overlaps, PlanFor(options.effort).bound_cells);
-  }
-  result.sigma_lower_bound = input.sigma_lower_bound;
-  if (hint.size() > 0 && work.problem().Uses(Component::kUserPose)) {
-    q_hint_ = work.problem().q_in;
-    SetMovable(scene.tables(), hint, q_hint_);
-    ClampToLimits(scene.tables(), q_hint_);
-    input.hint = &q_hint_;
-  }
+  const std::vector<NearPair>& overlaps = work.OverlapsAtInput();
+  reporter.Overlaps(overlaps, result);
+  const int distances = static_cast<int>(work.finder.distances() - distances_before);
   const auto moves = [this](const NearPair& near) { return scene.tables().pairs[near.pair].moves; };
-  frozen_ = !std::all_of(input.overlaps.begin(), input.overlaps.end(), moves);
-  if (frozen_ && std::none_of(input.overlaps.begin(), input.overlaps.end(), moves)) return false;
-  outcome_ = &strategy->Run(input);
-  acceptance.Begin(q_in_);
-  const bool accepted = !frozen_ && acceptance.Accept(*outcome_, input.hint);
+  frozen_ = !std::all_of(overlaps.begin(), overlaps.end(), moves);
+  if (frozen_ && std::none_of(overlaps.begin(), overlaps.end(), moves)) return false;
+  const bool accepted =
+      islands_ ? SearchIslands(overlaps, result) : SearchWhole(overlaps, distances, result);
   result.stats.iterations = outcome_->iterations;
   result.stats.starts = outcome_->starts;
   return accepted;
 }
 
+bool SolverCore::SearchWhole(const std::vector<NearPair>& overlaps, int distances, Result& result) {
+  const VectorXd* const given = Hint();
+  outcome_ = &whole_->Search(overlaps, distances, given);
+  result.sigma_lower_bound = whole_->sigma_lower_bound();
+  whole_->acceptance.Begin(q_in_);
+  if (frozen_ || !whole_->acceptance.Accept(*outcome_, given)) return false;
+  q_ = whole_->acceptance.q();
+  start_ = whole_->acceptance.start();
+  return true;
+}
+
+bool SolverCore::SearchIslands(const std::vector<NearPair>& overlaps, Result& result) {
+  const bool free = islands_->Run({.q_in = q_in_,
+                                   .overlaps = overlaps,
+                                   .at_rest = options.rest > 0.0 ? &at_rest_ : nullptr,
+                                   .hint = Hint()});
+  outcome_ = &islands_->outcome();
+  result.sigma_lower_bound = islands_->sigma_lower_bound();
+  q_ = islands_->q();
+  start_ = islands_->start();
+  return free && !frozen_;
+}
+
+// The user's hint, inside limits; null if there is none.
+const VectorXd* SolverCore::Hint() {
+  if (hint.size() == 0 || !work.problem().Uses(Component::kUserPose)) return nullptr;
+  q_hint_ = work.problem().q_in;
+  SetMovable(scene.tables(), hint, q_hint_);
+  ClampToLimits(scene.tables(), q_hint_);
+  return &q_hint_;
+}
+
 void SolverCore::Remember(const Result& result) {
-  strategy->Remember(AsEigen(result.q), result.status != Status::kUnsolved);
+  Strategy& strategy = *whole_->strategy;
+  strategy.Remember(AsEigen(result.q), result.status != Status::kUnsolved);
   if (result.status != Status::kAlreadyFree && options.method == Method::kPaper) {
-    strategy->Remember(work.problem().q_in, false);
+    strategy.Remember(work.problem().q_in, false);
   }
 }
 

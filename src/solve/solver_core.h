@@ -8,13 +8,12 @@
 #include <span>
 #include <vector>
 
-#include "bound/lower_bound.h"
 #include "mjcf_pdg/scene.h"
 #include "mjcf_pdg/types.h"
-#include "problem/strategy.h"
 #include "problem/workspace.h"
-#include "solve/acceptance.h"
+#include "solve/island_search.h"
 #include "solve/report.h"
+#include "solve/stages.h"
 #include "verify/verifier.h"
 
 namespace mjcf_pdg {
@@ -33,17 +32,15 @@ struct SolverCore {
   bool HasObstacles(const mjData& data) const;
   // Throws Error unless q has nq good entries and the model is as it was.
   void CheckInput(std::span<const double> q) const;
-  std::int64_t Queries() const {
-    return work.finder.queries() + strategy->other_queries() + verifier.queries();
-  }
+  void Forget();  // all earlier solves
+  // Since construction: collision queries, and steps of LCPs.
+  std::int64_t Queries() const;
+  std::int64_t LcpSteps() const;
 
   const Scene scene;
   const Options options;
-  Workspace work;
-  LowerBound bound;
-  std::unique_ptr<Strategy> strategy;
+  Workspace work;  // of the whole scene
   Verifier verifier;
-  Acceptance acceptance;
   Reporter reporter;
   Budget budget;
   MocapPoses mocap;
@@ -51,12 +48,21 @@ struct SolverCore {
 
  private:
   bool Search(Result& result);
+  bool SearchWhole(const std::vector<NearPair>& overlaps, int distances, Result& result);
+  bool SearchIslands(const std::vector<NearPair>& overlaps, Result& result);
+  const VectorXd* Hint();
   void Remember(const Result& result);
 
+  // One of the two is null: a scene is solved as a whole or island by island.
+  std::unique_ptr<Stages> whole_;
+  std::unique_ptr<IslandSearch> islands_;
+
   // The present solve.
-  std::vector<double> q_in_;    // as the user gave it
-  VectorXd at_rest_;            // per kept pair, see DistancesAtRest
-  VectorXd q_hint_;             // the hint with what is frozen as in q_in
+  std::vector<double> q_in_;  // as the user gave it
+  VectorXd at_rest_;          // per kept pair, see DistancesAtRest
+  VectorXd q_hint_;           // the hint with what is frozen as in q_in
+  std::vector<double> q_;     // the answer
+  Component start_ = Component::kNone;
   Outcome* outcome_ = nullptr;  // null: nothing was searched
   bool frozen_ = false;         // pairs overlap that no movable joint can part
 };

@@ -52,7 +52,7 @@ struct MJCF_PDG_LOCAL Tracker::Impl {
   // What a tick may move an answer that stands [√σ, m].
   double Noise() const { return tune::kNoise * work.problem().size; }
   std::int64_t LcpSteps() const {
-    return core.strategy->lcp_steps() + follower.lcp_steps() + elsewhere.lcp_steps();
+    return core.LcpSteps() + follower.lcp_steps() + elsewhere.lcp_steps();
   }
   bool Free(const VectorXd& q);
   void First(Result& result);

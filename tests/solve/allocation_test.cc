@@ -43,5 +43,28 @@ TEST_F(SolverAllocationTest, WarmSolvesAndQuestionsTakeNothingFromTheHeap) {
   EXPECT_GT(all_solved, 30);
 }
 
+// Islands are kept: here two, one of them pushing a third body, and with a hint.
+TEST_F(SolverAllocationTest, WarmIslandsTakeNothingFromTheHeap) {
+  ASSERT_TRUE(AllocationCounter::Works());
+  std::string xml = R"(<mujoco><worldbody><geom type="plane" size="0 0 1"/>)";
+  for (int k = 0; k < 7; ++k) {
+    xml += R"(<body><freejoint/><geom type="box" size=".05 .05 .05"/></body>)";
+  }
+  const Scene scene = Scene::FromString(xml + "</worldbody></mujoco>");
+  std::vector<double> q, hint;
+  for (const double x : {0.0, 0.09, 0.191, 1.0, 1.08, 2.0, 3.0}) {
+    q.insert(q.end(), {x, 0, .05, 1, 0, 0, 0});
+    hint.insert(hint.end(), {1.5 * x, 0, .05, 1, 0, 0, 0});
+  }
+  Solver solver(scene);
+  solver.SetHint(hint);
+  Result result;
+  ASSERT_EQ(solver.Solve(q, result), Status::kSolved);
+  ASSERT_EQ(solver.Solve(q, result), Status::kSolved);
+  const AllocationCounter counter;
+  solver.Solve(q, result);
+  EXPECT_EQ(counter.count(), 0);
+}
+
 }  // namespace
 }  // namespace mjcf_pdg::test

@@ -1,0 +1,33 @@
+#include "solve/stages.h"
+
+#include "paper/paper_method.h"
+#include "problem/effort.h"
+#include "search/auto_method.h"
+
+namespace mjcf_pdg {
+namespace {
+
+std::unique_ptr<Strategy> MakeStrategy(Workspace& work) {
+  if (work.problem().options.method == Method::kPaper) return std::make_unique<PaperMethod>(work);
+  return std::make_unique<AutoMethod>(work);
+}
+
+}  // namespace
+
+Stages::Stages(Workspace& w, Verifier& verifier)
+    : work(w), strategy(MakeStrategy(work)), acceptance(work, *strategy, verifier) {}
+
+Outcome& Stages::Search(const std::vector<NearPair>& overlaps, int distances,
+                        const VectorXd* hint) {
+  const Options& options = work.problem().options;
+  sigma_lower_bound_ = 0.0;
+  if (options.report_lower_bound || strategy->UsesLowerBound()) {
+    sigma_lower_bound_ = bound.Sigma(work, overlaps, PlanFor(options.effort).bound_cells);
+  }
+  return strategy->Run({.overlaps = overlaps,
+                        .distances_at_input = distances,
+                        .sigma_lower_bound = sigma_lower_bound_,
+                        .hint = hint});
+}
+
+}  // namespace mjcf_pdg
