@@ -162,7 +162,11 @@ int RunAudit(AuditArguments& arguments) {
       // The only model that cannot be loaded is bad input; among others it is a finding.
       if (!one.error.empty() && arguments.models.size() == 1) throw Error(one.error);
       if (!arguments.fix.empty()) {
-        outputs.Stage(arguments.fix, MendedText(model, one.audit, arguments.fix));
+        MendOptions options{arguments.fix, arguments.scene.options, {}};
+        options.solve.tolerance = arguments.options.tolerance;
+        const MendedModel mended = Mended(model, one.audit, options);
+        for (const std::string& words : mended.left) WriteWarning("--fix: " + words);
+        outputs.Stage(arguments.fix, mended.text);
       }
       wrong |= one.Wrong();
       json += AuditJson(one);

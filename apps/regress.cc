@@ -31,11 +31,11 @@ struct RegressArguments {
 // Every suite and its golden results, so that what is wrong with one is told before any work.
 std::vector<SuiteRun> ReadSuites(const RegressArguments& arguments) {
   std::vector<SuiteRun> runs;
+  std::vector<std::string> warnings;
   for (const std::string& path : arguments.suites) runs.push_back({ReadSuite(path), {}, false, {}});
   if (!arguments.discover.empty()) {
-    std::vector<std::string> skipped;
-    runs.push_back({DiscoverSuite(arguments.discover, skipped), {}, true, {}});
-    for (const std::string& words : skipped) WriteWarning("left out: " + words);
+    runs.push_back({DiscoverSuite(arguments.discover, warnings), {}, true, {}});
+    for (std::string& words : warnings) words = "left out: " + words;
   }
   if (runs.empty()) throw Error("a suite is needed, or --discover DIR");
   std::set<fs::path> files;
@@ -48,9 +48,10 @@ std::vector<SuiteRun> ReadSuites(const RegressArguments& arguments) {
     }
     run.golden = ReadGolden(path);
     if (!arguments.update && !fs::exists(path, ec)) {
-      WriteWarning(path + ": no such file, so that there is nothing to compare with (--update)");
+      warnings.push_back(path + ": no such file, so nothing to compare with (--update makes it)");
     }
   }
+  for (const std::string& words : warnings) WriteWarning(words);
   return runs;
 }
 

@@ -4,9 +4,9 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <set>
 
+#include "apps/input/text_file.h"
 #include "apps/output/report.h"
 
 namespace mjcf_pdg::app {
@@ -14,17 +14,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string ReadText(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 // What cannot be opened may be one; loading it says why it cannot.
 bool LooksLikeModel(const fs::path& path) {
   if (path.extension() == ".mjb") return true;
   if (path.extension() != ".xml") return false;
   if (!std::ifstream(path)) return true;
-  const std::string text = ReadText(path);
+  const std::string text = ReadTextFile(path);
   return text.find("<mujoco") != std::string::npos &&
          text.find("<mujocoinclude") == std::string::npos;
 }
@@ -58,7 +53,7 @@ std::set<std::string> KnownModels(const std::string& path) {
   std::error_code ec;
   if (!fs::exists(path, ec)) return {};
   const Suite suite = ReadSuite(path);
-  if (FormatSuite(suite) != ReadText(path)) {
+  if (FormatSuite(suite) != ReadTextFile(path)) {
     throw Error("--discover: " + path +
                 " says more than which models there are: name it as the suite, or remove it");
   }

@@ -1,26 +1,14 @@
 #include "apps/regress/json_place.h"
 
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <set>
+#include <utility>
+
+#include "apps/input/text_file.h"
 
 namespace mjcf_pdg::app {
 namespace {
 
-namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-std::string ReadText(const std::string& path) {
-  std::error_code ec;
-  const fs::file_status status = fs::status(path, ec);
-  if (!fs::status_known(status)) throw Error(path + ": " + ec.message());
-  if (!fs::exists(status)) throw Error(path + ": no such file");
-  if (fs::is_directory(status)) throw Error(path + ": is a folder");
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error(path + ": cannot be opened");
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 // The library's words without its own numbers: "[json.exception.parse_error.101] parse error at".
 std::string Words(const nlohmann::json::exception& e) {
@@ -52,7 +40,7 @@ class TwiceWatch {
 }  // namespace
 
 Json ReadJsonFile(const std::string& path) {
-  const std::string text = ReadText(path);
+  const std::string text = ReadTextFile(path);
   TwiceWatch watch(path);
   try {
     return Json::parse(text, std::ref(watch));

@@ -3,6 +3,7 @@
 #include <glob.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -136,6 +137,9 @@ std::vector<SuiteRows> ReadConfigurations(const JsonPlace& place) {
   return all;
 }
 
+// What glob asks about a folder that it cannot read: one that is not there is no reason to end.
+int EndsGlob(const char*, int error) { return error != ENOENT && error != ENOTDIR; }
+
 // Files that a pattern names, below the suite's folder, in the order of their names; a name without
 // * ? [ is itself, whether there is such a file or not.
 std::vector<std::string> Expand(const fs::path& folder, const JsonPlace& place) {
@@ -145,7 +149,7 @@ std::vector<std::string> Expand(const fs::path& folder, const JsonPlace& place) 
   }
   glob_t found = {};
   const std::string full = (folder / pattern).string();
-  const int failed = ::glob(full.c_str(), GLOB_ERR, nullptr, &found);
+  const int failed = ::glob(full.c_str(), 0, EndsGlob, &found);
   std::vector<std::string> names;
   for (std::size_t k = 0; failed == 0 && k < found.gl_pathc; ++k) {
     names.push_back(fs::path(found.gl_pathv[k]).lexically_relative(folder).generic_string());

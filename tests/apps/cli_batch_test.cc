@@ -65,6 +65,9 @@ TEST_F(CliBatchTest, ABadRowInTheMiddleLeavesTheRowsBeforeIt) {
   const Outcome outcome = Solve({});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_NE(outcome.err.find("rows.txt line 26"), std::string::npos) << outcome.err;
+  EXPECT_THAT(outcome.err, testing::HasSubstr("25 rows are in a.jsonl.part; the same command with "
+                                              "--resume goes on\n"));
+  EXPECT_EQ(Lines(outcome.err).size(), 1u);
   EXPECT_FALSE(Exists("a.jsonl"));
   EXPECT_EQ(ParseLines(Read("a.jsonl.part")).size(), 25u);
   // Mended, it goes on from there.

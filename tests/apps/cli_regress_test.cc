@@ -160,8 +160,9 @@ TEST_F(CliRegressTest, JunitTellsACiServer) {
   EditGolden([](Json& row) { row["status"] = "already_free"; });
   EXPECT_EQ(Run({"regress", "suite.json", "--junit", "out.xml"}).exit_code, 3);
   const std::string xml = Read("out.xml");
-  EXPECT_THAT(xml, HasSubstr("<testsuite name=\"a/scene.xml\" tests=\"2\" failures=\"1\">"));
-  EXPECT_THAT(xml, HasSubstr("<failure message=\"penetrates: was already_free"));
+  EXPECT_THAT(
+      xml, HasSubstr("<testsuite name=\"a/scene.xml\" tests=\"2\" failures=\"1\" errors=\"0\" "));
+  EXPECT_THAT(xml, HasSubstr("<failure type=\"failure\" message=\"penetrates: was already_free"));
 }
 
 TEST_F(CliRegressTest, AFolderBecomesASuite) {
