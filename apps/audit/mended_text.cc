@@ -79,11 +79,18 @@ Result Repaired(const Scene& scene, Solver& solver, int key) {
   return solver.Solve(row.q);
 }
 
+// <size nkey> counts more keyframes than stand in the text: those are qpos0, and the next <key> of
+// the text becomes the first of them.
+bool IsOnlyCounted(const std::string& text, const std::vector<TextSpan>& tags, int key) {
+  return key >= static_cast<int>(tags.size()) && FindTags(text, "attach").empty();
+}
+
 void MendKeys(const Scene& scene, const Audit& audit, const std::string& text,
               const Options& options, Mending& mending) {
   const mjModel& model = *scene.model();
   Solver solver(scene, options);
   const std::vector<TextSpan> tags = FindTags(text, "key");
+  std::string default_key;
   for (const AuditedKey& key : audit.keys) {
     if (!key.Wrong()) continue;
     const auto leave = [&](const std::string& why) {
@@ -92,18 +99,20 @@ void MendKeys(const Scene& scene, const Audit& audit, const std::string& text,
     const Result result = Repaired(scene, solver, key.key);
     if (result.status == Status::kAlreadyFree) {  // with the <exclude> lines
       if (key.violates) leave("an equality constraint that it violates is none of those held");
-      continue;
-    }
-    if (result.status == Status::kUnsolved) {
+    } else if (result.status == Status::kUnsolved) {
       leave(result.reason);
-    } else if (key.key >= 0) {
-      const TextSpan* tag = FindKey(text, tags, key, static_cast<int>(model.nkey));
-      if (tag) mending.keys.emplace_back(*tag, result.q);
-      if (!tag) leave("no <key> of the model's text is its");
-    } else if (mj_name2id(&model, mjOBJ_KEY, kDefaultKey) < 0) {
-      mending.keyframe.push_back(
-          WithQpos(std::string("<key name=\"") + kDefaultKey + "\"/>", result.q));
+    } else if (key.key < 0) {
+      default_key = WithQpos(std::string("<key name=\"") + kDefaultKey + "\"/>", result.q);
+    } else if (const TextSpan* tag = FindKey(text, tags, key, static_cast<int>(model.nkey))) {
+      mending.keys.emplace_back(*tag, result.q);
+    } else if (IsOnlyCounted(text, tags, key.key)) {
+      mending.keyframe.push_back(WithQpos("<key/>", result.q));
+    } else {
+      leave("no <key> of the model's text is its");
     }
+  }
+  if (!default_key.empty() && mj_name2id(&model, mjOBJ_KEY, kDefaultKey) < 0) {
+    mending.keyframe.push_back(default_key);
   }
   std::sort(mending.keys.begin(), mending.keys.end(),
             [](const auto& a, const auto& b) { return a.first.begin > b.first.begin; });

@@ -36,10 +36,11 @@ std::string Attribute(const std::string& name, const std::string& value) {
   return " " + name + "=\"" + out + "\"";
 }
 
-// The schemas' decimal numbers have no exponent.
-std::string Seconds(double seconds) {
+// The schemas' decimal numbers have no exponent, and those of Jenkins' test suites no more than
+// three decimals.
+std::string Seconds(double seconds, int decimals) {
   char text[64];
-  std::snprintf(text, sizeof text, "%.6f", seconds);
+  std::snprintf(text, sizeof text, "%.*f", decimals, seconds);
   return text;
 }
 
@@ -53,7 +54,7 @@ std::string DateTime(std::time_t time) {
 
 std::string FormatCase(const JunitSuite& suite, const JunitCase& one) {
   const std::string head = "    <testcase" + Attribute("classname", suite.name) +
-                           Attribute("name", one.name) + Attribute("time", Seconds(one.seconds));
+                           Attribute("name", one.name) + Attribute("time", Seconds(one.seconds, 6));
   if (one.failure.empty()) return head + "/>\n";
   const std::string kind = one.error ? "error" : "failure";
   return head + "><" + kind + Attribute("type", kind) + Attribute("message", one.failure) +
@@ -75,7 +76,7 @@ std::string FormatJunit(const std::vector<JunitSuite>& suites, std::time_t start
     text += "  <testsuite" + Attribute("name", suite.name) +
             Attribute("tests", std::to_string(suite.cases.size())) +
             Attribute("failures", std::to_string(failures)) +
-            Attribute("errors", std::to_string(errors)) + Attribute("time", Seconds(seconds)) +
+            Attribute("errors", std::to_string(errors)) + Attribute("time", Seconds(seconds, 3)) +
             Attribute("timestamp", DateTime(start)) + Attribute("hostname", "localhost") +
             Attribute("package", "mjcf-pdg") + Attribute("id", std::to_string(id++)) +
             ">\n    <properties/>\n";
