@@ -114,10 +114,10 @@ void AddOutputs(const RegressArguments& arguments, const std::vector<SuiteRun>& 
 bool RunSuites(std::vector<SuiteRun>& runs, std::size_t threads) {
   std::size_t cases = 0;
   for (const SuiteRun& run : runs) cases += run.suite.cases.size();
-  Progress progress("solving models", cases);
+  Progress progress("solving models", cases);  // of a single one its rows are shown
   for (SuiteRun& run : runs) {
     for (const SuiteCase& one : run.suite.cases) {
-      run.reports.push_back(RunCase(run.suite, one, run.golden[one.model], threads));
+      run.reports.push_back(RunCase(run.suite, one, run.golden[one.model], {threads, cases == 1}));
       if (Interrupted()) return false;
       progress.Step();
     }

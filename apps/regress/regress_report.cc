@@ -62,7 +62,7 @@ std::string CaseJson(const SuiteRun& run, const CaseReport& report) {
 // Of all models: the lines of the table of changes, and what is said below it.
 struct Summary {
   Table table{{"model", "row", "change", "golden", "now", "sigma m^2"}};
-  std::size_t rows = 0, regressions = 0, failed = 0, changes = 0;
+  std::size_t rows = 0, regressions = 0, failed = 0, slower = 0, changes = 0;
   std::string errors;
 
   void AddChange(const std::vector<std::string>& cells) {
@@ -71,6 +71,7 @@ struct Summary {
   void Add(const std::string& model, const CaseReport& report) {
     rows += report.rows.size();
     failed += !report.error.empty();
+    slower += report.more_queries;
     if (!report.error.empty()) errors += model + ": " + OneLine(report.error) + "\n";
     if (report.more_queries) errors += model + ": " + QueryWords(report) + "\n";
     for (const RowReport& row : report.rows) {
@@ -123,7 +124,7 @@ std::string ReportTable(const std::vector<SuiteRun>& runs) {
   }
   return text + all.errors + std::to_string(all.rows) + " rows, " +
          std::to_string(all.regressions) + " regressions, " + std::to_string(all.failed) +
-         " models that failed\n";
+         " models that failed, " + std::to_string(all.slower) + " that take more queries\n";
 }
 
 }  // namespace mjcf_pdg::app

@@ -4,10 +4,12 @@
 #include <exception>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
 
+#include "apps/console/progress.h"
 #include "apps/input/configurations.h"
 #include "apps/input/random_configuration.h"
 #include "apps/output/report.h"
@@ -27,6 +29,12 @@ class NamedRows {
     if (rows.kind == SuiteRows::Kind::kKeyframes || rows.kind == SuiteRows::Kind::kFile) {
       source_ = std::make_unique<RowSource>(scene, which);
     }
+  }
+
+  // Where that is known.
+  std::optional<std::size_t> size() const {
+    if (source_) return source_->size();
+    return rows_.kind == SuiteRows::Kind::kRandom ? rows_.count : 1;
   }
 
   bool Next(Configuration& row) {
@@ -56,8 +64,9 @@ class NamedRows {
 };
 
 void RunRows(const Suite& suite, const SuiteCase& one, const std::vector<GoldenRow>& golden,
-             std::size_t threads, CaseReport& report) {
+             const CaseRun& how, CaseReport& report) {
   const Scene scene = Scene::FromFile((suite.folder / one.model).string(), one.scene);
+  std::unique_ptr<Progress> progress;
   std::map<std::string, GoldenRow> golden_rows;
   for (const GoldenRow& row : golden) golden_rows[row.name] = row;
   const auto tell = [&](const Configuration& row, const Result& result) {
@@ -73,6 +82,7 @@ void RunRows(const Suite& suite, const SuiteCase& one, const std::vector<GoldenR
     }
     told.change = Compare(suite, one, told.before ? &*told.before : nullptr, told.now);
     report.rows.push_back(std::move(told));
+    if (progress) progress->Step();
   };
   std::set<std::string> names;
   for (const SuiteRows& rows : one.rows) {
@@ -85,7 +95,9 @@ void RunRows(const Suite& suite, const SuiteCase& one, const std::vector<GoldenR
       } while (!names.insert(row.label).second);
       return true;
     };
-    SolveRows(scene, one.options, threads, next, tell);
+    progress.reset();  // wiped before the next one is drawn
+    if (how.progress) progress = std::make_unique<Progress>("solving rows", named.size());
+    SolveRows(scene, one.options, how.threads, next, tell);
   }
 }
 
@@ -98,11 +110,11 @@ bool CaseReport::Failed() const {
 }
 
 CaseReport RunCase(const Suite& suite, const SuiteCase& one, const std::vector<GoldenRow>& golden,
-                   std::size_t threads) {
+                   const CaseRun& how) {
   CaseReport report;
   report.model = one.model;
   try {
-    RunRows(suite, one, golden, threads, report);
+    RunRows(suite, one, golden, how, report);
   } catch (const std::exception& e) {
     report.error = e.what();
     return report;

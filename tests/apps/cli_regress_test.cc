@@ -131,6 +131,7 @@ TEST_F(CliRegressTest, ASlowedSolverIsCaughtByItsQueries) {
   EXPECT_TRUE(changes.at(robot)["failed"]);
   EXPECT_FALSE(changes.at("a/scene.xml")["failed"]) << "a handful of queries is no news";
   EXPECT_THAT(Run({"regress", "suite.json"}).out, HasSubstr("puma_car.xml: queries"));
+  EXPECT_THAT(Run({"regress", "suite.json"}).out, HasSubstr("failed, 1 that take more queries\n"));
 }
 
 TEST_F(CliRegressTest, NewAndGoneRowsAreSaidAndFailNothing) {
