@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <span>
 #include <stdexcept>
 
 namespace mjcf_pdg::app {

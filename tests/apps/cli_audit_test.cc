@@ -207,6 +207,20 @@ TEST_F(CliAuditTest, EqualitiesAndFlagsAreSeen) {
   EXPECT_THAT(audit["warnings"].dump(), HasSubstr("the model disables contacts"));
 }
 
+// The ball may sink 2 cm into the plate; in one keyframe it is 1 cm deep, in the other 3 cm.
+TEST_F(CliAuditTest, OverlapsThatAMarginAllowsDoNotCount) {
+  std::string xml = Sunk("<keyframe><key qpos=\"-.81\"/><key qpos=\"-.83\"/></keyframe>");
+  xml.replace(xml.find("<geom name=\"ball\""), 5, "<geom margin=\"-.02\"");
+  xml.replace(xml.find("<joint"), 6, "<joint range=\"-.819 1\" limited=\"true\"");
+  Write("model.xml", xml);
+  const Json audit = Audit({"model.xml"}, 3);
+  EXPECT_EQ(audit["keyframes"][1]["depth"], 0.0);
+  EXPECT_NEAR(audit["keyframes"][2]["depth"].get<double>(), 0.03, 1e-9);
+  EXPECT_EQ(audit["pairs"][0]["class"], "default");
+  EXPECT_EQ(audit["pairs"][0]["share"], 0.0) << "inside limits never deeper than allowed";
+  EXPECT_THAT(audit["warnings"].dump(), HasSubstr("1 pair has a negative margin"));
+}
+
 TEST_F(CliAuditTest, SeveralModelsAndOneThatIsBroken) {
   Write("model.xml", kModel);
   Write("broken.xml", "<mujoco>");
