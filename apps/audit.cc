@@ -1,5 +1,6 @@
 // mjcf-pdg audit: what is wrong with a model, whatever it is used for.
-#include <filesystem>
+#include <ctime>
+#include <exception>
 #include <memory>
 #include <string>
 #include <vector>
@@ -107,7 +108,7 @@ std::string AuditText(const ModelAudit& one) {
 
 JunitSuite AuditJunit(const ModelAudit& one) {
   JunitSuite suite{one.model, {}};
-  suite.cases.push_back({"loads", one.error, 0.0});
+  suite.cases.push_back({"loads", one.error, 0.0, true});
   if (!one.error.empty()) return suite;
   std::string wrong;
   for (const AuditedPair& pair : one.audit.pairs) {
@@ -115,12 +116,12 @@ JunitSuite AuditJunit(const ModelAudit& one) {
     wrong += (wrong.empty() ? "" : "; ") + one.scene->GeomName(pair.geom1) + " and " +
              one.scene->GeomName(pair.geom2) + ": " + NameOf(pair.kind);
   }
-  suite.cases.push_back({"pairs", wrong, 0.0});
+  suite.cases.push_back({"pairs", wrong});
   for (const AuditedKey& key : one.audit.keys) {
     const std::string failure = "depth " + Short(1e3 * key.depth) + " mm, limits exceeded by " +
                                 Short(key.limit_excess) + ", equalities violated by " +
                                 Short(key.equality_residual);
-    suite.cases.push_back({"keyframe " + key.name, key.Wrong() ? failure : "", 0.0});
+    suite.cases.push_back({"keyframe " + key.name, key.Wrong() ? failure : ""});
   }
   return suite;
 }
@@ -132,11 +133,14 @@ ModelAudit AuditModel(const std::string& model, const AuditArguments& arguments)
     one.audit = Examine(*one.scene, arguments.options);
   } catch (const Error& e) {
     one.error = e.what();
+  } catch (const std::exception& e) {  // of MuJoCo, or out of memory: no other model suffers
+    one.error = model + ": " + e.what();
   }
   return one;
 }
 
 int RunAudit(AuditArguments& arguments) {
+  const std::time_t start = std::time(nullptr);
   arguments.options.samples = arguments.samples;
   arguments.options.seed = arguments.seed;
   if (!arguments.fix.empty() && arguments.models.size() > 1) {
@@ -154,11 +158,15 @@ int RunAudit(AuditArguments& arguments) {
     Progress progress("auditing", arguments.models.size());
     for (const std::string& model : arguments.models) {
       const ModelAudit one = AuditModel(model, arguments);
-      if (Interrupted()) return kExitSignal + Interrupted();
+      if (Interrupted()) return SayInterrupted("before the end: nothing was written");
       // The only model that cannot be loaded is bad input; among others it is a finding.
       if (!one.error.empty() && arguments.models.size() == 1) throw Error(one.error);
       if (!arguments.fix.empty()) {
-        outputs.Stage(arguments.fix, MendedText(model, one.audit, arguments.fix));
+        MendOptions options{arguments.fix, arguments.scene.options, {}};
+        options.solve.tolerance = arguments.options.tolerance;
+        const MendedModel mended = Mended(model, one.audit, options);
+        for (const std::string& words : mended.left) WriteWarning("--fix: " + words);
+        outputs.Stage(arguments.fix, mended.text);
       }
       wrong |= one.Wrong();
       json += AuditJson(one);
@@ -168,7 +176,7 @@ int RunAudit(AuditArguments& arguments) {
     }
   }
   outputs.Stage(arguments.json, json);
-  outputs.Stage(arguments.junit, FormatJunit(junit));
+  outputs.Stage(arguments.junit, FormatJunit(junit, start));
   outputs.Commit();
   if (!outputs.uses_stdout()) WriteStdout(text);
   return wrong ? kExitNotFree : kExitFree;

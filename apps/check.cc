@@ -58,7 +58,11 @@ int RunCheck(CheckArguments& arguments) {
       progress.Step();
     }
   }
-  if (const int signal = Interrupted()) return kExitSignal + signal;
+  if (Interrupted()) {
+    const bool kept = !arguments.json.empty() && arguments.json != "-";
+    return SayInterrupted("after " + std::to_string(table.rows()) + " rows" +
+                          (kept ? ", which are in " + OutputFiles::PartName(arguments.json) : ""));
+  }
   outputs.Commit();
   if (!outputs.uses_stdout()) WriteStdout(table.ToString());
   return table.all_free() ? kExitFree : kExitNotFree;

@@ -1,5 +1,6 @@
 // mjcf-pdg regress: solves suites of models again and says what has changed since their golden
 // results.
+#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <set>
@@ -11,18 +12,14 @@
 #include "apps/console/progress.h"
 #include "apps/console/text.h"
 #include "apps/options.h"
-#include "apps/output/junit.h"
 #include "apps/output/output_files.h"
-#include "apps/output/report.h"
-#include "apps/regress/golden.h"
-#include "apps/regress/run_case.h"
-#include "apps/regress/suite.h"
+#include "apps/regress/discover.h"
+#include "apps/regress/regress_report.h"
 
 namespace mjcf_pdg::app {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 struct RegressArguments {
   std::vector<std::string> suites;
@@ -31,124 +28,44 @@ struct RegressArguments {
   unsigned long long threads = 1;
 };
 
-struct SuiteRun {
-  Suite suite;
-  Golden golden;
-  bool discovered = false;
-  std::vector<CaseReport> reports;
-};
-
 // Every suite and its golden results, so that what is wrong with one is told before any work.
 std::vector<SuiteRun> ReadSuites(const RegressArguments& arguments) {
   std::vector<SuiteRun> runs;
+  std::vector<std::string> warnings;
   for (const std::string& path : arguments.suites) runs.push_back({ReadSuite(path), {}, false, {}});
   if (!arguments.discover.empty()) {
-    std::vector<std::string> skipped;
-    runs.push_back({DiscoverSuite(arguments.discover, skipped), {}, true, {}});
-    for (const std::string& words : skipped) WriteWarning("left out: " + words);
+    runs.push_back({DiscoverSuite(arguments.discover, warnings), {}, true, {}});
+    for (std::string& words : warnings) words = "left out: " + words;
   }
   if (runs.empty()) throw Error("a suite is needed, or --discover DIR");
   std::set<fs::path> files;
   for (SuiteRun& run : runs) {
     std::error_code ec;
-    if (!files.insert(fs::weakly_canonical(fs::absolute(run.suite.golden()), ec)).second) {
-      throw Error(run.suite.path + ": its golden results are " + run.suite.golden() +
+    const std::string path = run.suite.golden();
+    if (!files.insert(fs::weakly_canonical(fs::absolute(path), ec)).second) {
+      throw Error(run.suite.path + ": its golden results are " + path +
                   ", as those of a suite before it");
     }
-    run.golden = ReadGolden(run.suite.golden());
+    run.golden = ReadGolden(path);
+    if (!arguments.update && !fs::exists(path, ec)) {
+      warnings.push_back(path + ": no such file, so nothing to compare with (--update makes it)");
+    }
   }
+  for (const std::string& words : warnings) WriteWarning(words);
   return runs;
 }
 
-std::string Words(const RowReport& row) {
-  if (!IsRegression(row.change)) return "";
-  const std::string before =
-      std::string(StatusName(row.before->status)) + ", sigma " + Short(row.before->sigma);
-  return std::string(NameOf(row.change)) + ": was " + before + ", is " +
-         StatusName(row.now.status) + ", sigma " + Short(row.now.sigma) +
-         (row.reason.empty() ? "" : ": " + row.reason);
-}
-
-std::string QueryWords(const CaseReport& report) {
-  return "queries: " + std::to_string(report.queries.now) + ", were " +
-         std::to_string(report.queries.before);
-}
-
-std::string ReportJson(const SuiteRun& run) {
-  std::string text;
-  for (const CaseReport& report : run.reports) {
-    Json head = {{"suite", run.suite.path}, {"model", report.model}};
-    for (const RowReport& row : report.rows) {
-      Json json = head;
-      json["row"] = row.now.name;
-      json["change"] = NameOf(row.change);
-      json["status"] = StatusName(row.now.status);
-      json["sigma"] = row.now.sigma;
-      json["queries"] = row.now.queries;
-      if (row.before) {
-        json["golden"] = {{"status", StatusName(row.before->status)},
-                          {"sigma", row.before->sigma},
-                          {"queries", row.before->queries}};
-      }
-      if (!row.reason.empty()) json["reason"] = row.reason;
-      text += JsonLine(json);
-    }
-    for (const std::string& row : report.gone) {
-      Json json = head;
-      json["row"] = row;
-      json["change"] = NameOf(Change::kGone);
-      text += JsonLine(json);
-    }
-    head["failed"] = report.Failed();
-    head["queries"] = report.queries.now;
-    head["golden_queries"] = report.queries.before;
-    if (!report.error.empty()) head["error"] = report.error;
-    text += JsonLine(head);
+// Golden results of models that the suite does not have (any more).
+void AddGoneModels(SuiteRun& run) {
+  std::set<std::string> models;
+  for (const SuiteCase& one : run.suite.cases) models.insert(one.model);
+  for (const auto& [model, rows] : run.golden) {
+    if (models.contains(model)) continue;
+    CaseReport report;
+    report.model = model;
+    for (const GoldenRow& row : rows) report.gone.push_back(row.name);
+    run.reports.push_back(std::move(report));
   }
-  return text;
-}
-
-JunitSuite ReportJunit(const CaseReport& report) {
-  JunitSuite suite{report.model, {}};
-  for (const RowReport& row : report.rows) {
-    suite.cases.push_back({row.now.name, Words(row), row.seconds});
-  }
-  if (!report.error.empty()) suite.cases.push_back({"loads", report.error, 0.0});
-  if (report.more_queries) suite.cases.push_back({"queries", QueryWords(report), 0.0});
-  return suite;
-}
-
-// One line for every change, and one for every model that failed as a whole.
-std::string ReportTable(const std::vector<SuiteRun>& runs) {
-  Table table({"model", "row", "change", "golden", "now", "sigma m^2"});
-  std::size_t rows = 0, regressions = 0, failed = 0, changes = 0;
-  std::string errors;
-  for (const SuiteRun& run : runs) {
-    for (const CaseReport& report : run.reports) {
-      rows += report.rows.size();
-      failed += !report.error.empty();
-      if (!report.error.empty()) errors += report.model + ": " + OneLine(report.error) + "\n";
-      if (report.more_queries) errors += report.model + ": " + QueryWords(report) + "\n";
-      for (const RowReport& row : report.rows) {
-        regressions += IsRegression(row.change);
-        if (row.change == Change::kNone || ++changes > kRowsShown) continue;
-        table.AddRow({report.model, row.now.name, NameOf(row.change),
-                      row.before ? Short(row.before->sigma) : "-", StatusName(row.now.status),
-                      Short(row.now.sigma)});
-      }
-      for (const std::string& row : report.gone) {
-        if (++changes <= kRowsShown) {
-          table.AddRow({report.model, row, NameOf(Change::kGone), "", "", ""});
-        }
-      }
-    }
-  }
-  std::string text = changes > 0 ? table.ToString() : "";
-  if (changes > kRowsShown) {
-    text += "... and " + std::to_string(changes - kRowsShown) + " changes that are not shown\n";
-  }
-  return text + errors + std::to_string(rows) + " rows, " + std::to_string(regressions) +
-         " regressions, " + std::to_string(failed) + " models that failed\n";
 }
 
 // A model that failed keeps the golden results that it had.
@@ -165,49 +82,68 @@ Golden Updated(const SuiteRun& run) {
   return golden;
 }
 
+// Everything that a run reads: no report may be written over it.
+std::vector<std::string> Inputs(const std::vector<SuiteRun>& runs) {
+  std::vector<std::string> inputs;
+  for (const SuiteRun& run : runs) {
+    inputs.push_back(run.suite.path);
+    inputs.push_back(run.suite.golden());
+    for (const SuiteCase& one : run.suite.cases) {
+      inputs.push_back((run.suite.folder / one.model).string());
+      for (const SuiteRows& rows : one.rows) {
+        if (!rows.file.empty()) inputs.push_back((run.suite.folder / rows.file).string());
+      }
+    }
+  }
+  return inputs;
+}
+
 void AddOutputs(const RegressArguments& arguments, const std::vector<SuiteRun>& runs,
                 OutputFiles& outputs) {
-  std::vector<std::string> inputs = arguments.suites;
+  const std::vector<std::string> inputs = Inputs(runs);
   outputs.Add("--json", arguments.json, inputs);
   outputs.Add("--junit", arguments.junit, inputs);
   if (!arguments.update) return;
   for (const SuiteRun& run : runs) {
-    if (run.discovered) outputs.Add("--update", run.suite.path, inputs);
-    outputs.Add("--update", run.suite.golden(), inputs);
+    if (run.discovered) outputs.Add("--update", run.suite.path, arguments.suites);
+    outputs.Add("--update", run.suite.golden(), arguments.suites);
   }
 }
 
+// False if it was interrupted.
+bool RunSuites(std::vector<SuiteRun>& runs, std::size_t threads) {
+  std::size_t cases = 0;
+  for (const SuiteRun& run : runs) cases += run.suite.cases.size();
+  Progress progress("solving models", cases);  // of a single one its rows are shown
+  for (SuiteRun& run : runs) {
+    for (const SuiteCase& one : run.suite.cases) {
+      run.reports.push_back(RunCase(run.suite, one, run.golden[one.model], {threads, cases == 1}));
+      if (Interrupted()) return false;
+      progress.Step();
+    }
+    AddGoneModels(run);
+  }
+  return true;
+}
+
 int RunRegress(const RegressArguments& arguments) {
+  const std::time_t start = std::time(nullptr);
   std::vector<SuiteRun> runs = ReadSuites(arguments);
   OutputFiles outputs;
   AddOutputs(arguments, runs, outputs);
-  std::size_t cases = 0;
-  for (const SuiteRun& run : runs) cases += run.suite.cases.size();
-  bool failed = false;
-  std::string json;
-  std::vector<JunitSuite> junit;
   CatchInterrupts();
-  {
-    Progress progress("solving models", cases);
-    for (SuiteRun& run : runs) {
-      for (const SuiteCase& one : run.suite.cases) {
-        run.reports.push_back(RunCase(run.suite, one, run.golden[one.model], arguments.threads));
-        if (Interrupted()) return kExitSignal + Interrupted();
-        const CaseReport& report = run.reports.back();
-        failed |= arguments.update ? !report.error.empty() : report.Failed();
-        junit.push_back(ReportJunit(report));
-        progress.Step();
-      }
-      json += ReportJson(run);
+  if (!RunSuites(runs, arguments.threads))
+    return SayInterrupted("before the end: nothing was written");
+  outputs.Stage(arguments.json, ReportJson(runs));
+  outputs.Stage(arguments.junit, FormatJunit(ReportJunit(runs), start));
+  bool failed = false;
+  for (const SuiteRun& run : runs) {
+    for (const CaseReport& report : run.reports) {
+      failed |= arguments.update ? !report.error.empty() : report.Failed();
     }
-  }
-  outputs.Stage(arguments.json, json);
-  outputs.Stage(arguments.junit, FormatJunit(junit));
-  if (arguments.update) {
-    for (const SuiteRun& run : runs) {
-      if (run.discovered) outputs.Stage(run.suite.path, FormatSuite(run.suite));
-      outputs.Stage(run.suite.golden(), FormatGolden(run.suite, Updated(run)));
-    }
+    if (!arguments.update) continue;
+    if (run.discovered) outputs.Stage(run.suite.path, FormatSuite(run.suite));
+    outputs.Stage(run.suite.golden(), FormatGolden(run.suite, Updated(run)));
   }
   outputs.Commit();
   if (!outputs.uses_stdout()) WriteStdout(ReportTable(runs));

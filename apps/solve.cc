@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,6 +29,8 @@
 
 namespace mjcf_pdg::app {
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr double kReportedDistances = 1.0;  // Options::report_distances_to [m]
 
@@ -124,7 +127,7 @@ void StageMjcf(const Scene& scene, const std::vector<Configuration>& rows,
                OutputFiles& outputs) {
   AddRepairedKeys(scene, rows, results, spec);
   const std::string staged = outputs.StagedName(path);
-  const std::string folder = std::filesystem::path(staged).parent_path().string();
+  const std::string folder = fs::path(staged).parent_path().string();
   outputs.Stage(path, FormatMjcf(spec, folder));
   CheckMjcf(staged, rows, results);
 }
@@ -133,7 +136,7 @@ void StageMjcf(const Scene& scene, const std::vector<Configuration>& rows,
 // The first page is `path`; look.png is followed by look-2.png.
 std::string PageName(const std::string& path, std::size_t page) {
   if (page == 0) return path;
-  std::filesystem::path name(path);
+  fs::path name(path);
   const std::string ending = name.extension().string();
   return name.replace_extension().string() + "-" + std::to_string(page + 1) + ending;
 }
@@ -170,7 +173,8 @@ class SolveRun {
             const Result& result);
   void WriteNpySize();
   void StageScene(const Scene& scene);
-  int Interruption(int signal);
+  void SolveModels();
+  std::string LeftWords() const;
   int ExitCode() const { return table_.all_free() ? kExitFree : kExitNotFree; }
 
   SolveArguments& arguments_;
@@ -271,16 +275,31 @@ void SolveRun::StageScene(const Scene& scene) {
 #endif
 }
 
-int SolveRun::Interruption(int signal) {
-  std::string words = "interrupted after " + std::to_string(table_.rows()) + " rows";
-  if (!arguments_.json.empty() && arguments_.json != "-") {
-    words += ", which are in " + OutputFiles::PartName(arguments_.json);
-    const bool resumes =
-        !arguments_.options.trajectory && arguments_.out_mjcf.empty() && arguments_.png.empty();
-    if (resumes) words += "; the same command with --resume goes on";
+// Where the rows so far are, and how to go on behind them; empty: nowhere.
+std::string SolveRun::LeftWords() const {
+  const std::string part = OutputFiles::PartName(arguments_.json);
+  std::error_code ec;
+  if (table_.rows() == 0 || arguments_.json.empty() || !fs::exists(part, ec)) return "";
+  const bool resumes = !arguments_.options.trajectory && arguments_.out_mjcf.empty() &&
+                       arguments_.png.empty() && arguments_.out_qpos != "-";
+  return " in " + part + (resumes ? "; the same command with --resume goes on" : "");
+}
+
+void SolveRun::SolveModels() {
+  try {
+    for (const std::string& model : arguments_.models) {
+      SolveModel(model);
+      if (Interrupted()) break;
+    }
+    WriteNpySize();
+  } catch (const std::exception& e) {
+    const std::string left = LeftWords();
+    if (left.empty()) throw;
+    const std::string words =
+        e.what() + ("; " + std::to_string(table_.rows()) + " rows are") + left;
+    if (dynamic_cast<const Error*>(&e)) throw Error(words);
+    throw std::runtime_error(words);
   }
-  WriteWarning(words);
-  return kExitSignal + signal;
 }
 
 int SolveRun::Run() {
@@ -292,12 +311,12 @@ int SolveRun::Run() {
     left_ = std::make_unique<LeftRows>(OutputFiles::PartName(arguments_.json));
   }
   CatchInterrupts();
-  for (const std::string& model : arguments_.models) {
-    SolveModel(model);
-    if (Interrupted()) break;
+  SolveModels();
+  if (Interrupted()) {
+    const std::string left = LeftWords();
+    return SayInterrupted("after " + std::to_string(table_.rows()) + " rows" +
+                          (left.empty() ? "" : ", which are" + left));
   }
-  WriteNpySize();
-  if (const int signal = Interrupted()) return Interruption(signal);
   outputs_.Commit();
   if (!outputs_.uses_stdout()) WriteStdout(table_.ToString());
   return ExitCode();

@@ -7,11 +7,13 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <utility>
 
 #include "apps/console/interrupt.h"
 #include "apps/input/configurations.h"
 #include "apps/input/random_configuration.h"
 #include "mjcf_pdg/pdg.h"
+#include "model/scene_tables.h"
 
 namespace mjcf_pdg::app {
 namespace {
@@ -29,9 +31,30 @@ struct Seen {
 };
 using SeenPairs = std::map<std::array<int, 2>, Seen>;
 
-void Note(const Verdict& verdict, double tolerance, std::size_t Seen::* count, SeenPairs& seen) {
+// Which contacts count: those deeper than the tolerance and than what the model allows their pair
+// by a negative margin + gap.
+class Overlaps {
+ public:
+  Overlaps(const Scene& scene, double tolerance) : tolerance_(tolerance) {
+    for (const KeptPair& pair : scene.tables().pairs) {
+      if (pair.allowed > 0.0) allowed_[std::minmax(pair.geom1, pair.geom2)] = pair.allowed;
+    }
+  }
+
+  bool Counts(const Contact& contact) const {
+    const auto allowed = allowed_.find(std::minmax(contact.geom[0], contact.geom[1]));
+    return contact.distance < -(tolerance_ + (allowed == allowed_.end() ? 0.0 : allowed->second));
+  }
+
+ private:
+  const double tolerance_;
+  std::map<std::pair<int, int>, double> allowed_;
+};
+
+void Note(const Verdict& verdict, const Overlaps& overlaps, std::size_t Seen::* count,
+          SeenPairs& seen) {
   for (const Contact& contact : verdict.contacts) {
-    if (contact.distance >= -tolerance) continue;
+    if (!overlaps.Counts(contact)) continue;
     Seen& pair = seen[contact.geom];
     ++(pair.*count);
     pair.depth = std::min(pair.depth, contact.distance);
@@ -62,7 +85,7 @@ double ForceOverWeight(const mjModel& m, const mjData& d) {
 }
 
 AuditedKey ExamineKey(const Scene& scene, const Configuration& row, const Verdict& verdict,
-                      double tolerance, mjData* d) {
+                      const Overlaps& overlaps, mjData* d) {
   const mjModel& m = *scene.model();
   AuditedKey key;
   key.name = row.label;
@@ -73,11 +96,13 @@ AuditedKey ExamineKey(const Scene& scene, const Configuration& row, const Verdic
     mj_resetDataKeyframe(&m, d, row.key);
   }
   mj_forward(&m, d);
-  key.depth = verdict.contacts.empty() ? 0.0 : std::max(0.0, -verdict.min_distance);
+  for (const Contact& contact : verdict.contacts) {
+    if (overlaps.Counts(contact)) key.depth = std::max(key.depth, -contact.distance);
+  }
   key.limit_excess = verdict.limit_excess;
   key.equality_residual = EqualityResidual(*d);
   key.force_over_weight = ForceOverWeight(m, *d);
-  key.penetrates = key.depth > tolerance;
+  key.penetrates = key.depth > 0.0;
   key.leaves_limits = key.limit_excess > kLimitTolerance;
   key.violates = key.equality_residual > kEqualityTolerance;
   return key;
@@ -139,6 +164,9 @@ void WarnOfBlindness(const Scene& scene, Audit& audit) {
   if (m.opt.disableflags & mjDSBL_FILTERPARENT) {
     warn("the filter of parent and child is off (<flag filterparent>): neighbours collide");
   }
+  const std::vector<KeptPair>& pairs = scene.tables().pairs;
+  const auto allowing = std::count_if(pairs.begin(), pairs.end(),
+                                      [](const KeptPair& pair) { return pair.allowed > 0.0; });
   int blind = 0, gaps = 0;
   for (int g = 0; g < m.ngeom; ++g) {
     blind += m.geom_contype[g] == 0 && m.geom_conaffinity[g] == 0;
@@ -147,9 +175,14 @@ void WarnOfBlindness(const Scene& scene, Audit& audit) {
   if (blind == m.ngeom && m.ngeom > 0 && m.npair == 0) {
     warn("no geom collides (contype and conaffinity are 0)");
   }
+  if (allowing > 0) {
+    warn(
+        std::to_string(allowing) + (allowing == 1 ? " pair has" : " pairs have") +
+        " a negative margin + gap: MuJoCo does not see overlaps up to that, and they do not count");
+  }
   if (gaps > 0) {
-    warn(std::to_string(gaps) +
-         " geoms have a gap: their contacts are listed so much before they push");
+    warn(std::to_string(gaps) + (gaps == 1 ? " geom has a gap: its" : " geoms have a gap: their") +
+         " contacts are listed so much before they push");
   }
 }
 
@@ -181,20 +214,21 @@ Audit Examine(const Scene& scene, const AuditOptions& options) {
   if (!d) throw Error("out of memory");
   Options asked;
   asked.tolerance = options.tolerance;
+  const Overlaps overlaps(scene, options.tolerance);
   const std::vector<Configuration> poses = Poses(scene);
   for (const Configuration& row : poses) {
     asked.mocap_pos = row.mocap_pos;
     asked.mocap_quat = row.mocap_quat;
     const Verdict verdict = Verify(scene, row.q, asked);
-    Note(verdict, options.tolerance, &Seen::posed, seen);
-    audit.keys.push_back(ExamineKey(scene, row, verdict, options.tolerance, d.get()));
+    Note(verdict, overlaps, &Seen::posed, seen);
+    audit.keys.push_back(ExamineKey(scene, row, verdict, overlaps, d.get()));
   }
   asked.mocap_pos.clear();
   asked.mocap_quat.clear();
   Random random(options.seed);
   for (; audit.samples < options.samples && !Interrupted(); ++audit.samples) {
     const Verdict verdict = Verify(scene, RandomConfiguration(scene, random), asked);
-    Note(verdict, options.tolerance, &Seen::random, seen);
+    Note(verdict, overlaps, &Seen::random, seen);
   }
   audit.pairs = Classify(seen, audit.samples, poses.size());
   audit.never = static_cast<std::size_t>(scene.num_kept_pairs()) - audit.pairs.size();

@@ -36,7 +36,7 @@ struct AuditedPair {
 struct AuditedKey {
   std::string name;                // "qpos0" for the model's default
   int key = -1;                    // -1: qpos0
-  double depth = 0.0;              // deepest overlap, positive [m]
+  double depth = 0.0;              // deepest overlap that counts, positive [m]
   double limit_excess = 0.0;       // largest violation of a joint limit [rad or m]
   double equality_residual = 0.0;  // largest violation of an active equality [rad or m]
   // Sum of the normal contact forces that MuJoCo applies there, over the weight of what can move:

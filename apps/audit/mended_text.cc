@@ -4,13 +4,14 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <regex>
-#include <vector>
+#include <memory>
+#include <optional>
+#include <utility>
 
+#include "apps/audit/mjcf_text.h"
 #include "apps/input/configurations.h"
 #include "apps/input/qpos_file.h"
+#include "apps/input/text_file.h"
 #include "apps/output/repaired_mjcf.h"
 #include "mjcf_pdg/pdg.h"
 
@@ -22,64 +23,25 @@ namespace fs = std::filesystem;
 // What a model may be reset to whose qpos0 penetrates.
 constexpr char kDefaultKey[] = "qpos0_pdg";
 
-std::string Escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
+// Where keyframe `key` of the model stands among the <key> tags of the text; null: nowhere. The
+// tags of a part of the keyframes (others came with an <attach>, or are only counted by
+// <size nkey>) are told apart by their names.
+const TextSpan* FindKey(const std::string& text, const std::vector<TextSpan>& tags,
+                        const AuditedKey& key, int nkey) {
+  if (static_cast<int>(tags.size()) == nkey) return &tags[static_cast<std::size_t>(key.key)];
+  for (const TextSpan& tag : tags) {
+    const std::string written = tag.Of(text);
+    const std::optional<TextSpan> name = FindAttribute(written, "name");
+    if (name && name->Of(written) == Escaped(key.name)) return &tag;
   }
-  return out;
+  return nullptr;
 }
 
-// The same length, with blanks for comments, so that places in it are places in the text.
-std::string WithoutComments(std::string text) {
-  for (std::size_t begin = text.find("<!--"); begin != std::string::npos;
-       begin = text.find("<!--", begin)) {
-    const std::size_t end = std::min(text.find("-->", begin), text.size() - 3) + 3;
-    for (; begin < end; ++begin) text[begin] = text[begin] == '\n' ? '\n' : ' ';
-  }
-  return text;
-}
-
-// An opening tag <key ...>, in the text.
-struct KeyTag {
-  std::size_t begin = 0, length = 0;
-  std::string name;  // empty: none
-};
-
-std::vector<KeyTag> FindKeyTags(const std::string& code) {
-  static const std::regex tag("<key\\s[^>]*>"), name("\\sname\\s*=\\s*[\"']([^\"']*)[\"']");
-  std::vector<KeyTag> tags;
-  for (std::sregex_iterator it(code.begin(), code.end(), tag), end; it != end; ++it) {
-    KeyTag found{static_cast<std::size_t>(it->position()), static_cast<std::size_t>(it->length()),
-                 ""};
-    const std::string text = it->str();
-    std::smatch match;
-    if (std::regex_search(text, match, name)) found.name = match[1];
-    tags.push_back(found);
-  }
-  return tags;
-}
-
-// Where keyframe `key` stands. With includes, the text has only some of them: those with a name can
-// be found.
-const KeyTag& FindKey(const std::vector<KeyTag>& tags, const AuditedKey& key, int nkey) {
-  if (static_cast<int>(tags.size()) == nkey) return tags[static_cast<std::size_t>(key.key)];
-  const auto found = std::find_if(tags.begin(), tags.end(),
-                                  [&](const KeyTag& tag) { return tag.name == key.name; });
-  if (found == tags.end()) {
-    throw Error("--fix: keyframe '" + key.name + "' does not stand in the model's own file");
-  }
-  return *found;
-}
-
-std::string WithQpos(const std::string& tag, const std::vector<double>& q) {
-  static const std::regex qpos("(\\sqpos\\s*=\\s*[\"'])([^\"']*)[\"']");
+std::string WithQpos(std::string tag, const std::vector<double>& q) {
   std::string numbers = FormatQposRow(q, "rows.txt");
   numbers.pop_back();  // its line break
-  std::smatch match;
-  if (std::regex_search(tag, match, qpos)) {
-    return std::string(tag).replace(static_cast<std::size_t>(match.position(2)),
-                                    static_cast<std::size_t>(match.length(2)), numbers);
+  if (const std::optional<TextSpan> qpos = FindAttribute(tag, "qpos")) {
+    return tag.replace(qpos->begin, qpos->length, numbers);
   }
   return "<key qpos=\"" + numbers + "\"" + tag.substr(4);
 }
@@ -101,35 +63,56 @@ std::unique_ptr<mjModel, void (*)(mjModel*)> Excluding(const std::string& model,
 
 // What replaces keyframes that are wrong, and the new lines of the model.
 struct Mending {
-  std::vector<std::pair<KeyTag, std::vector<double>>> keys;
+  std::vector<std::pair<TextSpan, std::vector<double>>> keys;
   std::vector<std::string> contact, keyframe;
+  std::vector<std::string> left;  // what stays wrong, and why
 };
 
-// A keyframe `key` of the scene, or qpos0, made free; empty if it cannot be.
-std::vector<double> Repaired(const Scene& scene, Solver& solver, int key) {
+// What the solver says to a keyframe `key` of the scene, or to qpos0.
+Result Repaired(const Scene& scene, Solver& solver, int key) {
   Configuration row;
   row.q = scene.DefaultQpos();
   if (key >= 0) {
     for (RowSource source(scene, {}); source.Next(row) && row.key != key;) continue;
   }
   solver.SetMocap(row.mocap_pos, row.mocap_quat);
-  const Result result = solver.Solve(row.q);
-  return result.status == Status::kSolved ? result.q : std::vector<double>();
+  return solver.Solve(row.q);
 }
 
-void MendKeys(const mjModel& model, const Audit& audit, const std::vector<KeyTag>& tags,
-              Mending& mending) {
-  const Scene scene = Scene::FromModel(&model);
-  Solver solver(scene);
+// <size nkey> counts more keyframes than stand in the text: those are qpos0, and the next <key> of
+// the text becomes the first of them.
+bool IsOnlyCounted(const std::string& text, const std::vector<TextSpan>& tags, int key) {
+  return key >= static_cast<int>(tags.size()) && FindTags(text, "attach").empty();
+}
+
+void MendKeys(const Scene& scene, const Audit& audit, const std::string& text,
+              const Options& options, Mending& mending) {
+  const mjModel& model = *scene.model();
+  Solver solver(scene, options);
+  const std::vector<TextSpan> tags = FindTags(text, "key");
+  std::string default_key;
   for (const AuditedKey& key : audit.keys) {
-    if (!key.penetrates && !key.leaves_limits) continue;
-    const std::vector<double> q = Repaired(scene, solver, key.key);
-    if (q.empty()) continue;
-    if (key.key >= 0) {
-      mending.keys.emplace_back(FindKey(tags, key, static_cast<int>(model.nkey)), q);
-    } else if (mj_name2id(&model, mjOBJ_KEY, kDefaultKey) < 0) {
-      mending.keyframe.push_back(WithQpos(std::string("<key name=\"") + kDefaultKey + "\"/>", q));
+    if (!key.Wrong()) continue;
+    const auto leave = [&](const std::string& why) {
+      mending.left.push_back((key.key < 0 ? "" : "keyframe ") + key.name + " stays: " + why);
+    };
+    const Result result = Repaired(scene, solver, key.key);
+    if (result.status == Status::kAlreadyFree) {  // with the <exclude> lines
+      if (key.violates) leave("an equality constraint that it violates is none of those held");
+    } else if (result.status == Status::kUnsolved) {
+      leave(result.reason);
+    } else if (key.key < 0) {
+      default_key = WithQpos(std::string("<key name=\"") + kDefaultKey + "\"/>", result.q);
+    } else if (const TextSpan* tag = FindKey(text, tags, key, static_cast<int>(model.nkey))) {
+      mending.keys.emplace_back(*tag, result.q);
+    } else if (IsOnlyCounted(text, tags, key.key)) {
+      mending.keyframe.push_back(WithQpos("<key/>", result.q));
+    } else {
+      leave("no <key> of the model's text is its");
     }
+  }
+  if (!default_key.empty() && mj_name2id(&model, mjOBJ_KEY, kDefaultKey) < 0) {
+    mending.keyframe.push_back(default_key);
   }
   std::sort(mending.keys.begin(), mending.keys.end(),
             [](const auto& a, const auto& b) { return a.first.begin > b.first.begin; });
@@ -153,7 +136,7 @@ std::string Applied(std::string text, const Mending& mending) {
     text.insert(end, lines);
   }
   for (const auto& [tag, q] : mending.keys) {
-    text.replace(tag.begin, tag.length, WithQpos(text.substr(tag.begin, tag.length), q));
+    text.replace(tag.begin, tag.length, WithQpos(tag.Of(text), q));
   }
   return text;
 }
@@ -164,13 +147,12 @@ std::string ExcludeLine(const std::string& body1, const std::string& body2) {
   return "<exclude body1=\"" + Escaped(body1) + "\" body2=\"" + Escaped(body2) + "\"/>";
 }
 
-std::string MendedText(const std::string& model, const Audit& audit, const std::string& target) {
+MendedModel Mended(const std::string& model, const Audit& audit, const MendOptions& options) {
   std::error_code ec;
   const fs::path from = fs::weakly_canonical(fs::absolute(model), ec).parent_path();
-  const fs::path to = fs::weakly_canonical(fs::absolute(target), ec).parent_path();
-  if (from != to) throw Error("--fix: " + target + ": must be in the folder of " + model);
-  std::ifstream file(model, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(file), {}};
+  const fs::path to = fs::weakly_canonical(fs::absolute(options.target), ec).parent_path();
+  if (from != to) throw Error("--fix: " + options.target + ": must be in the folder of " + model);
+  std::string text = ReadTextFile(model);
   if (fs::path(model).extension() == ".mjb" || text.find('\0') != std::string::npos) {
     throw Error("--fix: " + model + " is no text");
   }
@@ -178,14 +160,18 @@ std::string MendedText(const std::string& model, const Audit& audit, const std::
   for (const auto& [body1, body2] : audit.exclude) {
     mending.contact.push_back(ExcludeLine(body1, body2));
   }
-  const bool mend_keys = std::any_of(audit.keys.begin(), audit.keys.end(), [](const auto& key) {
-    return key.penetrates || key.leaves_limits;
-  });
-  if (mend_keys) {
-    const auto excluding = Excluding(model, audit);
-    MendKeys(*excluding, audit, FindKeyTags(WithoutComments(text)), mending);
+  bool any_wrong = false, key_wrong = false;
+  for (const AuditedKey& key : audit.keys) {
+    any_wrong |= key.Wrong();
+    key_wrong |= key.Wrong() && key.key >= 0;
   }
-  return Applied(std::move(text), mending);
+  if (key_wrong) text = WithIncludesOf(std::move(text), "key", from);
+  if (any_wrong) {
+    const auto excluding = Excluding(model, audit);
+    const Scene scene = Scene::FromModel(excluding.get(), options.scene);
+    MendKeys(scene, audit, text, options.solve, mending);
+  }
+  return {Applied(std::move(text), mending), mending.left};
 }
 
 }  // namespace mjcf_pdg::app

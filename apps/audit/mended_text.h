@@ -3,6 +3,7 @@
 #define MJCF_PDG_APPS_AUDIT_MENDED_TEXT_H_
 
 #include <string>
+#include <vector>
 
 #include "apps/audit/examine.h"
 
@@ -11,12 +12,24 @@ namespace mjcf_pdg::app {
 // <exclude body1="..." body2="..."/>, escaped.
 std::string ExcludeLine(const std::string& body1, const std::string& body2);
 
-// The MJCF of `model` with <exclude> lines for permanent overlaps and, in keyframes that penetrate
-// or leave limits, a qpos that is free. A model whose qpos0 does so gets a keyframe "qpos0_pdg", at
-// which it is free: qpos0 itself follows from where its bodies stand. What cannot be made free
-// stays as it is. Throws Error if the model is no text, if it would have to be written to another
-// folder (paths in it are relative), or if a keyframe stands in another file.
-std::string MendedText(const std::string& model, const Audit& audit, const std::string& target);
+struct MendOptions {
+  std::string target;  // the file that the text is for
+  SceneOptions scene;  // as the model was examined
+  Options solve;
+};
+
+struct MendedModel {
+  std::string text;
+  std::vector<std::string> left;  // what is wrong as before, and why, a line each
+};
+
+// The MJCF of `model` with <exclude> lines for permanent overlaps and, in keyframes that are wrong,
+// a qpos that is not. Where such keyframes stand in included files, the text of
+// these takes the place of their <include>. A model whose qpos0 is wrong gets a keyframe
+// "qpos0_pdg", at which it is not: qpos0 itself follows from where its bodies stand. Throws Error
+// if the model is no text, or if it would have to be written to another folder (paths in it are
+// relative).
+MendedModel Mended(const std::string& model, const Audit& audit, const MendOptions& options);
 
 }  // namespace mjcf_pdg::app
 

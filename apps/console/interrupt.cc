@@ -3,6 +3,9 @@
 #include <atomic>
 #include <csignal>
 
+#include "apps/cli.h"
+#include "apps/console/text.h"
+
 namespace mjcf_pdg::app {
 namespace {
 
@@ -22,5 +25,10 @@ void CatchInterrupts() {
 }
 
 int Interrupted() { return g_signal; }
+
+int SayInterrupted(const std::string& words) {
+  WriteWarning("interrupted " + words);
+  return kExitSignal + Interrupted();
+}
 
 }  // namespace mjcf_pdg::app

@@ -61,6 +61,7 @@ std::vector<double> QposOf(const std::string& line, const std::string& origin) {
 void CheckRegularFile(const std::string& path) {
   std::error_code ec;
   const fs::file_status status = fs::status(path, ec);
+  if (!fs::status_known(status)) throw Error(path + ": " + ec.message());
   if (!fs::exists(status)) throw Error(path + ": no such file");
   if (fs::is_directory(status)) throw Error(path + ": is a directory");
   const std::string ending = Extension(path);

@@ -140,6 +140,8 @@ std::string JsonLine(const Json& value) {
   return value.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+std::string Utf8(const std::string& text) { return Json::parse(JsonLine(text)); }
+
 Json GeomJson(const Scene& scene, int geom) {
   const char* name = mj_id2name(scene.model(), mjOBJ_GEOM, geom);
   return name && *name ? Json(name) : Json(geom);

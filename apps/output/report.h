@@ -15,6 +15,7 @@ namespace mjcf_pdg::app {
 // Returns one line with its line break, numbers at full precision. Bytes that are not UTF-8 are
 // replaced.
 std::string JsonLine(const nlohmann::ordered_json& value);
+std::string Utf8(const std::string& text);  // the same of a text
 
 // The geom's name as a string, or, if it has none, its id as a number, because a geom may be called
 // "3".
@@ -64,6 +65,7 @@ class CheckTable {
   void Add(const Scene& scene, const RowName& name, const Configuration& row,
            const Verdict& verdict);
 
+  std::size_t rows() const { return rows_; }
   bool all_free() const { return free_ == rows_; }
   std::string ToString() const;
 

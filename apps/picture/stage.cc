@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <stdexcept>
 
 namespace mjcf_pdg::app {
@@ -23,6 +24,8 @@ constexpr float kShades[2][kNumShades][3] = {
 // All else keeps this share of its colour, the rest is grey.
 constexpr float kColorShare = 0.25f;
 constexpr float kBrightest = 0.75f;  // Of that grey: in strong light white floors dazzle.
+// All lamps together, where 1 shows a surface that faces them in its own colour.
+constexpr float kMostLight = 1.2f;
 // Opacity of what covers guilty geoms, and of guilty floors, in which things may have sunk.
 constexpr float kGlass = 0.2f;
 constexpr float kGuiltyFloor = 0.6f;
@@ -191,6 +194,22 @@ bool Stage::IsGlass(const mjvGeom& geom) const {
          !IsGuilty(geom.objid) && glass_body_[model_->geom_bodyid[geom.objid]];
 }
 
+// In the light of several strong lamps every colour is white, and tinted floors first.
+void Stage::DimLights() {
+  float light = 0.0f;
+  for (const mjvLight& lamp : std::span(scene_.lights, static_cast<std::size_t>(scene_.nlight))) {
+    light += *std::max_element(lamp.ambient, lamp.ambient + 3) +
+             *std::max_element(lamp.diffuse, lamp.diffuse + 3);
+  }
+  const float share = kMostLight / std::max(light, kMostLight);
+  for (mjvLight& lamp : std::span(scene_.lights, static_cast<std::size_t>(scene_.nlight))) {
+    for (int k = 0; k < 3; ++k) {
+      lamp.ambient[k] *= share;
+      lamp.diffuse[k] *= share;
+    }
+  }
+}
+
 void Stage::TintScene(Tint tint) {
   for (int i = 0; i < scene_.ngeom; ++i) {
     mjvGeom& geom = scene_.geoms[i];
@@ -292,6 +311,7 @@ void Stage::FindCovered(mjvCamera& camera) {
 Image Stage::Draw(mjvCamera& camera, Tint tint, const std::vector<Point>& marks,
                   const std::string& title, const std::string& text) {
   UpdateScene(camera);
+  DimLights();
   TintScene(tint);
   AddBackdrop();
   const mjrRect viewport = {0, 0, kWidth, kHeight};

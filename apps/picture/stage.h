@@ -84,6 +84,7 @@ class Stage {
   mjvGeom* AddBall(const mjtNum position[3], double radius);  // Null if the scene is full.
   bool IsGuiltyGeom(const mjvGeom& geom) const;
   bool IsGlass(const mjvGeom& geom) const;
+  void DimLights();
   void TintScene(Tint tint);
   void AddBackdrop();
   // Renders the geoms of the scene in a colour per geom, only those that `keep` accepts, and

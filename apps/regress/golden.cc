@@ -3,50 +3,72 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
+#include <limits>
+#include <set>
+#include <utility>
 
 #include "apps/output/report.h"
+#include "apps/regress/json_place.h"
 
 namespace mjcf_pdg::app {
 namespace {
 
+namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 1;
+constexpr double kMostSigma = 1e300;  // any finite one [m²]
 // Queries that a model may take more however few they are: the random starts of one row.
 constexpr long long kFewQueries = 50;
 
-Status StatusNamed(const std::string& name) {
-  for (const Status status : {Status::kAlreadyFree, Status::kSolved, Status::kUnsolved}) {
-    if (name == StatusName(status)) return status;
-  }
-  throw Error("status '" + name + "' is none of ours");
+GoldenRow ReadRow(const JsonPlace& place, std::string& model) {
+  GoldenRow row;
+  int members = 0;
+  const auto queries = [&](const JsonPlace& p) {
+    row.queries = static_cast<int>(p.Whole(0, std::numeric_limits<int>::max()));
+  };
+  const auto status = [&](const JsonPlace& p) {
+    row.status = p.Choice<Status>({{"already_free", Status::kAlreadyFree},
+                                   {"solved", Status::kSolved},
+                                   {"unsolved", Status::kUnsolved}});
+  };
+  place.Members({
+      {"model", [&](const JsonPlace& p) { model = p.Text(), ++members; }},
+      {"row", [&](const JsonPlace& p) { row.name = p.Text(), ++members; }},
+      {"status", [&](const JsonPlace& p) { status(p), ++members; }},
+      {"sigma", [&](const JsonPlace& p) { row.sigma = p.Number(0.0, kMostSigma), ++members; }},
+      {"queries", [&](const JsonPlace& p) { queries(p), ++members; }},
+  });
+  if (members != 5) place.Refuse("needs model, row, status, sigma and queries");
+  return row;
 }
 
 }  // namespace
 
 Golden ReadGolden(const std::string& path) {
   std::error_code ec;
-  if (!std::filesystem::exists(path, ec)) return {};
-  std::ifstream file(path);
-  if (!file) throw Error(path + ": cannot be opened");
-  Golden golden;
-  try {
-    const Json json = Json::parse(file);
-    if (json.at("version") != kVersion) {
-      throw Error("is of version " + json.at("version").dump() + ", this program writes " +
-                  std::to_string(kVersion) + " (--update)");
-    }
-    for (const Json& row : json.at("rows")) {
-      golden[row.at("model")].push_back(
-          {row.at("row"), StatusNamed(row.at("status")), row.at("sigma"), row.at("queries")});
-    }
-  } catch (const nlohmann::json::exception& e) {
-    throw Error(path + ": " + e.what());
-  } catch (const Error& e) {
-    throw Error(path + ": " + e.what());
+  if (!fs::exists(fs::symlink_status(path, ec))) return {};
+  const Json json = ReadJsonFile(path);
+  const JsonPlace file{json, path};
+  if (json.is_object() && json.contains("version") && json["version"] != kVersion) {
+    file.Refuse("is of version " + json["version"].dump() + ", this program knows " +
+                std::to_string(kVersion) + " (remove the file, and --update makes it anew)");
   }
+  Golden golden;
+  bool whole = false;
+  std::set<std::pair<std::string, std::string>> names;
+  const auto read_rows = [&](const JsonPlace& rows) {
+    whole = true;
+    if (rows.value == Json::array()) return;  // no model could be run
+    for (const JsonPlace& place : rows.List()) {
+      std::string model;
+      GoldenRow row = ReadRow(place, model);
+      if (!names.emplace(model, row.name).second) place.Refuse("is of a row that has one already");
+      golden[model].push_back(std::move(row));
+    }
+  };
+  file.Members({{"version", [](const JsonPlace&) {}}, {"rows", read_rows}});
+  if (!whole || !json.contains("version")) file.Refuse("needs version and rows");
   return golden;
 }
 

@@ -1,6 +1,7 @@
 // Golden results of a suite, and what has changed since. The file has a version and a line a row:
 //   {"version": 1, "rows": [
-//     {"model": "arm.xml", "row": "keyframe home", "status": "solved", "sigma": 0.0004, "queries": 57},
+//     {"model": "arm.xml", "row": "keyframe home", "status": "solved", "sigma": 0.0004, "queries":
+//     57},
 #ifndef MJCF_PDG_APPS_REGRESS_GOLDEN_H_
 #define MJCF_PDG_APPS_REGRESS_GOLDEN_H_
 
@@ -24,7 +25,8 @@ struct GoldenRow {
 // Rows by model.
 using Golden = std::map<std::string, std::vector<GoldenRow>>;
 
-// Empty if there is no such file. Throws Error for one that is broken or of another version.
+// Empty if there is no such file. Throws Error, with the place in it, for one that is broken or of
+// another version.
 Golden ReadGolden(const std::string& path);
 // One line a row, in the order of the suite, so that a changed row is a changed line.
 std::string FormatGolden(const Suite& suite, const Golden& golden);

@@ -2,10 +2,17 @@
 
 #include <algorithm>
 #include <exception>
+#include <map>
+#include <memory>
+#include <optional>
 #include <set>
+#include <string>
+#include <utility>
 
+#include "apps/console/progress.h"
 #include "apps/input/configurations.h"
 #include "apps/input/random_configuration.h"
+#include "apps/output/report.h"
 #include "apps/solve/solve_rows.h"
 #include "mjcf_pdg/pdg.h"
 
@@ -22,6 +29,12 @@ class NamedRows {
     if (rows.kind == SuiteRows::Kind::kKeyframes || rows.kind == SuiteRows::Kind::kFile) {
       source_ = std::make_unique<RowSource>(scene, which);
     }
+  }
+
+  // Where that is known.
+  std::optional<std::size_t> size() const {
+    if (source_) return source_->size();
+    return rows_.kind == SuiteRows::Kind::kRandom ? rows_.count : 1;
   }
 
   bool Next(Configuration& row) {
@@ -50,33 +63,41 @@ class NamedRows {
   std::size_t next_ = 0;
 };
 
-const GoldenRow* Find(const std::vector<GoldenRow>& rows, const std::string& name) {
-  const auto found = std::find_if(rows.begin(), rows.end(),
-                                  [&](const GoldenRow& row) { return row.name == name; });
-  return found == rows.end() ? nullptr : &*found;
-}
-
 void RunRows(const Suite& suite, const SuiteCase& one, const std::vector<GoldenRow>& golden,
-             std::size_t threads, CaseReport& report) {
+             const CaseRun& how, CaseReport& report) {
   const Scene scene = Scene::FromFile((suite.folder / one.model).string(), one.scene);
+  std::unique_ptr<Progress> progress;
+  std::map<std::string, GoldenRow> golden_rows;
+  for (const GoldenRow& row : golden) golden_rows[row.name] = row;
   const auto tell = [&](const Configuration& row, const Result& result) {
     RowReport told;
     told.now = {row.label, result.status, result.sigma, result.stats.collision_queries};
     told.reason = result.reason;
     told.seconds = result.stats.seconds;
-    const GoldenRow* before = Find(golden, row.label);
-    if (before) told.before = *before;
-    told.change = Compare(suite, one, before, told.now);
-    if (before) {
-      report.queries.before += before->queries;
+    const auto before = golden_rows.find(row.label);
+    if (before != golden_rows.end()) {
+      told.before = before->second;
+      report.queries.before += before->second.queries;
       report.queries.now += told.now.queries;
     }
+    told.change = Compare(suite, one, told.before ? &*told.before : nullptr, told.now);
     report.rows.push_back(std::move(told));
+    if (progress) progress->Step();
   };
+  std::set<std::string> names;
   for (const SuiteRows& rows : one.rows) {
     NamedRows named(scene, suite, rows);
-    SolveRows(
-        scene, one.options, threads, [&](Configuration& row) { return named.Next(row); }, tell);
+    // qpos0 also stands for the keyframes of a model that has none: once is enough.
+    const auto next = [&](Configuration& row) {
+      do {
+        if (!named.Next(row)) return false;
+        row.label = Utf8(row.label);
+      } while (!names.insert(row.label).second);
+      return true;
+    };
+    progress.reset();  // wiped before the next one is drawn
+    if (how.progress) progress = std::make_unique<Progress>("solving rows", named.size());
+    SolveRows(scene, one.options, how.threads, next, tell);
   }
 }
 
@@ -89,11 +110,11 @@ bool CaseReport::Failed() const {
 }
 
 CaseReport RunCase(const Suite& suite, const SuiteCase& one, const std::vector<GoldenRow>& golden,
-                   std::size_t threads) {
+                   const CaseRun& how) {
   CaseReport report;
   report.model = one.model;
   try {
-    RunRows(suite, one, golden, threads, report);
+    RunRows(suite, one, golden, how, report);
   } catch (const std::exception& e) {
     report.error = e.what();
     return report;

@@ -30,9 +30,14 @@ struct CaseReport {
   bool Failed() const;
 };
 
+struct CaseRun {
+  std::size_t threads = 1;
+  bool progress = false;  // a bar for its rows
+};
+
 // Never throws for what is wrong with the case: that is its report. `golden`: its model's rows.
 CaseReport RunCase(const Suite& suite, const SuiteCase& one, const std::vector<GoldenRow>& golden,
-                   std::size_t threads);
+                   const CaseRun& how);
 
 }  // namespace mjcf_pdg::app
 

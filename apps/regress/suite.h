@@ -42,11 +42,7 @@ struct Suite {
 // Throws Error, one line that names the file and what in it, for anything that is no suite.
 Suite ReadSuite(const std::string& path);
 
-// All models below a folder, with their keyframes; DIR/pdg.json is its file. `skipped` gets one
-// line for each file that looks like a model but cannot be loaded. Throws Error if the folder
-// cannot be read or has no model.
-Suite DiscoverSuite(const std::string& folder, std::vector<std::string>& skipped);
-// The text of such a suite's file.
+// The text of a suite whose cases have nothing but a model.
 std::string FormatSuite(const Suite& suite);
 
 }  // namespace mjcf_pdg::app

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <tuple>
 #include <utility>
 
@@ -298,8 +299,11 @@ Scene::Scene(std::shared_ptr<const mjModel> owner, const mjModel& model,
 
 Scene Scene::FromFile(const std::string& path, const SceneOptions& options) {
   std::error_code ec;
-  if (!std::filesystem::exists(path, ec)) throw Error(path + ": no such file");
+  const bool exists = std::filesystem::exists(path, ec);
+  if (ec) throw Error(path + ": " + ec.message());  // a folder on the way cannot be read
+  if (!exists) throw Error(path + ": no such file");
   if (std::filesystem::is_directory(path, ec)) throw Error(path + ": is a directory");
+  if (!std::ifstream(path)) throw Error(path + ": cannot be opened");
   std::string error(kErrorSize, '\0');
   std::shared_ptr<const mjModel> model;
   try {

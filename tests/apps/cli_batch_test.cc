@@ -1,6 +1,7 @@
 // Long batches: rows are streamed, what interrupts them leaves whole rows, --resume goes on, and
 // several models go in one call.
 #include <gmock/gmock.h>
+#include <pty.h>
 #include <signal.h>
 
 #include "tests/support/cli_test.h"
@@ -65,6 +66,9 @@ TEST_F(CliBatchTest, ABadRowInTheMiddleLeavesTheRowsBeforeIt) {
   const Outcome outcome = Solve({});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_NE(outcome.err.find("rows.txt line 26"), std::string::npos) << outcome.err;
+  EXPECT_THAT(outcome.err, testing::HasSubstr("25 rows are in a.jsonl.part; the same command with "
+                                              "--resume goes on\n"));
+  EXPECT_EQ(Lines(outcome.err).size(), 1u);
   EXPECT_FALSE(Exists("a.jsonl"));
   EXPECT_EQ(ParseLines(Read("a.jsonl.part")).size(), 25u);
   // Mended, it goes on from there.
@@ -160,6 +164,48 @@ TEST_F(CliBatchTest, RowsAreAnsweredAsTheyComeAndAnInterruptLeavesThem) {
     EXPECT_FALSE(Exists("a.jsonl"));
     std::fclose(answers);
     close(in[1]), close(err[0]);
+  }
+}
+
+// What a program writes to a terminal, where stdout and stderr are one.
+std::string OnATerminal(const std::filesystem::path& folder, const Arguments& arguments) {
+  std::vector<std::string> words = arguments;
+  words.insert(words.begin(), kProgram);
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  int terminal = -1;
+  const pid_t child = forkpty(&terminal, nullptr, nullptr, nullptr);
+  if (child == 0) {
+    if (chdir(folder.c_str()) == 0) execv(kProgram, argv.data());
+    _exit(99);
+  }
+  std::string text;
+  char piece[1000];
+  for (ssize_t n; (n = read(terminal, piece, sizeof piece)) > 0;) {
+    text.append(piece, static_cast<std::size_t>(n));
+  }
+  int status = 0;
+  EXPECT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << text;
+  close(terminal);
+  return text;
+}
+
+TEST_F(CliBatchTest, ABarIsShownOnATerminalAndWipedAndNeverInAPipe) {
+  const std::string wiped = "\r\x1b[K";
+  Write("rows.jsonl", "{\"qpos\": [0, 0]}\n{\"qpos\": [0, 0.1]}\n");
+  Write("suite.json", R"({"version": 1, "cases": [{"model": "scene.xml"}]})");
+  for (const auto& [arguments, begin] :
+       {std::pair<Arguments, std::string>{{"solve", "scene.xml"},
+                                          "\rsolving [....................."},
+        {{"solve", "scene.xml", "--qpos-file", "rows.jsonl"}, "\rsolving 0"},
+        {{"regress", "suite.json"}, "\rsolving rows [....................."}}) {
+    const std::string text = OnATerminal(cwd(), arguments);
+    EXPECT_THAT(text, testing::HasSubstr(begin));
+    EXPECT_LT(text.find(begin), text.find(wiped)) << text;
+    const Outcome piped = Run(arguments);
+    EXPECT_THAT(piped.err, testing::Not(testing::HasSubstr("solving")));
   }
 }
 

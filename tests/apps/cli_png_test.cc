@@ -82,6 +82,23 @@ TEST_F(CliPngTest, WhatOverlapsIsSeenThroughWhatCoversIt) {
   EXPECT_EQ(picture.Count(1, IsOrange), 0);  // the orange box of the model has become grey
 }
 
+// Floors are tinted so that one sees what stands in them.
+TEST_F(CliPngTest, AFloorIsTintedInStrongLightToo) {
+  const std::string lamp = R"(<light dir="0 0 -1" directional="true" diffuse=".9 .9 .9"/>)";
+  Write("bright.xml", R"(<mujoco><visual><headlight ambient=".4 .4 .4" diffuse=".6 .6 .6"/></visual>
+    <worldbody>)" + lamp + lamp +
+                          R"(<geom name="floor" type="plane" size="2 2 .1" rgba="1 1 1 1"/>
+    <body name="ball" pos="0 0 .05"><joint type="slide" axis="0 0 1"/><geom size=".1"/></body>
+    </worldbody></mujoco>)");
+  EXPECT_EQ(Run({"solve", "bright.xml", "--png", "a.png"}).exit_code, 0);
+  const Picture picture = Load("a.png");
+  const auto is_warm = [](const std::uint8_t* p) { return p[0] > p[2] + 30; };
+  const auto is_cool = [](const std::uint8_t* p) { return p[2] > p[0] + 30; };
+  const int third = picture.width * picture.height / 6;  // of one of the two pictures
+  EXPECT_GT(picture.Count(0, is_warm), third);
+  EXPECT_GT(picture.Count(1, is_cool), third);
+}
+
 TEST_F(CliPngTest, WhatIsUnsolvedStaysOrange) {
   Write("stuck.xml", R"(<mujoco><worldbody><geom name="wall" type="box" size=".5 .5 .1"/>
     <body name="ball" pos="0 0 .15"><joint type="slide" axis="1 0 0" range="-.1 .1" limited="true"/>

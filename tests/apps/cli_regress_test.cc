@@ -131,6 +131,7 @@ TEST_F(CliRegressTest, ASlowedSolverIsCaughtByItsQueries) {
   EXPECT_TRUE(changes.at(robot)["failed"]);
   EXPECT_FALSE(changes.at("a/scene.xml")["failed"]) << "a handful of queries is no news";
   EXPECT_THAT(Run({"regress", "suite.json"}).out, HasSubstr("puma_car.xml: queries"));
+  EXPECT_THAT(Run({"regress", "suite.json"}).out, HasSubstr("failed, 1 that take more queries\n"));
 }
 
 TEST_F(CliRegressTest, NewAndGoneRowsAreSaidAndFailNothing) {
@@ -160,8 +161,9 @@ TEST_F(CliRegressTest, JunitTellsACiServer) {
   EditGolden([](Json& row) { row["status"] = "already_free"; });
   EXPECT_EQ(Run({"regress", "suite.json", "--junit", "out.xml"}).exit_code, 3);
   const std::string xml = Read("out.xml");
-  EXPECT_THAT(xml, HasSubstr("<testsuite name=\"a/scene.xml\" tests=\"2\" failures=\"1\">"));
-  EXPECT_THAT(xml, HasSubstr("<failure message=\"penetrates: was already_free"));
+  EXPECT_THAT(
+      xml, HasSubstr("<testsuite name=\"a/scene.xml\" tests=\"2\" failures=\"1\" errors=\"0\" "));
+  EXPECT_THAT(xml, HasSubstr("<failure type=\"failure\" message=\"penetrates: was already_free"));
 }
 
 TEST_F(CliRegressTest, AFolderBecomesASuite) {
