@@ -12,6 +12,7 @@
 #include <mujoco/mujoco.h>
 
 #include <Eigen/Dense>
+#include <array>
 #include <memory>
 
 #include "verify/vertex_tree.h"
@@ -21,14 +22,15 @@ namespace mjcf_pdg::verify {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// A sphere, capsule, ellipsoid, cylinder, box, or the convex hull of a mesh's vertices, in the geom
-// frame.
+// A sphere, capsule, ellipsoid, cylinder, box, the convex hull of a mesh's vertices, in the geom
+// frame, or one prism of a height field.
 struct ConvexShape {
   int type = mjGEOM_SPHERE;                              // mjtGeom
   Vector3d size = Vector3d::Zero();                      // of the core, as in geom_size [m]
   double radius = 0.0;                                   // of the ball around the core [m]
   double extent = 0.0;                                   // largest distance from the origin [m]
   std::shared_ptr<const VertexTree> vertices = nullptr;  // of a mesh; else null
+  const std::array<Vector3d, 6>* prism = nullptr;        // corners, of a height field; else null
 
   // Support function: a point of the core that is farthest along n, which need not be a unit vector
   // but must not be zero.

@@ -10,8 +10,8 @@
 #include <limits>
 #include <utility>
 
+#include "verify/exact/primitive_distance.h"
 #include "verify/mesh_solid.h"
-#include "verify/primitive_distance.h"
 #include "verify/triangles.h"
 
 namespace mjcf_pdg::verify {
