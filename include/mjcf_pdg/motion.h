@@ -32,7 +32,7 @@ struct Motion {
   MotionOutcome outcome = MotionOutcome::kFree;
   double t = 0.0;         // q(s) is free for all s in [0, t]
   std::vector<double> q;  // q(t), nq entries
-  // q(s) is proven free up to t. False if an SDF or a height field is near: those are only sampled.
+  // q(s) is proven free up to t. False if an SDF is near: those are only sampled.
   bool certified = true;
   std::vector<std::array<int, 2>> pairs;  // ids of geoms in the user's model, in MuJoCo's order
   int joint = -1;            // id of the joint in the user's model, for kLimit; else -1

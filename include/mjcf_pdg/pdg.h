@@ -102,9 +102,9 @@ MJCF_PDG_API void SolveBatch(const Scene& scene, const Options& options, std::sp
 // What the verifier says of a configuration.
 struct Verdict {
   bool free = false;
-  bool certified = false;     // every kept pair has a signed distance (no SDF, no height field)
-  double min_distance = 0.0;  // as in Result, but cut off 1 m beyond the clearance [m]
-  double limit_excess = 0.0;  // largest violation of a joint limit [rad or m]
+  bool certified = false;          // every kept pair has a signed distance (no SDF)
+  double min_distance = 0.0;       // as in Result, but cut off 1 m beyond the clearance [m]
+  double limit_excess = 0.0;       // largest violation of a joint limit [rad or m]
   double equality_residual = 0.0;  // largest violation of a held equality constraint [m or rad]
   int pushed_pairs = 0;            // as in Result
   // Pairs that are nearer than the tolerance or than required, deepest first.
@@ -116,10 +116,11 @@ struct Verdict {
 // its required distance within `tolerance`. That is the clearance or, if it is larger, the margin
 // of SceneOptions::keep_margins (0 for pairs that no movable joint can separate), less the overlap
 // that the model or `options.rest` allows. A pair is decided by a certificate: a plane that
-// separates the two geoms, or points that show that they are too near. FCL decides for meshes that
-// collide as their triangles, mj_collision for height fields and SDFs. No code is shared with the
-// solver's own queries. `q_in` is the configuration whose contacts `options.rest` refers to; null:
-// no contact rests. Throws Error for a bad q or option.
+// separates the two geoms, or points that show that they are too near; of a height field, by such a
+// plane for each prism below a triangle of its surface. FCL decides for meshes that collide as
+// their triangles, mj_collision for SDFs. No code is shared with the solver's own queries. `q_in`
+// is the configuration whose contacts `options.rest` refers to; null: no contact rests. Throws
+// Error for a bad q or option.
 MJCF_PDG_API Verdict Verify(const Scene& scene, const std::vector<double>& q,
                             const Options& options = {}, const std::vector<double>* q_in = nullptr);
 

@@ -142,16 +142,16 @@ struct Result {
   double sigma = 0.0;              // σ(q_in, q), Eq. 19 or the other metric [m²]
   double sigma_lower_bound = 0.0;  // proven: no free configuration has a smaller σ [m²]
   // The smallest signed distances of all kept pairs at q_in and at q [m], negative for overlaps,
-  // cut off at the clearance plus Options::report_distances_to. Height fields and SDFs, which have
-  // no distances, count if they touch. If the options ask for neither contacts nor distances,
-  // depth_in of a solved problem is the search's own measure, and a free configuration is not
-  // measured: its value is the clearance less the tolerance.
+  // cut off at the clearance plus Options::report_distances_to. SDFs, which have no distances,
+  // count if they touch. If the options ask for neither contacts nor distances, depth_in of a
+  // solved problem is the search's own measure, and a free configuration is not measured: its value
+  // is the clearance less the tolerance.
   double depth_in = 0.0;
   double min_distance = 0.0;
   double limit_excess_in = 0.0;  // largest violation of a joint limit by q_in [rad or m]
   // The largest violations of a held equality constraint by q_in and by q [m or rad].
   double equality_residual_in = 0.0, equality_residual = 0.0;
-  bool certified = false;      // that q is free rests on signed distances (no SDF, no height field)
+  bool certified = false;      // that q is free rests on signed distances (no SDF)
   std::string start;           // the start that won (name from Components in pdg.h); "none": q_in
   std::string reason;          // why it is unsolved, in words; else empty
   Cause cause = Cause::kNone;  // why it is unsolved, by code

@@ -18,7 +18,7 @@ constexpr double kForever = 2.0;  // beyond any t
 constexpr double kLeastSlack = 1.0 / 64.0;  // of the gap; far above the error of a distance
 constexpr double kToleranceUsed = 0.99;     // the rest is for the error of a distance
 constexpr double kSlideSlack = 1e-3;        // of a tolerance: by which a slide's limit is held
-// SDF and height field pairs are looked at each time they can have moved by this share of the
+// SDF pairs are looked at each time they can have moved by this share of the
 // smaller geom's bounding radius: 1 mm for a ball of 10 cm.
 constexpr double kSampleStep = 0.01;
 
@@ -259,7 +259,7 @@ void Ccdg::Contradict(int pair) {
   Stop(pair, pairs_[pair].seen);
 }
 
-// SDFs and height fields: looked at every kSampleStep; where one is below its floor, the interval
+// SDFs: looked at every kSampleStep; where one is below its floor, the interval
 // since it was last seen above is halved down to the gap.
 void Ccdg::Sample(int pair, double lambda) {
   PairState& state = pairs_[pair];

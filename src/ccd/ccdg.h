@@ -16,8 +16,8 @@
 //   4. It stops a little before touching, so that contact normals exist where it ends.
 //   5. A pair that starts inside the contact band (gliding) does not stop everything: it may go on
 //      as long as it is proven to keep half of its margin, or -tolerance where it has none.
-//   6. SDF and height field pairs have contacts but no distances: they are sampled, and the result
-//      says that it is not certified.
+//   6. SDF pairs have contacts but no distances: they are sampled, and the result says that it is
+//      not certified.
 //   7. An exact mesh is further away than its convex hull: proofs of separation, which are of
 //      hulls, hold for it, and where the hulls overlap the distance of the triangles alone counts.
 // Invariants: [0, front] is free, front = the least `until` of all pairs, and it only grows (but

@@ -9,6 +9,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kMaxRootSteps = 10;
+// A height field counts as the hull of at most so many prisms: of more it would prove little.
+constexpr int kMostPrisms = 256;
 constexpr double kRootRatio = 0.8;  // a step this close to the largest one is good enough
 
 // The largest h in [0, horizon] found with f(h) >= 0, for a concave f. A chord of a concave
@@ -60,8 +62,39 @@ double Separation::Distance(const PosedModel& posed, int geom1, int geom2,
   return -Support(posed, geom2, -n_W) - Support(posed, geom1, n_W);
 }
 
+// Whether there are few enough prisms within `reach` [m] of the pair's geom 2; prisms_ are these.
+bool Separation::CollectTerrain(const PosedModel& posed, const KeptPair& pair, double reach) {
+  const OnTerrain on(tables_, posed, pair);
+  const double beyond = reach + on.radius();
+  const CellRange cells = on.CellsNear(Vector3d::Zero(), beyond);
+  if (cells.rows() > kMostPrisms || cells.cols() > kMostPrisms / std::max(1, cells.rows())) {
+    return false;
+  }
+  on.CollectPrisms(cells, Vector3d::Zero(), beyond, prisms_);
+  for (NearPrism& near : prisms_) near.prism = on.InField(near.prism);
+  return true;
+}
+
+double Separation::TerrainSupport(const PosedModel& posed, int field,
+                                  const Vector3d& direction_W) const {
+  const Vector3d u = AsMatrix(posed.data()->geom_xmat + 9 * field).transpose() * direction_W;
+  double farthest = -kInfinity;
+  for (const NearPrism& near : prisms_) farthest = std::max(farthest, u.dot(near.prism.Support(u)));
+  return direction_W.dot(AsVector(posed.data()->geom_xpos + 3 * field)) + farthest;
+}
+
 double Separation::SafeStep(const PosedModel& posed, const KeptPair& pair, const Vector3d& n_W,
-                            const RelativeMotion& motion, double floor, double horizon) const {
+                            const RelativeMotion& motion, double floor, double horizon) {
+  if (pair.terrain) {
+    // Prisms beyond that are out of reach on the whole horizon, even for the geom moved by a
+    // permitted overlap.
+    if (!CollectTerrain(posed, pair, std::abs(floor) + motion.closing * horizon)) return 0.0;
+    if (prisms_.empty()) return horizon;
+  }
+  const auto support1 = [&](const Vector3d& direction_W) {
+    return pair.terrain ? TerrainSupport(posed, pair.geom1, direction_W)
+                        : CoreSupport(posed, pair.geom1, direction_W);
+  };
   const double speed = n_W.dot(motion.v_W);
   const Vector3d tilt = n_W.cross(motion.omega_W);
   const double radii =
@@ -71,13 +104,12 @@ double Separation::SafeStep(const PosedModel& posed, const KeptPair& pair, const
     const double other = -CoreSupport(posed, pair.geom2, -n_W) - radii - floor;
     best = ConcaveRoot(
         [&](double h) {
-          return other - CoreSupport(posed, pair.geom1, n_W + h * tilt) - h * speed -
-                 0.5 * h * h * motion.acceleration1;
+          return other - support1(n_W + h * tilt) - h * speed - 0.5 * h * h * motion.acceleration1;
         },
         horizon);
   }
   if (best < horizon && std::isfinite(motion.acceleration2)) {  // the other way round
-    const double other = -CoreSupport(posed, pair.geom1, n_W) - radii - floor;
+    const double other = -support1(n_W) - radii - floor;
     const double step = ConcaveRoot(
         [&](double h) {
           return other - CoreSupport(posed, pair.geom2, -n_W + h * tilt) - h * speed -

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "collide/convex/capsule_box.h"
+#include "collide/terrain/terrain_contacts.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -37,8 +38,8 @@ double SphereAbovePlane(const mjModel& m, const mjData& d, int plane, int geom) 
          m.geom_rbound[geom];
 }
 
-NearPair ToNearPair(int pair, const SignedGap& gap, bool local) {
-  return {pair, gap.distance, gap.p1, gap.p2, gap.n, local};
+NearPair ToNearPair(int pair, const SignedGap& gap, const KeptPair& kept) {
+  return {pair, gap.distance, gap.p1, gap.p2, gap.n, kept.exact || kept.terrain, kept.exact};
 }
 
 }  // namespace
@@ -48,6 +49,7 @@ ContactFinder::ContactFinder(const SceneTables& tables, double clearance)
       model_(tables.query_model),
       posed_(&model_, tables.moving_trees),
       exact_(tables, clearance),
+      terrain_(std::make_unique<TerrainContacts>(tables)),
       convex_(tables),
       centers_W_(tables.body_spheres.size()) {
   near_.reserve(tables.pairs.size());
@@ -55,6 +57,10 @@ ContactFinder::ContactFinder(const SceneTables& tables, double clearance)
     if (tables.body_moves[b]) moving_bodies_.push_back(b);
   }
 }
+
+ContactFinder::~ContactFinder() = default;
+
+std::int64_t ContactFinder::distances() const { return distances_ + terrain_->distances(); }
 
 const std::vector<NearPair>& ContactFinder::Find(double margin, Depths depths) {
   ++queries_;
@@ -66,7 +72,7 @@ const std::vector<NearPair>& ContactFinder::Find(double margin, Depths depths) {
     for (int pair = bodies.begin; pair < bodies.end; ++pair) {
       if (DistanceBound(pair) > margin) continue;
       const KeptPair& kept = tables_.pairs[pair];
-      if (!kept.exact) {
+      if (!kept.exact && !kept.terrain) {
         if (Distance(pair, margin, near)) near_.push_back(near);
       } else if (BoundsNear(kept, margin)) {
         AppendFeatures(pair, margin, depths, near_);
@@ -79,14 +85,19 @@ const std::vector<NearPair>& ContactFinder::Find(double margin, Depths depths) {
 
 void ContactFinder::AppendFeatures(int pair, double margin, Depths depths,
                                    std::vector<NearPair>& out) {
+  const KeptPair& kept = tables_.pairs[pair];
   features_.clear();
-  exact_.Features(posed_, pair, margin, depths, features_);
-  SignedGap hull;
-  if (!features_.empty() && HullGap(pair, features_.front().distance, hull)) {
-    std::erase_if(features_, [](const SignedGap& gap) { return gap.distance < 0.0; });
-    features_.insert(features_.begin(), hull);
+  if (kept.terrain) {
+    terrain_->Features(posed_, pair, margin, features_);
+  } else {
+    exact_.Features(posed_, pair, margin, depths, features_);
+    SignedGap hull;
+    if (!features_.empty() && HullGap(pair, features_.front().distance, hull)) {
+      std::erase_if(features_, [](const SignedGap& gap) { return gap.distance < 0.0; });
+      features_.insert(features_.begin(), hull);
+    }
   }
-  for (const SignedGap& gap : features_) out.push_back(ToNearPair(pair, gap, true));
+  for (const SignedGap& gap : features_) out.push_back(ToNearPair(pair, gap, kept));
 }
 
 void ContactFinder::MoveCenters() {
@@ -147,10 +158,11 @@ bool ContactFinder::Distance(int pair, double cutoff, NearPair& near) {
   const KeptPair& kept = tables_.pairs[pair];
   if (!kept.has_distance || !BoundsNear(kept, cutoff)) return false;
   SignedGap gap, hull;
-  const bool found =
-      kept.exact ? exact_.Distance(posed_, pair, cutoff, gap) : GeomGap(pair, cutoff, gap);
+  const bool found = kept.terrain ? terrain_->Distance(posed_, pair, cutoff, gap)
+                     : kept.exact ? exact_.Distance(posed_, pair, cutoff, gap)
+                                  : GeomGap(pair, cutoff, gap);
   if (found && kept.exact && HullGap(pair, gap.distance, hull)) gap = hull;
-  if (found) near = ToNearPair(pair, gap, kept.exact);
+  if (found) near = ToNearPair(pair, gap, kept);
   return found;
 }
 

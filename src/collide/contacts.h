@@ -8,11 +8,13 @@
 // (a mesh collides as its triangles) by exact_contacts.h. Where an exact pair overlaps and the
 // penetration depth of its convex hulls is at most twice the depth that the triangles tell, the
 // hulls' depth and normal are reported: that translation is certain to separate the meshes. Pairs
-// with an SDF or a height field have no signed distance; their contacts come from mj_collision.
+// with a height field are measured by terrain_contacts.h. Pairs with an SDF have no signed
+// distance; their contacts come from mj_collision.
 #ifndef MJCF_PDG_SRC_COLLIDE_CONTACTS_H_
 #define MJCF_PDG_SRC_COLLIDE_CONTACTS_H_
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "collide/convex/convex_distance.h"
@@ -21,9 +23,11 @@
 
 namespace mjcf_pdg {
 
+class TerrainContacts;
+
 // A kept pair that is nearer than the margin, in the world frame W. Pairs of convex geoms appear
-// once; contact-only pairs (SDF, height field) once per MuJoCo contact, exact pairs once per
-// feature (exact_contacts.h).
+// once; contact-only pairs (SDF) once per MuJoCo contact, exact pairs and those with a height field
+// once per feature (exact_contacts.h, terrain_contacts.h), the deepest or nearest first.
 struct NearPair {
   int pair = 0;  // index into SceneTables::pairs
   // Signed distance [m], of contact-only pairs MuJoCo's contact.dist; -infinity: the geoms overlap,
@@ -31,10 +35,11 @@ struct NearPair {
   double distance = 0.0;
   Vector3d p1_W, p2_W;  // witness points on geom 1 and geom 2 [m]
   Vector3d n_W;         // unit, from geom 1 to geom 2; distance = n · (p2 - p1)
-  // True for exact pairs: the plane through the witness points separates the two surfaces only near
-  // these points, `distance` proves nothing about the rest of the geoms, and for an overlap n is
-  // only a likely direction to separate them.
+  // True for exact pairs and those with a height field: the plane through the witness points
+  // separates the two surfaces only near these points, `distance` proves nothing about the rest of
+  // the geoms, and for an overlap n is only a likely direction to separate them.
   bool local = false;
+  bool triangles = false;  // true for exact pairs: where the two cross, the depth is a guess
 };
 
 // Keeps its own pose and remembers earlier answers as starting points: use one object per thread.
@@ -43,6 +48,7 @@ class ContactFinder {
   // `tables` must outlive this object. `clearance` is the distance that pairs shall keep [m];
   // whether it is 0 decides how exactly ExactContacts looks for the nearest triangles.
   explicit ContactFinder(const SceneTables& tables, double clearance = 0.0);
+  ~ContactFinder();
 
   void SetMocap(const MocapPoses& poses) { posed_.SetMocap(poses); }
   // Poses the model at q (nq entries). The queries below refer to this configuration.
@@ -66,7 +72,8 @@ class ContactFinder {
   // is valid until the next Find.
   const std::vector<NearPair>& Find(double margin, Depths depths = Depths::kMeasured);
 
-  // Appends the features of the exact pair `pair` that are nearer than `margin` [m], if any.
+  // Appends the features of a pair that is exact or has a height field that are nearer than
+  // `margin` [m], if any.
   void AppendFeatures(int pair, double margin, Depths depths, std::vector<NearPair>& out);
 
   // True for exact pairs: the normal between two meshes is reliable only while they are apart, so
@@ -81,10 +88,10 @@ class ContactFinder {
   // none.
   double DistanceBound(int pair) const;
 
-  // Counts since construction: calls of Find, distances of two convex geoms or hulls (whoever
-  // measured them), and box tests between triangle meshes.
+  // Counts since construction: calls of Find, distances of two convex geoms, hulls or prisms
+  // (whoever measured them), and box tests between triangle meshes.
   std::int64_t queries() const { return queries_; }
-  std::int64_t distances() const { return distances_; }
+  std::int64_t distances() const;
   std::int64_t box_tests() const { return exact_.box_tests(); }
 
  private:
@@ -107,6 +114,7 @@ class ContactFinder {
   mjModel model_;  // a copy of tables_.query_model, whose margin FindContactOnly overrides
   PosedModel posed_;
   ExactContacts exact_;
+  const std::unique_ptr<TerrainContacts> terrain_;
   ConvexDistance convex_;
   std::vector<SignedGap> features_;
   std::vector<NearPair> near_;

@@ -141,7 +141,8 @@ void BuildBvhs(SceneTables& tables) {
 
 bool HasExactMeshes(const SceneTables& tables) {
   return std::any_of(tables.pairs.begin(), tables.pairs.end(), [&](const KeptPair& pair) {
-    return pair.has_distance && (tables.exact[pair.geom1] || tables.exact[pair.geom2]);
+    return pair.has_distance && !pair.terrain &&
+           (tables.exact[pair.geom1] || tables.exact[pair.geom2]);
   });
 }
 

@@ -86,12 +86,12 @@ KeptPair MakePair(const SceneTables& tables, int g1, int g2, double margin, doub
   pair.geom2 = g2;
   pair.allowed = std::max(0.0, -(margin + gap));
   pair.kept = std::max(0.0, margin);
-  auto contact_only = [](int type) { return type == mjGEOM_SDF || type == mjGEOM_HFIELD; };
-  pair.has_distance = !contact_only(type1) && !contact_only(type2);
+  pair.has_distance = type1 != mjGEOM_SDF && type2 != mjGEOM_SDF;
+  pair.terrain = m.geom_type[g1] == mjGEOM_HFIELD;
   // Pairs with an SDF or a height field are never exact: MuJoCo collides the mesh as its hull
   // there.
   auto not_a_hull = [&](int g) { return tables.exact[g] && !tables.convex[g]; };
-  pair.exact = pair.has_distance && (not_a_hull(g1) || not_a_hull(g2));
+  pair.exact = pair.has_distance && !pair.terrain && (not_a_hull(g1) || not_a_hull(g2));
   pair.moves = JointBetween(tables, m.geom_bodyid[g1], m.geom_bodyid[g2]);
   return pair;
 }

@@ -41,7 +41,8 @@ struct KeptPair {
   int geom1 = 0, geom2 = 0;
   double allowed = 0.0;      // overlap that the model allows by a negative margin + gap [m], >= 0
   double kept = 0.0;         // distance that SceneOptions::keep_margins asks for [m], >= 0
-  bool has_distance = true;  // false if a geom is an SDF or height field: "contact-only"
+  bool has_distance = true;  // false if a geom is an SDF: "contact-only"
+  bool terrain = false;      // geom 1 is a height field; geom 2, if a mesh, counts as its hull
   bool exact = false;        // one geom or both collide as their triangles, not as convex hulls
   bool moves = true;         // some movable joint lies between the two geoms
 

@@ -29,7 +29,7 @@ bool MovedByFreeJointsOnly(const SceneTables& tables, int pair) {
 
 bool MeshesOverlap(const std::vector<NearPair>& overlaps) {
   return std::any_of(overlaps.begin(), overlaps.end(),
-                     [](const NearPair& near) { return near.local; });
+                     [](const NearPair& near) { return near.triangles; });
 }
 
 bool AllRigid(const SceneTables& tables, const std::vector<NearPair>& overlaps) {

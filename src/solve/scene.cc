@@ -37,12 +37,27 @@ std::string OneLine(std::string text) {
   return text;
 }
 
+// MuJoCo scales heights to shares of the largest one when it compiles a model. Outside of that they
+// would stick out of the field's bounds, by which queries begin.
+void RefuseBadHeights(const mjModel& m) {
+  for (int field = 0; field < m.nhfield; ++field) {
+    const float* heights = m.hfield_data + m.hfield_adr[field];
+    const int count = m.hfield_nrow[field] * m.hfield_ncol[field];
+    if (std::all_of(heights, heights + count, [](float h) { return h >= 0.0f && h <= 1.0f; })) {
+      continue;
+    }
+    throw Error("height field " + QuotedNameOrId(m, mjOBJ_HFIELD, field) +
+                " has a height that is not between 0 and 1 (hfield_data)");
+  }
+}
+
 void RefuseUnsupported(const mjModel& m, const SceneOptions& options) {
   if (m.nflex > 0 && !options.ignore_flexes) {
     throw Error("flex " + QuotedNameOrId(m, mjOBJ_FLEX, 0) +
                 " is not supported (--flex ignore leaves it out)");
   }
   if (m.njnt == 0) throw Error("the model has no joints: nothing can move");
+  RefuseBadHeights(m);
 }
 
 // MuJoCo only warns that it cannot collide these: an overlap would never be seen.

@@ -55,7 +55,7 @@ std::vector<NearPair> PairByPair::ExactOverlaps(const VectorXd& q) {
   for (const NearPair& near : work_.finder.Find(0.0, Depths::kSkipped)) {
     const KeptPair& pair = problem_.tables.pairs[near.pair];
     const bool known = !overlaps.empty() && overlaps.back().pair == near.pair;
-    if (near.local && pair.moves && near.distance < 0.0 && !known) overlaps.push_back(near);
+    if (near.triangles && pair.moves && near.distance < 0.0 && !known) overlaps.push_back(near);
   }
   return overlaps;
 }

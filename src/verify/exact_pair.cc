@@ -10,9 +10,9 @@
 #include <limits>
 #include <utility>
 
-#include "verify/mesh_solid.h"
-#include "verify/primitive_distance.h"
-#include "verify/triangles.h"
+#include "verify/exact/mesh_solid.h"
+#include "verify/exact/primitive_distance.h"
+#include "verify/exact/triangles.h"
 
 namespace mjcf_pdg::verify {
 namespace {

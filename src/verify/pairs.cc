@@ -96,7 +96,7 @@ LeftOut PairsLeftOut(const mjModel& m, const SceneOptions& options,
   return pairs;
 }
 
-bool ContactOnly(int type) { return type == mjGEOM_SDF || type == mjGEOM_HFIELD; }
+bool ContactOnly(int type) { return type == mjGEOM_SDF; }
 
 std::vector<CheckedPair> FindPairs(const mjModel& m, const SceneOptions& options,
                                    const std::vector<char>& exact) {
@@ -134,7 +134,8 @@ std::vector<CheckedPair> FindPairs(const mjModel& m, const SceneOptions& options
     pair.margin = of_model.margin;
     pair.contact_only =
         ContactOnly(m.geom_type[geoms.first]) || ContactOnly(m.geom_type[geoms.second]);
-    pair.exact = !pair.contact_only && (exact[geoms.first] || exact[geoms.second]);
+    pair.terrain = !pair.contact_only && m.geom_type[pair.geom1] == mjGEOM_HFIELD;
+    pair.exact = !pair.contact_only && !pair.terrain && (exact[geoms.first] || exact[geoms.second]);
     pair.separable = joints[m.geom_bodyid[geoms.first]] != joints[m.geom_bodyid[geoms.second]];
     pairs.push_back(pair);
   }

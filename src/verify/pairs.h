@@ -27,7 +27,8 @@ struct CheckedPair {
   double allowed = 0.0;       // overlap that a negative margin + gap allows [m], >= 0
   double margin = 0.0;        // nearer than this MuJoCo pushes on the pair [m]
   bool contact_only = false;  // one of the geoms is ContactOnly
-  bool exact = false;         // not contact_only, and a mesh of it collides as its triangles
+  bool terrain = false;       // not contact_only, and geom 1 is a height field
+  bool exact = false;         // neither of these, and a mesh of it collides as its triangles
   bool separable = true;      // some movable joint lies between the two geoms
 };
 

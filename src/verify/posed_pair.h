@@ -5,7 +5,7 @@
 
 #include <mujoco/mujoco.h>
 
-#include "verify/certificate.h"
+#include "verify/convex/certificate.h"
 #include "verify/verifier_model.h"
 
 namespace mjcf_pdg::verify {

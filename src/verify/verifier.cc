@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "verify/constraints.h"
+#include "verify/terrain_pair.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -249,6 +250,7 @@ Reading Verifier::Read(int index, double cutoff, Depths depths) const {
   const PosedPair posed = Posed(index);
   if (posed.pair.exact) return AskExact(index, cutoff, depths);
   if (posed.HasPlane()) return posed.AgainstPlane();
+  if (posed.pair.terrain) return verify::TerrainPair(posed).Measure(cutoff);
   const verify::Search search =
       depths == Depths::kMeasured ? verify::Search::kGlobal : verify::Search::kLocal;
   return posed.ToWorld(verify::Measure(posed.Shapes(), cutoff, search));
@@ -264,6 +266,7 @@ Certificate Verifier::CertificateOf(int geom1, int geom2) const {
 // answer depends on the pose alone, not on earlier calls.
 Proof Verifier::Judge(int index) const {
   const double needed = required_[index] - tolerance_;
+  if (shared_->pairs[index].terrain) return verify::TerrainPair(Posed(index)).Judge(needed);
   if (!shared_->pairs[index].exact) return Posed(index).Decide(needed).proof;
   const Depths depths = required_[index] > 0.0 ? Depths::kMeasured : Depths::kSkipped;
   const double cutoff = std::max(needed, 0.0) + tolerance_;
@@ -276,7 +279,9 @@ bool Verifier::KeepsApart(int index) {
   const PosedPair posed = Posed(index);
   const double needed = required_[index] - tolerance_;
   if (posed.SphereBound() >= needed || posed.BoxBound() >= needed) return true;
-  if (posed.pair.exact || posed.HasPlane()) return Judge(index) == Proof::kPlane;
+  if (posed.pair.exact || posed.pair.terrain || posed.HasPlane()) {
+    return Judge(index) == Proof::kPlane;
+  }
   const ConvexPair placed = posed.Shapes();
   const double clearly = needed + kClear * placed.size() + placed.radii();
   Vector3d& n = plane_[index];
@@ -391,8 +396,8 @@ void Verifier::Report(int index, const Reading& reading, Proof proof) {
   findings_.pairs.push_back(finding);
 }
 
-// Adds what MuJoCo's contacts alone decide: pairs with SDFs or height fields, and pairs of geoms
-// that shared_->pairs lacks.
+// Adds what MuJoCo's contacts alone decide: pairs with SDFs, and pairs of geoms that
+// shared_->pairs lacks.
 void Verifier::CheckContacts() {
   const mjData& d = *data_;
   const auto report = [&](const mjContact& contact, const Finding& as) {
@@ -442,7 +447,7 @@ void Verifier::FindDisputes() {
   if (tolerance_ < model_.opt.ccd_tolerance) return;  // contacts are no more accurate
   for (const int k : touching_) {
     const CheckedPair& pair = shared_->pairs[k];
-    if (pair.exact || pair.contact_only) continue;
+    if (pair.exact || pair.terrain || pair.contact_only) continue;
     if (!InScope(pair.geom1, pair.geom2)) continue;
     disputed_ |= data_->contact[contact_[k]].dist < required_[k] - tolerance_;
   }

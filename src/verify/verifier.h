@@ -5,8 +5,10 @@
 // answer: a plane that separates them, or points that show that they overlap by more than is
 // permitted. For a pair in which a mesh collides as its triangles, FCL is asked (exact_pair.h).
 //
-// mj_collision alone decides two cases: pairs with an SDF or a height field, which have no signed
-// distances here, and contacts between geoms that the verifier's own table of pairs lacks.
+// terrain_pair.h does the same for height fields, prism by prism.
+//
+// mj_collision alone decides two cases: pairs with an SDF, which have no signed distances here, and
+// contacts between geoms that the verifier's own table of pairs lacks.
 // Elsewhere its contacts are only compared with the certificates (see disputed_by_contacts). It
 // runs on a private copy of the mjModel struct without margins and gaps, because a negative margin
 // hides contacts and a positive one falsifies their distances.
@@ -22,7 +24,7 @@
 #include <vector>
 
 #include "mjcf_pdg/pdg.h"
-#include "verify/certificate.h"
+#include "verify/convex/certificate.h"
 #include "verify/exact_pair.h"
 #include "verify/findings.h"
 #include "verify/posed_pair.h"
@@ -88,7 +90,7 @@ class Verifier {
   // is free it contradicts a certificate. Refers to the last Check, or to the last IsFree if that
   // returned true.
   bool disputed_by_contacts() const { return disputed_; }
-  // What Verdict::certified says of every configuration: no pair has an SDF or a height field.
+  // What Verdict::certified says of every configuration: no pair has an SDF.
   bool certified() const { return verdict_.certified; }
 
   // How many configurations were posed so far, a q_in whose contacts rest included.

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "verify/constraints.h"
-#include "verify/triangles.h"
+#include "verify/exact/triangles.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -72,8 +72,12 @@ ConvexShape ShapeOf(const mjModel& m, int geom) {
       shape.size = Vector3d(size[0], size[1], size[2]);
       shape.extent = shape.size.maxCoeff();
       break;
+    case mjGEOM_HFIELD: {
+      const double* field = m.hfield_size + 4 * m.geom_dataid[geom];
+      shape.extent = std::hypot(field[0], field[1], std::max(field[2], field[3]));
+      break;
+    }
     case mjGEOM_PLANE:
-    case mjGEOM_HFIELD:
     case mjGEOM_BOX:
     case mjGEOM_MESH:
     case mjGEOM_SDF:

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "mjcf_pdg/scene.h"
-#include "verify/convex_shape.h"
-#include "verify/mesh_solid.h"
+#include "verify/convex/convex_shape.h"
+#include "verify/exact/mesh_solid.h"
 #include "verify/pairs.h"
 
 namespace mjcf_pdg {

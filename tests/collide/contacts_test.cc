@@ -318,7 +318,7 @@ TEST_F(ContactsTest, ANegativeMarginIsAllowedOverlapAndHidesNothing) {
   EXPECT_NEAR(finder.Find(0)[0].distance, -0.01, 1e-12);
 }
 
-// ---- Geoms that have contacts only ----
+// ---- Height fields, and SDFs, which have contacts only ----
 
 // A box above the flat part, at z = 0, of a height field.
 Scene BoxAboveField(const std::string& flag) {
@@ -329,20 +329,21 @@ Scene BoxAboveField(const std::string& flag) {
       </mujoco>)");
 }
 
-TEST_F(ContactsTest, HeightFieldsAreSeenThroughContactsWhateverTheUsersSettings) {
+TEST_F(ContactsTest, HeightFieldsAreMeasuredWhateverTheUsersSettings) {
   for (const char* flag : {"", "contact='disable'", "constraint='disable'", "nativeccd='disable'",
                            "sleep='enable'", "override='enable'", "multiccd='disable'"}) {
     SCOPED_TRACE(flag);
     const Scene scene = BoxAboveField(flag);
     ASSERT_EQ(scene.num_kept_pairs(), 1);
-    EXPECT_FALSE(scene.tables().pairs[0].has_distance);
-    EXPECT_TRUE(scene.tables().has_contact_only_pairs);
+    EXPECT_TRUE(scene.tables().pairs[0].terrain);
+    EXPECT_FALSE(scene.tables().has_contact_only_pairs);
     ContactFinder finder(scene.tables());
     VectorXd q = ToEigen(scene.DefaultQpos());
     finder.Pose(q);
     EXPECT_TRUE(finder.Find(0.05).empty());
     NearPair near;
-    EXPECT_FALSE(finder.Distance(0, 1.0, near));
+    ASSERT_TRUE(finder.Distance(0, 1.0, near));
+    EXPECT_NEAR(near.distance, 0.9, 1e-7);
     q[2] = 0.08;
     finder.Pose(q);
     ASSERT_FALSE(finder.Find(0.05).empty());

@@ -5,7 +5,7 @@
 #include <mujoco/mujoco.h>
 
 #include "tests/support/test_support.h"
-#include "verify/primitive_distance.h"
+#include "verify/exact/primitive_distance.h"
 
 namespace mjcf_pdg {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "tests/support/brute_mesh.h"
 #include "tests/support/test_support.h"
-#include "verify/primitive_distance.h"
+#include "verify/exact/primitive_distance.h"
 
 namespace mjcf_pdg::test {
 namespace {

@@ -86,7 +86,7 @@ TEST_F(ExactMeshTest, ATextThatNamesSomethingElseIsRefused) {
   EXPECT_EQ(error("post"), "text 'mjcf_pdg.exact_mesh': geom 'post' is not a mesh");
 }
 
-TEST_F(ExactMeshTest, SdfAndHeightFieldPairsStayMujocos) {
+TEST_F(ExactMeshTest, AMeshOnAHeightFieldStaysAHull) {
   const std::string xml =
       "<mujoco><asset><hfield name='h' nrow='2' ncol='2' size='1 1 .1 .1'/>" +
       test::MeshXml("ring", test::Torus(0.1, 0.02, 24, 12)) +
@@ -95,8 +95,9 @@ TEST_F(ExactMeshTest, SdfAndHeightFieldPairsStayMujocos) {
   const Scene scene = Scene::FromString(xml, Exact());
   ASSERT_EQ(scene.num_kept_pairs(), 1);
   EXPECT_FALSE(scene.tables().pairs[0].exact);
-  EXPECT_FALSE(scene.tables().pairs[0].has_distance);
-  EXPECT_FALSE(Verify(scene, scene.DefaultQpos()).certified);
+  EXPECT_TRUE(scene.tables().pairs[0].terrain);
+  EXPECT_FALSE(scene.HasExactMeshes());
+  EXPECT_TRUE(Verify(scene, scene.DefaultQpos()).certified);
 }
 
 // The bound's argument is about convex geoms; a ring around a post moves less than its hull.

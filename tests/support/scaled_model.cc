@@ -44,6 +44,7 @@ ModelPtr Scaled(const mjModel& model, double scale) {
   Scale(m.mesh_vert, 3 * static_cast<std::size_t>(m.nmeshvert), scale);
   Scale(m.mesh_pos, 3 * meshes, scale);
   Scale(m.mesh_scale, 3 * meshes, scale);
+  Scale(m.hfield_size, 4 * static_cast<std::size_t>(m.nhfield), scale);
   Scale(m.pair_margin, pairs, scale);
   Scale(m.pair_gap, pairs, scale);
   ScaleQpos(m, m.qpos0, scale);

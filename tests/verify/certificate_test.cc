@@ -1,5 +1,5 @@
 // Every claim of the independent check comes with a proof, and the proofs hold.
-#include "verify/certificate.h"
+#include "verify/convex/certificate.h"
 
 #include <algorithm>
 #include <cmath>

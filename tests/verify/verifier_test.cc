@@ -263,19 +263,20 @@ TEST_F(VerifierTest, MujocosContactsCountWhereOurTableLacksThePair) {
   }
 }
 
-TEST_F(VerifierTest, HeightFieldsAreJudgedByContactsAndNotCertified) {
+TEST_F(VerifierTest, HeightFieldsAreJudgedByCertificates) {
   const Scene scene = Scene::FromString(R"(<mujoco><asset>
     <hfield name="h" nrow="3" ncol="3" size="1 1 .1 .1" elevation="0 0 0 0 1 0 0 0 0"/></asset>
     <worldbody><geom name="ground" type="hfield" hfield="h"/><body><freejoint/>
     <geom name="ball" size=".1"/></body></worldbody></mujoco>)");
   auto at = [](double z) { return std::vector<double>{0, 0, z, 1, 0, 0, 0}; };
   EXPECT_TRUE(Verify(scene, at(0.25)).free);
-  EXPECT_FALSE(Verify(scene, at(0.25)).certified);
+  EXPECT_TRUE(Verify(scene, at(0.25)).certified);
   const Verdict overlap = Verify(scene, at(0.17));
   EXPECT_FALSE(overlap.free);
   EXPECT_THAT(overlap.reason, HasSubstr("geom 'ground' and geom 'ball' overlap by"));
   ASSERT_EQ(overlap.contacts.size(), 1u);
-  EXPECT_NEAR(overlap.contacts[0].normal_W[2], 1.0, 0.2);
+  EXPECT_NEAR(overlap.contacts[0].normal_W[2], 1.0, 1e-9);
+  EXPECT_NEAR(overlap.min_distance, -0.03, 1e-8);
   Options options;
   options.clearance = 0.1;
   EXPECT_FALSE(Verify(scene, at(0.25), options).free);

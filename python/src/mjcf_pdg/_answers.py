@@ -53,7 +53,7 @@ class Result:
     switched: bool
     """Of a Tracker: the answer has left its optimum for another."""
     certified: bool
-    """That q is free rests on signed distances: no SDF geom and no height field is in the scene."""
+    """That q is free rests on signed distances: no SDF geom is in the scene."""
     proven: bool
     """sigma is within 1 % of its lower bound."""
     start: str
@@ -144,7 +144,7 @@ class Verdict:
 
     free: bool
     certified: bool
-    """Every pair has a signed distance: no SDF geom and no height field."""
+    """Every pair has a signed distance: no SDF geom."""
     min_distance: float
     """The smallest signed distance of a pair, cut off 1 m beyond the clearance [m]."""
     limit_excess: float

@@ -7,9 +7,6 @@
 namespace mjcf_pdg {
 namespace {
 
-// The most steps of one GJK search. Ellipsoids need the most steps: of 23,000 random pairs with an
-// ellipsoid, one pair does not converge in this many.
-constexpr int kMaxSteps = 100;
 constexpr int kMaxGrowth = 250;  // the most corners that Overlap adds to a polytope
 // The upper and the lower bound of a distance (or depth) agree if they differ by at most kMeet
 // [scene's size] plus kMeetShare of that distance (or depth).
@@ -92,42 +89,34 @@ bool ConvexDistance::Overlap(const RelativePose& pose, const KeptPair& pair, Fou
     const double parts = farthest.x.dot(face.n);
     if (parts < least) {
       least = parts;
-      found.nearest = polytope_.Foot(face);
+      found.corner = polytope_.Foot(face);
       found.n = face.n;
     }
     found.distance = -face.distance;
     const double enough = kMeet * tables_.size + kMeetShare * face.distance;
     if (least - face.distance <= enough || !polytope_.Add(farthest)) break;
   }
-  found.nearest.p2 = found.nearest.p1 + found.distance * found.n;
+  found.corner.p2 = found.corner.p1 + found.distance * found.n;
   return true;
 }
 
 ConvexDistance::Ending ConvexDistance::Search(const RelativePose& pose, const KeptPair& pair,
-                                              double cutoff, const Accuracy& accuracy,
+                                              double cutoff, const GjkAccuracy& accuracy,
                                               Found& found) {
-  if (simplex_.size() == 0) simplex_.Add(Support(pair, pose, pose.t));
-  for (int step = 0; step < kMaxSteps; ++step) {
-    simplex_.KeepClosestSubSimplex();
-    if (simplex_.size() == 4) {
+  const auto support = [&](const Vector3d& n) { return Support(pair, pose, n); };
+  if (simplex_.size() == 0) simplex_.Add(support(pose.t));
+  const double too_thin = kTooThin * tables_.size;
+  switch (Gjk(support, too_thin, cutoff, accuracy, simplex_, found)) {
+    case GjkEnding::kApart:
+      return Ending::kFound;
+    case GjkEnding::kBeyond:
+      return Ending::kBeyond;
+    case GjkEnding::kEnclosed:
       return Overlap(pose, pair, found) ? Ending::kFound : Ending::kUnknown;
-    }
-    const Corner nearest = simplex_.Nearest();
-    const double between = nearest.x.norm();
-    if (between < kTooThin * tables_.size) {
+    case GjkEnding::kTouching:
       return Enclose(pose, pair) && Overlap(pose, pair, found) ? Ending::kFound : Ending::kTouching;
-    }
-    simplex_.Add(Support(pair, pose, -nearest.x));
-    // The plane normal to nearest.x through the new corner separates the cores: a lower bound.
-    const double at_least = simplex_.Last().dot(nearest.x) / between;
-    const bool last = step + 1 == kMaxSteps;
-    const double wanted = last ? accuracy.last * between
-                               : accuracy.gap + accuracy.share * std::abs(between - accuracy.zero);
-    const bool beyond = at_least >= cutoff;
-    if (!beyond && between - at_least > wanted) continue;
-    simplex_.DropLast();
-    found = {nearest, -nearest.x / between, between};
-    return beyond ? Ending::kBeyond : Ending::kFound;
+    case GjkEnding::kUnknown:
+      break;
   }
   return Ending::kUnknown;
 }
@@ -173,7 +162,7 @@ Vector3d ConvexDistance::Aside(const RelativePose& pose) const {
 
 ConvexDistance::Ending ConvexDistance::SearchTouching(const RelativePose& pose,
                                                       const KeptPair& pair, Found& found) {
-  const Accuracy accuracy{.gap = 0.0, .share = kAsideShare, .zero = 0.0, .last = kLastShare};
+  const GjkAccuracy accuracy{.gap = 0.0, .share = kAsideShare, .zero = 0.0, .last = kLastShare};
   // Directions in which to shift geom 2. The last three are oblique to the edges and faces that
   // geoms usually have along their own axes: such a shift takes deeply overlapping cores out of a
   // pose in which only flat simplices contain the origin, so that Overlap can measure the depth.
@@ -195,7 +184,7 @@ ConvexDistance::Ending ConvexDistance::SearchTouching(const RelativePose& pose,
     const double way_there = kAside * tables_.size;
     found.distance =
         std::max(here, found.distance < -way_there ? found.distance + way_there : here);
-    found.nearest.p2 = found.nearest.p1 + found.distance * found.n;
+    found.corner.p2 = found.corner.p1 + found.distance * found.n;
     return Ending::kFound;
   }
   return Ending::kUnknown;
@@ -215,7 +204,7 @@ ConvexDistance::Answer ConvexDistance::Ask(const PosedModel& posed, int pair, do
   const double radius1 = CoreRadius(m, kept.geom1), radius2 = CoreRadius(m, kept.geom2);
   const double radii = radius1 + radius2;
   RecallSimplex(pose, memories_[pair]);
-  const Accuracy accuracy{
+  const GjkAccuracy accuracy{
       .gap = kMeet * tables_.size, .share = kMeetShare, .zero = radii, .last = 0.0};
   Found found;
   Ending ending = Search(pose, kept, cutoff + radii, accuracy, found);
@@ -227,8 +216,8 @@ ConvexDistance::Answer ConvexDistance::Ask(const PosedModel& posed, int pair, do
   gap.distance = found.distance - radii;
   if (ending == Ending::kBeyond || gap.distance >= cutoff) return Answer::kBeyond;
   gap.n = R1 * found.n;
-  gap.p1 = x1 + R1 * (found.nearest.p1 + radius1 * found.n);
-  gap.p2 = x1 + R1 * (found.nearest.p2 - radius2 * found.n);
+  gap.p1 = x1 + R1 * (found.corner.p1 + radius1 * found.n);
+  gap.p2 = x1 + R1 * (found.corner.p2 - radius2 * found.n);
   return Answer::kNear;
 }
 

@@ -5,14 +5,11 @@
 // geom 1 minus geom 2, in the frame of geom 1. Each search starts from the simplex that the last
 // search of the same pair ended with. Between close configurations that simplex hardly changes, so
 // one or two support points are enough to confirm it, while mj_geomDistance starts anew each time
-// (measured in bench/README.md). If the cores are apart, the points found so far give an upper
-// bound of the distance and a separating plane gives a lower bound; the search ends when the two
-// agree. If the cores overlap, the penetration depth comes from the expanding polytope algorithm.
-// If the cores nearly touch, their nearest points are too close to define a normal; the normal is
-// then the one found with geom 2 shifted a little.
+// (measured in bench/README.md). If the cores overlap, the penetration depth comes from the
+// expanding polytope algorithm. If the cores nearly touch, their nearest points are too close to
+// define a normal; the normal is then the one found with geom 2 shifted a little.
 //
-// Source: Gilbert, Johnson, Keerthi: A fast procedure for computing the distance between complex
-// objects in three-dimensional space, 1988. For overlaps see expanding_polytope.h.
+// Source: see gjk.h; for overlaps, expanding_polytope.h.
 #ifndef MJCF_PDG_SRC_COLLIDE_CONVEX_CONVEX_DISTANCE_H_
 #define MJCF_PDG_SRC_COLLIDE_CONVEX_CONVEX_DISTANCE_H_
 
@@ -21,6 +18,7 @@
 #include "base/relative_pose.h"
 #include "base/signed_gap.h"
 #include "collide/convex/expanding_polytope.h"
+#include "collide/convex/gjk.h"
 #include "collide/convex/simplex.h"
 #include "collide/convex/support_points.h"
 #include "model/kinematics.h"
@@ -64,19 +62,9 @@ class ConvexDistance {
   // As Ask, for a pair whose geom 1 is a plane: one support point of geom 2 gives the distance.
   Answer AskPlane(const PosedModel& posed, const KeptPair& pair, double cutoff,
                   SignedGap& gap) const;
-  // The signed distance of two cores with its witness points, in the frame of geom 1.
-  struct Found {
-    Corner nearest;   // p1 and p2: the witness points on core 1 and core 2
-    Vector3d n;       // unit normal, from core 1 to core 2
-    double distance;  // negative: minus the cores' penetration depth [m]
-  };
-  // When the upper bound d of the cores' distance counts as found: its excess over the lower bound
-  // is at most gap + share · |d - zero| or, in the last step that a search may make, last · d.
-  // `gap` and `zero` are in m. With `zero` the sum of the core radii, |d - zero| is the magnitude
-  // of the geoms' signed distance.
-  struct Accuracy {
-    double gap, share, zero, last;
-  };
+  // The signed distance of two cores, in the frame of geom 1; negative: minus their penetration
+  // depth.
+  using Found = GjkNearest;
   // How a search ended. kFound: `found` holds the answer. kBeyond: the cores' distance is the
   // cutoff or more. kTouching: the cores are too close for a normal, and no polytope around the
   // origin was found. kUnknown: it did not converge.
@@ -85,7 +73,7 @@ class ConvexDistance {
   // GJK from the corners in simplex_, or from a first support point if it is empty. Leaves the last
   // simplex there. `cutoff` applies to the distance of the cores [m].
   Ending Search(const RelativePose& pose, const KeptPair& pair, double cutoff,
-                const Accuracy& accuracy, Found& found);
+                const GjkAccuracy& accuracy, Found& found);
   // If the origin lies on a simplex of fewer than four corners, adds support points until simplex_
   // is a tetrahedron. Whether the origin is inside is for ExpandingPolytope::Start to tell. Returns
   // false if the Minkowski difference is too flat for a tetrahedron (two parallel segments, say).

@@ -1,11 +1,11 @@
 // Triangles as the verifier takes them from the model, and what it asks of them.
-#ifndef MJCF_PDG_SRC_VERIFY_TRIANGLES_H_
-#define MJCF_PDG_SRC_VERIFY_TRIANGLES_H_
+#ifndef MJCF_PDG_SRC_VERIFY_EXACT_TRIANGLES_H_
+#define MJCF_PDG_SRC_VERIFY_EXACT_TRIANGLES_H_
 
 #include <array>
 #include <vector>
 
-#include "verify/convex_shape.h"
+#include "verify/convex/convex_shape.h"
 
 namespace mjcf_pdg::verify {
 
@@ -36,4 +36,4 @@ std::vector<std::vector<int>> Pieces(const Triangles& triangles);
 
 }  // namespace mjcf_pdg::verify
 
-#endif  // MJCF_PDG_SRC_VERIFY_TRIANGLES_H_
+#endif  // MJCF_PDG_SRC_VERIFY_EXACT_TRIANGLES_H_

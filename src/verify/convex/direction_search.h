@@ -9,12 +9,12 @@
 // difference has d · p <= -t for the three corners d, then n · p <= -t for every unit vector n of
 // their cone, since n = Σ c d with c >= 0 and Σ c >= |Σ c d| = 1. Neither GJK nor an expanding
 // polytope is used.
-#ifndef MJCF_PDG_SRC_VERIFY_DIRECTION_SEARCH_H_
-#define MJCF_PDG_SRC_VERIFY_DIRECTION_SEARCH_H_
+#ifndef MJCF_PDG_SRC_VERIFY_CONVEX_DIRECTION_SEARCH_H_
+#define MJCF_PDG_SRC_VERIFY_CONVEX_DIRECTION_SEARCH_H_
 
 #include <array>
 
-#include "verify/minimum_norm.h"
+#include "verify/convex/minimum_norm.h"
 
 namespace mjcf_pdg::verify {
 
@@ -76,4 +76,4 @@ class DirectionSearch {
 
 }  // namespace mjcf_pdg::verify
 
-#endif  // MJCF_PDG_SRC_VERIFY_DIRECTION_SEARCH_H_
+#endif  // MJCF_PDG_SRC_VERIFY_CONVEX_DIRECTION_SEARCH_H_

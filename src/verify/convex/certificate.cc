@@ -1,11 +1,11 @@
-#include "verify/certificate.h"
+#include "verify/convex/certificate.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
-#include "verify/direction_search.h"
+#include "verify/convex/direction_search.h"
 
 namespace mjcf_pdg::verify {
 namespace {

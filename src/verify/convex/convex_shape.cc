@@ -1,5 +1,6 @@
-#include "verify/convex_shape.h"
+#include "verify/convex/convex_shape.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -31,6 +32,10 @@ Vector3d ConvexShape::Support(const Vector3d& n) const {
               std::copysign(size[2], n.z())};
     case mjGEOM_MESH:
       return vertices->Support(n);
+    case mjGEOM_HFIELD: {
+      const auto less = [&n](const Vector3d& a, const Vector3d& b) { return a.dot(n) < b.dot(n); };
+      return *std::max_element(prism->begin(), prism->end(), less);
+    }
     default:
       throw std::logic_error("a geom of this type has no support points");
   }

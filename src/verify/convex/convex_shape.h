@@ -6,29 +6,31 @@
 // sphere, a segment for a capsule, and the shape itself (with a ball of radius 0) for all others. A
 // pair is treated in the frame of its first shape, so that coordinates are no larger than the
 // shapes and their distance, wherever in the world they are.
-#ifndef MJCF_PDG_SRC_VERIFY_CONVEX_SHAPE_H_
-#define MJCF_PDG_SRC_VERIFY_CONVEX_SHAPE_H_
+#ifndef MJCF_PDG_SRC_VERIFY_CONVEX_CONVEX_SHAPE_H_
+#define MJCF_PDG_SRC_VERIFY_CONVEX_CONVEX_SHAPE_H_
 
 #include <mujoco/mujoco.h>
 
 #include <Eigen/Dense>
+#include <array>
 #include <memory>
 
-#include "verify/vertex_tree.h"
+#include "verify/convex/vertex_tree.h"
 
 namespace mjcf_pdg::verify {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// A sphere, capsule, ellipsoid, cylinder, box, or the convex hull of a mesh's vertices, in the geom
-// frame.
+// A sphere, capsule, ellipsoid, cylinder, box, the convex hull of a mesh's vertices, in the geom
+// frame, or one prism of a height field.
 struct ConvexShape {
   int type = mjGEOM_SPHERE;                              // mjtGeom
   Vector3d size = Vector3d::Zero();                      // of the core, as in geom_size [m]
   double radius = 0.0;                                   // of the ball around the core [m]
   double extent = 0.0;                                   // largest distance from the origin [m]
   std::shared_ptr<const VertexTree> vertices = nullptr;  // of a mesh; else null
+  const std::array<Vector3d, 6>* prism = nullptr;        // corners, of a height field; else null
 
   // Support function: a point of the core that is farthest along n, which need not be a unit vector
   // but must not be zero.
@@ -67,4 +69,4 @@ struct ConvexPair {
 
 }  // namespace mjcf_pdg::verify
 
-#endif  // MJCF_PDG_SRC_VERIFY_CONVEX_SHAPE_H_
+#endif  // MJCF_PDG_SRC_VERIFY_CONVEX_CONVEX_SHAPE_H_

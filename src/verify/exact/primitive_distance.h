@@ -1,8 +1,8 @@
 // Signed distances of planes and round primitives from points and triangles, for the verifier. The
 // least distance of a triangle is found by nested golden section searches: slow, and by another
 // method than the solver's (collide/exact/primitive_sdf.h).
-#ifndef MJCF_PDG_SRC_VERIFY_PRIMITIVE_DISTANCE_H_
-#define MJCF_PDG_SRC_VERIFY_PRIMITIVE_DISTANCE_H_
+#ifndef MJCF_PDG_SRC_VERIFY_EXACT_PRIMITIVE_DISTANCE_H_
+#define MJCF_PDG_SRC_VERIFY_EXACT_PRIMITIVE_DISTANCE_H_
 
 #include <Eigen/Dense>
 
@@ -21,4 +21,4 @@ Eigen::Vector3d RoundNormalAt(int type, const Eigen::Vector3d& size, const Eigen
 
 }  // namespace mjcf_pdg::verify
 
-#endif  // MJCF_PDG_SRC_VERIFY_PRIMITIVE_DISTANCE_H_
+#endif  // MJCF_PDG_SRC_VERIFY_EXACT_PRIMITIVE_DISTANCE_H_

@@ -6,13 +6,13 @@
 //   1. The set need not be a polytope: each step asks the support functions for one more point.
 //   2. The corral has at most four points, and their affine minimizer is found by triple products
 //      instead of a triangular factor.
-#ifndef MJCF_PDG_SRC_VERIFY_MINIMUM_NORM_H_
-#define MJCF_PDG_SRC_VERIFY_MINIMUM_NORM_H_
+#ifndef MJCF_PDG_SRC_VERIFY_CONVEX_MINIMUM_NORM_H_
+#define MJCF_PDG_SRC_VERIFY_CONVEX_MINIMUM_NORM_H_
 
 #include <array>
 #include <limits>
 
-#include "verify/convex_shape.h"
+#include "verify/convex/convex_shape.h"
 
 namespace mjcf_pdg::verify {
 
@@ -56,4 +56,4 @@ double BallInCorral(const MinimumNorm& found, Vector3d& n);
 
 }  // namespace mjcf_pdg::verify
 
-#endif  // MJCF_PDG_SRC_VERIFY_MINIMUM_NORM_H_
+#endif  // MJCF_PDG_SRC_VERIFY_CONVEX_MINIMUM_NORM_H_

@@ -1,4 +1,4 @@
-#include "verify/vertex_tree.h"
+#include "verify/convex/vertex_tree.h"
 
 #include <algorithm>
 #include <limits>

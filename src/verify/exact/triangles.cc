@@ -1,4 +1,4 @@
-#include "verify/triangles.h"
+#include "verify/exact/triangles.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // A body of triangles as the verifier sees it: FCL's tree over its triangles, and which points are
 // inside it.
-#ifndef MJCF_PDG_SRC_VERIFY_MESH_SOLID_H_
-#define MJCF_PDG_SRC_VERIFY_MESH_SOLID_H_
+#ifndef MJCF_PDG_SRC_VERIFY_EXACT_MESH_SOLID_H_
+#define MJCF_PDG_SRC_VERIFY_EXACT_MESH_SOLID_H_
 
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/math/bv/OBBRSS.h>
@@ -9,7 +9,7 @@
 #include <limits>
 #include <vector>
 
-#include "verify/triangles.h"
+#include "verify/exact/triangles.h"
 
 namespace mjcf_pdg::verify {
 
@@ -61,4 +61,4 @@ struct MeshSolid {
 
 }  // namespace mjcf_pdg::verify
 
-#endif  // MJCF_PDG_SRC_VERIFY_MESH_SOLID_H_
+#endif  // MJCF_PDG_SRC_VERIFY_EXACT_MESH_SOLID_H_

@@ -1,4 +1,4 @@
-#include "verify/primitive_distance.h"
+#include "verify/exact/primitive_distance.h"
 
 #include <mujoco/mujoco.h>
 

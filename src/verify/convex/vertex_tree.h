@@ -1,7 +1,7 @@
 // The vertices of a mesh in a tree of bounding boxes. It answers exactly which vertex is farthest
 // along a direction, without relying on a convex hull.
-#ifndef MJCF_PDG_SRC_VERIFY_VERTEX_TREE_H_
-#define MJCF_PDG_SRC_VERIFY_VERTEX_TREE_H_
+#ifndef MJCF_PDG_SRC_VERIFY_CONVEX_VERTEX_TREE_H_
+#define MJCF_PDG_SRC_VERIFY_CONVEX_VERTEX_TREE_H_
 
 #include <Eigen/Dense>
 #include <vector>
@@ -34,4 +34,4 @@ class VertexTree {
 
 }  // namespace mjcf_pdg::verify
 
-#endif  // MJCF_PDG_SRC_VERIFY_VERTEX_TREE_H_
+#endif  // MJCF_PDG_SRC_VERIFY_CONVEX_VERTEX_TREE_H_

@@ -8,10 +8,10 @@
 // overlap. Both proofs are values of support functions and are checked by dot products; how they
 // are found (minimum-norm points, branch and bound over the sphere of directions) is no part of the
 // proof. Where neither is found, the answer is "unproven".
-#ifndef MJCF_PDG_SRC_VERIFY_CERTIFICATE_H_
-#define MJCF_PDG_SRC_VERIFY_CERTIFICATE_H_
+#ifndef MJCF_PDG_SRC_VERIFY_CONVEX_CERTIFICATE_H_
+#define MJCF_PDG_SRC_VERIFY_CONVEX_CERTIFICATE_H_
 
-#include "verify/minimum_norm.h"
+#include "verify/convex/minimum_norm.h"
 
 namespace mjcf_pdg::verify {
 
@@ -54,4 +54,4 @@ double Rounding(const ConvexPair& pair, double away);
 
 }  // namespace mjcf_pdg::verify
 
-#endif  // MJCF_PDG_SRC_VERIFY_CERTIFICATE_H_
+#endif  // MJCF_PDG_SRC_VERIFY_CONVEX_CERTIFICATE_H_

@@ -1,4 +1,4 @@
-#include "verify/direction_search.h"
+#include "verify/convex/direction_search.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "verify/mesh_solid.h"
+#include "verify/exact/mesh_solid.h"
 
 #include <algorithm>
 #include <cmath>

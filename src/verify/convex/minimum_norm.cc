@@ -1,4 +1,4 @@
-#include "verify/minimum_norm.h"
+#include "verify/convex/minimum_norm.h"
 
 #include <algorithm>
 #include <cmath>

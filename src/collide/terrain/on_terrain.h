@@ -1,0 +1,111 @@
+// A convex geom and a height field at one pose, with what all questions about the two share: the
+// prisms of the field near the geom, and the distance of the geom from one of them.
+#ifndef MJCF_PDG_SRC_COLLIDE_TERRAIN_ON_TERRAIN_H_
+#define MJCF_PDG_SRC_COLLIDE_TERRAIN_ON_TERRAIN_H_
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "collide/convex/gjk.h"
+#include "collide/convex/support_points.h"
+#include "model/height_field.h"
+#include "model/kinematics.h"
+
+namespace mjcf_pdg {
+
+// The prism below one triangle of the surface.
+struct Prism {
+  std::array<Vector3d, 3> top;
+  double base = 0.0;  // z
+
+  Vector3d Support(const Vector3d& n) const;  // a point farthest along n
+  // n · Support(n). Inline, because every prism near a geom is asked a few times.
+  double Farthest(const Vector3d& n) const {
+    const double down = n.z() * base;
+    double farthest = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      const double along =
+          n.x() * top[k].x() + n.y() * top[k].y() + std::max(n.z() * top[k].z(), down);
+      farthest = k == 0 ? along : std::max(farthest, along);
+    }
+    return farthest;
+  }
+  Vector3d Cross() const;  // normal of the top, upwards, of any length
+  Vector3d Normal() const { return Cross().normalized(); }
+};
+
+// A prism and a lower bound of its distance from the core, negative if they seem to overlap [m].
+struct NearPrism {
+  double at_least = 0.0;
+  Prism prism;
+  int row = 0, col = 0;  // of its cell
+  // Of the search that goes through them: an upper bound of the way out of it [m]; asked already.
+  double exit = 0.0;
+  bool asked = false;
+};
+
+// Everything is in the axes of the field, relative to the geom's origin; lengths in m. A geom is
+// its core (support_points.h) and a ball of `radius` around it.
+class OnTerrain {
+ public:
+  // Geom 1 of the pair is the height field.
+  OnTerrain(const SceneTables& tables, const PosedModel& posed, const KeptPair& pair);
+
+  double radius() const { return radius_; }
+  double size() const { return size_; }  // the scene's
+
+  // The cells below the core moved by `shift` and those within `reach` of that.
+  CellRange CellsNear(const Vector3d& shift, double reach) const;
+  // Replaces `near` by the prisms of these cells that are not known to be farther than `reach` from
+  // the core moved by `shift`.
+  void CollectPrisms(const CellRange& cells, const Vector3d& shift, double reach,
+                     std::vector<NearPrism>& near) const;
+
+  // A point of the core that is farthest along n.
+  Vector3d Support(const Vector3d& n) const {
+    return R_ * support_.Support(geom_, R_.transpose() * n);
+  }
+  // The field's own bounds, and the core's.
+  Eigen::AlignedBox3d FieldBox() const { return field_.Box().translated(-origin_); }
+  const Eigen::AlignedBox3d& core_box() const { return core_box_; }
+
+  // The prism's distance from the core moved by `shift`; not measured beyond `cutoff`. Body 1 is
+  // the prism. kEnclosed and kTouching: the two overlap, or cannot be told from overlapping.
+  GjkEnding Ask(const Prism& prism, const Vector3d& shift, double cutoff,
+                const GjkAccuracy& accuracy, GjkNearest& found) const;
+  // How far the geom must move along the unit vector u to leave the prism, at most: by the planes
+  // of the core's box and of the prism's top, and the plane normal to u.
+  double ExitBound(const Prism& prism, const Vector3d& u) const;
+  // Whether the prism overlaps the geom moved by `shift`, or cannot be told from overlapping.
+  bool Overlap(const Prism& prism, const Vector3d& shift) const;
+  bool CoreOverlaps(const Prism& prism, const Vector3d& shift) const;  // the same of the core
+
+  Prism InField(Prism prism) const;  // in the frame of the field
+  Vector3d ToWorld(const Vector3d& p) const { return field_x_W_ + R_field_W_ * (p + origin_); }
+  Vector3d DirectionToWorld(const Vector3d& n) const { return R_field_W_ * n; }
+
+  std::int64_t asked() const { return asked_; }  // calls of Ask
+
+ private:
+  bool Nearer(const Prism& prism, const Vector3d& shift, double apart) const;
+  double AtLeast(const Prism& prism, const Vector3d& shift, double reach) const;
+
+  const SupportPoints& support_;
+  const HeightField field_;
+  const int geom_;
+  const double radius_, size_;
+  Matrix3d R_field_W_, R_;
+  Vector3d field_x_W_, origin_;  // `origin_`: of the geom, in the frame of the field
+  // The core's box in its own axes: its centre and half its edges, as columns; and in the field's.
+  Vector3d center_;
+  Matrix3d half_edges_;
+  Eigen::AlignedBox3d core_box_;
+  mutable std::int64_t asked_ = 0;
+};
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_COLLIDE_TERRAIN_ON_TERRAIN_H_

@@ -1,0 +1,155 @@
+#include "collide/terrain/way_out.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace mjcf_pdg {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Normals whose cosine is above this count as one; of the others so many at most are tried. Stairs
+// have two, rough ground any number.
+constexpr double kSameNormal = 0.9;
+constexpr std::size_t kMostNormals = 4;
+// For a rough way: so many, of the parts that are steeper than this cosine.
+constexpr std::size_t kFewNormals = 2;
+constexpr double kSteep = 0.7;
+// The best way is turned towards the normal of its last contact so often, while that makes it
+// shorter by this share.
+constexpr int kMostTurns = 3;
+constexpr double kShorter = 1e-6;
+// How exactly the way out of one prism is found [share of it, and scene's size].
+constexpr double kLengthShare = 1e-6, kLengthGap = 1e-9;
+constexpr int kMostPlanes = 30;
+// Where the search for that begins beyond the last touch, so that there is a normal [scene's size].
+constexpr double kAside = 1e-4;
+// A way that leads into other prisms so often is followed no farther.
+constexpr int kMostRounds = 8;
+
+// How far the geom must move along u to leave one prism, which is no farther than `exit`. Each
+// plane that parts the two at the present end of the way tells how far the way would have to go to
+// reach it: less far.
+Way LeaveOne(const OnTerrain& on, const Prism& prism, const Vector3d& u, double exit) {
+  Way way{u, exit, u};
+  double at = exit + kAside * on.size();
+  const GjkAccuracy accuracy{.share = 0.1 * kLengthShare, .last = 1.0};
+  GjkNearest found;
+  for (int plane = 0; plane < kMostPlanes; ++plane) {
+    if (on.Ask(prism, at * u, kInfinity, accuracy, found) != GjkEnding::kApart) break;
+    const double along = found.n.dot(u);
+    if (!(along > kLengthShare)) break;
+    const double parts = prism.Farthest(found.n) - on.Support(-found.n).dot(found.n);
+    const double needed = (parts + on.radius()) / along;
+    const double gained = at - needed;
+    if (needed < way.length || plane == 0) way.n = found.n;
+    way.length = std::min(way.length, needed);
+    at = std::min(at, needed);
+    if (gained < kLengthShare * std::abs(way.length) + kLengthGap * on.size()) break;
+  }
+  return way;
+}
+
+// Out of the field's box: past its sides, or below its base.
+Way LeaveBox(const OnTerrain& on) {
+  const Eigen::AlignedBox3d field = on.FieldBox(), &core = on.core_box();
+  Way best{Vector3d::UnitZ(), field.max().z() - core.min().z()};
+  const auto consider = [&best](const Vector3d& u, double length) {
+    if (length < best.length) best = {u, length, u};
+  };
+  for (int axis = 0; axis < 2; ++axis) {
+    consider(Vector3d::Unit(axis), field.max()[axis] - core.min()[axis]);
+    consider(-Vector3d::Unit(axis), core.max()[axis] - field.min()[axis]);
+  }
+  consider(-Vector3d::UnitZ(), core.max().z() - field.min().z());
+  best.length += on.radius();
+  return best;
+}
+
+}  // namespace
+
+Way WayOut::Find(const OnTerrain& on, Effort effort, std::vector<NearPrism>& near) {
+  const auto collect = [&](double reach) {
+    on.CollectPrisms(on.CellsNear(Vector3d::Zero(), reach), Vector3d::Zero(), reach, near);
+  };
+  Way best = LeaveBox(on);
+  has_last_ = false;
+  // Straight up it meets only what it overlaps, unless it comes from below.
+  if (on.core_box().min().z() < on.FieldBox().min().z()) collect(on.radius() + best.length);
+  Shorten(on, Vector3d::UnitZ(), near, best);
+  CollectNormals(effort, near);
+  const bool shortest = effort == Effort::kShortest;
+  if (shortest || !normals_.empty()) collect(best.length + on.radius());
+  for (const Vector3d& n : normals_) Shorten(on, n, near, best);
+  for (int turn = 0; shortest && turn < kMostTurns; ++turn) {
+    if (!Shorten(on, Vector3d(best.n), near, best)) break;
+  }
+  return best;
+}
+
+// The normals of the tops that the geom seems to overlap least come first.
+void WayOut::CollectNormals(Effort effort, const std::vector<NearPrism>& near) {
+  normals_.clear();
+  const bool shortest = effort == Effort::kShortest;
+  const std::size_t most = shortest ? kMostNormals : kFewNormals;
+  const double steep = shortest ? kSameNormal : kSteep;
+  while (normals_.size() < most) {
+    const NearPrism* least = nullptr;
+    for (const NearPrism& other : near) {
+      if (other.at_least >= 0.0 || (least && other.at_least <= least->at_least)) continue;
+      const Vector3d n = other.prism.Normal();
+      const auto same = [&n](const Vector3d& known) { return known.dot(n) > kSameNormal; };
+      if (n.z() > steep || std::any_of(normals_.begin(), normals_.end(), same)) continue;
+      least = &other;
+    }
+    if (!least) return;
+    normals_.push_back(least->prism.Normal());
+  }
+}
+
+// Replaces `best` by the way along the unit vector u, if that is shorter; returns whether it is.
+// `near` must be all prisms that the geom can meet on it.
+bool WayOut::Shorten(const OnTerrain& on, const Vector3d& u, std::vector<NearPrism>& near,
+                     Way& best) {
+  const double limit = best.length * (1.0 - kShorter);
+  Way way{u, 0.0, u};
+  Prism last = last_;
+  // Lengthens the way so that it leads out of a prism that the geom overlaps at its end.
+  const auto leave = [&](NearPrism& one) {
+    const Way out = LeaveOne(on, one.prism, u, one.exit);
+    one.exit = out.length;
+    if (out.length <= way.length) return false;
+    way = out;
+    last = one.prism;
+    return true;
+  };
+  const double begin = on.Support(-u).dot(u) - on.radius();
+  NearPrism* deepest = nullptr;
+  for (NearPrism& one : near) {
+    one.exit = one.prism.Farthest(u) - begin;
+    one.asked = false;  // here: `exit` is the better bound
+    if (!deepest || one.at_least < deepest->at_least) deepest = &one;
+  }
+  // What the best way leaves last is likely to be left late on this one, too.
+  NearPrism first = has_last_ ? NearPrism{0.0, last_} : deepest ? *deepest : NearPrism{};
+  first.exit = on.ExitBound(first.prism, u);
+  if (deepest && on.Overlap(first.prism, Vector3d::Zero())) leave(first);
+  bool longer = true;
+  for (int round = 0; longer && round < kMostRounds; ++round) {
+    longer = false;
+    for (NearPrism& one : near) {
+      if (way.length >= limit) return false;
+      if (one.exit <= way.length) continue;
+      if (!one.asked) one.exit = std::min(one.exit, on.ExitBound(one.prism, u));
+      one.asked = true;
+      if (one.exit <= way.length || !on.Overlap(one.prism, way.length * u)) continue;
+      if (leave(one)) longer = true;
+    }
+  }
+  if (longer || way.length >= limit) return false;
+  best = way;
+  last_ = last;
+  has_last_ = true;
+  return true;
+}
+
+}  // namespace mjcf_pdg
