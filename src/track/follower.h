@@ -10,18 +10,25 @@ namespace mjcf_pdg {
 
 class Follower {
  public:
-  explicit Follower(Workspace& work)
-      : work_(work), local_(work), apart_(work.problem().tables, work.problem().options.metric) {}
+  // `steps`: of a tick's descent from a free configuration.
+  Follower(Workspace& work, int steps) : work_(work), local_(work), steps_(steps) {}
 
-  // Descends from `q` (nq), which is free if `free`, at the workspace's problem. A free one moves
-  // by at most `reach` [√σ, m]; one that is not moves as far as it must. The result is valid until
-  // the next call; it is free, by the solver's distances, if LocalResult::free.
-  const LocalResult& Follow(const VectorXd& q, bool free, double reach);
+  // Where a descent begins, and what is known there.
+  struct Start {
+    const VectorXd& q;   // nq
+    bool free = false;   // the verifier has called it free
+    int obstacles = 0;   // how often obstacles have moved until now
+    double reach = 0.0;  // a free one moves no farther [√σ, m]; one that is not, as it must
+  };
+  // Descends at the workspace's problem. The result is valid until the next call; it is free, by
+  // the solver's distances, if LocalResult::free.
+  const LocalResult& Follow(const Start& start);
   // A configuration near `q` that keeps every required distance in full, where the verifier refuses
   // q; not free if there is none.
   const LocalResult& Retreat(const VectorXd& q);
 
-  // √σ(from, to) [m].
+  // How far two configurations are apart, by the norm's quadratic form at the workspace's q_in
+  // [√σ, m].
   double Apart(const VectorXd& from, const VectorXd& to);
 
   std::int64_t lcp_steps() const { return local_.lcp_steps(); }
@@ -29,7 +36,11 @@ class Follower {
  private:
   Workspace& work_;
   LocalOptimization local_;
-  NormEvaluator apart_;
+  int steps_;
+  bool resumable_ = false;  // the last descent was one of Follow's, made when
+  int obstacles_ = 0;       // they had moved so often
+  VectorXd X_, r_;
+  MatrixXd J_;
 };
 
 }  // namespace mjcf_pdg

@@ -285,9 +285,8 @@ bool Verifier::IsFree(std::span<const double> q, std::span<const double> q_in) {
       verify::CheckEqualities(model_, active_, *data_, findings_.equalities);
   if (!findings_.limits.empty() || !findings_.equalities.empty()) return false;
   if (too_near_ >= 0 && !KeepsApart(too_near_)) return false;
-  too_near_ = -1;
   for (int k = 0; k < static_cast<int>(shared_->pairs.size()); ++k) {
-    if (shared_->pairs[k].contact_only || KeepsApart(k)) continue;
+    if (k == too_near_ || shared_->pairs[k].contact_only || KeepsApart(k)) continue;
     too_near_ = k;
     return false;
   }

@@ -134,7 +134,7 @@ class Verifier {
   std::vector<Eigen::Vector3d> plane_;  // normal of the last plane, frame of geom 1; 0: none
   std::vector<int> contact_;            // index of MuJoCo's deepest contact; -1: none
 
-  // The pair by which the last IsFree was false; the next one asks it first. -1: none.
+  // The pair by which the last IsFree that was false was so; the next one asks it first. -1: none.
   int too_near_ = -1;
   std::vector<double> rest_q_in_;              // the q_in that required_ refers to; empty: none
   std::vector<std::pair<double, int>> order_;  // scratch: (bound of the distance [m], pair)

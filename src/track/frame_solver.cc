@@ -1,0 +1,45 @@
+#include "track/frame_solver.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "solve/options.h"
+
+namespace mjcf_pdg {
+namespace {
+
+// Meshes that collide as their triangles need starts on rays, which only a search makes.
+bool IsFollowed(const Scene& scene, const Options& options) {
+  const std::vector<KeptPair>& pairs = scene.tables().pairs;
+  return options.method == Method::kAuto &&
+         std::none_of(pairs.begin(), pairs.end(), [](const KeptPair& pair) { return pair.exact; });
+}
+
+}  // namespace
+
+FrameSolver::FrameSolver(const Scene& scene, const Options& options) {
+  CheckMujocoVersion();
+  if (!IsFollowed(scene, options)) {
+    solver_ = std::make_unique<Solver>(scene, options);
+    return;
+  }
+  // Nothing but where a frame's descents end bounds its queries.
+  TrackOptions track{.options = options, .queries = std::numeric_limits<int>::max()};
+  track.options.trajectory = false;
+  const Pace pace{.follow_steps = tuning::track::kFrameSteps,
+                  .search_queries = tuning::track::kSearchQueries,
+                  .bounds = options.report_lower_bound};
+  tracker_ = std::make_unique<TrackerCore>(scene, track, pace);
+}
+
+Status FrameSolver::Solve(const Frame& frame, Result& result) {
+  if (solver_) {
+    solver_->SetMocap(frame.mocap.pos, frame.mocap.quat);
+    return solver_->Solve(frame.q, result);
+  }
+  tracker_->core.CheckInput(frame.q);
+  tracker_->SetMocap(frame.mocap);
+  return tracker_->Step(frame.q, result);
+}
+
+}  // namespace mjcf_pdg
