@@ -76,7 +76,7 @@ void RunRows(const Suite& suite, const SuiteCase& one, const std::vector<GoldenR
   for (const SuiteRows& rows : one.rows) {
     NamedRows named(scene, suite, rows);
     SolveRows(
-        scene, one.options, threads, [&](Configuration& row) { return named.Next(row); }, tell);
+        scene, {one.options, threads}, [&](Configuration& row) { return named.Next(row); }, tell);
   }
 }
 

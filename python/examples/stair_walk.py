@@ -27,11 +27,11 @@ def make_model() -> str:
     """A humanoid of capsules with box feet, before stairs."""
     legs = "".join(
         f"""<body name="{side}_thigh" pos="0 {y} 0"><joint name="{side}_hip" axis="0 1 0"/>
-        <joint name="{side}_hip_x" axis="1 0 0"/><geom type="capsule" fromto="0 0 -.08 0 0 -{THIGH - 0.06}" size=".06"/>
+        <joint name="{side}_hip_x" axis="1 0 0" range="-.6 .6"/><geom type="capsule" fromto="0 0 -.08 0 0 -{THIGH - 0.06}" size=".06"/>
         <body name="{side}_shank" pos="0 0 -{THIGH}"><joint name="{side}_knee" axis="0 1 0"/>
         <geom type="capsule" fromto="0 0 -.05 0 0 -{SHANK - 0.05}" size=".045"/>
-        <body name="{side}_foot" pos="0 0 -{SHANK}"><joint name="{side}_ankle" axis="0 1 0"/>
-        <joint name="{side}_ankle_x" axis="1 0 0"/>
+        <body name="{side}_foot" pos="0 0 -{SHANK}"><joint name="{side}_ankle" axis="0 1 0" range="-1 1"/>
+        <joint name="{side}_ankle_x" axis="1 0 0" range="-.4 .4"/>
         <geom name="{side}_foot" type="box" pos=".04 0 -{ANKLE - 0.02}" size=".1 .045 .02"/></body></body></body>"""
         for side, y in (("left", 0.11), ("right", -0.11))
     )

@@ -168,7 +168,9 @@ namespace track {
 // Steps of a tick's descent from the last answer where that is free; where it is not; and of one
 // that keeps distances in full, where the verifier refuses what the first found.
 inline constexpr int kFollowSteps = 2, kRepairSteps = 8, kRetreatSteps = 4;
-inline constexpr int kFrameSteps = 4;  // the first for frames of a trajectory, which lie farther apart
+// The first for frames of a trajectory, which lie farther apart; and how often so many follow while
+// nothing nearer is found.
+inline constexpr int kFrameSteps = 3, kMoreFrameSteps = 2;
 // An answer moves by at most this many times what the command moved [1], and this [size], in steps
 // of the descent; farther than the second number times, it has jumped.
 inline constexpr double kReach = 6.0, kNoise = 1e-5, kJump = 8.0;

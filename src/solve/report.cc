@@ -53,11 +53,6 @@ bool Reporter::Input(const std::vector<double>& q_in, Result& result) {
   return free;
 }
 
-void Reporter::AlreadyFree(const std::vector<double>& q_in, Result& result) {
-  if (Reports()) MeasureInput(q_in, result);
-  FillFree(q_in, result);
-}
-
 // What is to be reported of q_in.
 bool Reporter::MeasureInput(const std::vector<double>& q_in, Result& result) {
   const Verdict& verdict =
@@ -103,15 +98,6 @@ void Reporter::Solved(const std::vector<double>& q_in, const std::vector<double>
   }
 }
 
-void Reporter::SolvedBeside(const std::vector<double>& q_in, const std::vector<double>& q,
-                            Component start, Result& result) {
-  if (Reports()) {
-    MeasureInput(q_in, result);
-    result.equality_residual_in = verifier_.verdict().equality_residual;
-  }
-  Solved(q_in, q, start, result);
-}
-
 double Reporter::Sigma(const std::vector<double>& q) {
   q_ = Eigen::Map<const VectorXd>(q.data(), static_cast<Eigen::Index>(q.size()));
   return work_.norm.Sigma(q_);
@@ -127,6 +113,7 @@ void Reporter::Answer(const Verdict& verdict, Result& result) const {
 
 // At the configuration that the verifier was last asked about.
 void Reporter::CountKeptContacts(Result& result) const {
+  result.contacts_kept = 0;
   for (const Contact& contact : result.contacts_in) {
     result.contacts_kept += verifier_.Within(contact.geom[0], contact.geom[1], kKeptContact);
   }

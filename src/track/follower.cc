@@ -1,5 +1,7 @@
 #include "track/follower.h"
 
+#include <cmath>
+
 #include "base/tuning.h"
 #include "norm/change.h"
 
@@ -11,9 +13,9 @@ namespace tune = tuning::track;
 const LocalResult& Follower::Follow(const Start& start) {
   LocalOptions options = LocalOptions::Polishing();
   options.trust_radius = LocalOptions{}.trust_radius;
-  options.max_iterations = start.free ? steps_ : tune::kRepairSteps;
+  options.max_iterations = start.free ? pace_.steps : tune::kRepairSteps;
   if (start.free) {
-    options.largest_step = start.reach / steps_;
+    options.largest_step = start.reach / pace_.steps;
     options.margin = options.least_margin = tune::kMargin;
   }
   const bool resumes =
@@ -21,7 +23,14 @@ const LocalResult& Follower::Follow(const Start& start) {
   resumable_ = true;
   obstacles_ = start.obstacles;
   options.renewed = true;
-  return resumes ? local_.Resume(options) : local_.Run(start.q, options);
+  const LocalResult* result = &(resumes ? local_.Resume(options) : local_.Run(start.q, options));
+  if (!start.free) return *result;
+  const double before = work_.norm.Sigma(start.q);
+  options.renewed = false;
+  for (int k = 0; k < pace_.more && !result->ended && !(result->sigma < before); ++k) {
+    result = &local_.Resume(options);
+  }
+  return *result;
 }
 
 const LocalResult& Follower::Retreat(const VectorXd& q) {
@@ -32,10 +41,18 @@ const LocalResult& Follower::Retreat(const VectorXd& q) {
 }
 
 double Follower::Apart(const VectorXd& from, const VectorXd& to) {
+  apart_.SetReference(from, work_.problem().mocap);
+  return std::sqrt(apart_.Sigma(to));
+}
+
+// The quadratic form at the workspace's q_in, which is ready, decides where it says much less than
+// the limit: inertias seldom differ by the square of this.
+bool Follower::Farther(const VectorXd& from, const VectorXd& to, double limit) {
+  constexpr double kMuchLess = 0.25;  // [1]
   work_.norm.Linearize(work_.problem().q_in, r_, J_);
   Change(work_.problem().tables, from, to, X_, nullptr);
   r_.noalias() = J_ * X_;
-  return r_.norm();
+  return r_.norm() > kMuchLess * limit && Apart(from, to) > limit;
 }
 
 }  // namespace mjcf_pdg

@@ -3,15 +3,26 @@
 #ifndef MJCF_PDG_SRC_TRACK_FOLLOWER_H_
 #define MJCF_PDG_SRC_TRACK_FOLLOWER_H_
 
+#include "base/tuning.h"
 #include "optimize/local_optimization.h"
 #include "problem/workspace.h"
 
 namespace mjcf_pdg {
 
+// How many steps a tick's descent from a free configuration makes, and how often it goes on by as
+// many if it has found nothing nearer yet.
+struct FollowPace {
+  int steps = tuning::track::kFollowSteps;
+  int more = 0;
+};
+
 class Follower {
  public:
-  // `steps`: of a tick's descent from a free configuration.
-  Follower(Workspace& work, int steps) : work_(work), local_(work), steps_(steps) {}
+  Follower(Workspace& work, const FollowPace& pace)
+      : work_(work),
+        local_(work),
+        pace_(pace),
+        apart_(work.problem().tables, work.problem().options.metric) {}
 
   // Where a descent begins, and what is known there.
   struct Start {
@@ -27,18 +38,20 @@ class Follower {
   // q; not free if there is none.
   const LocalResult& Retreat(const VectorXd& q);
 
-  // How far two configurations are apart, by the norm's quadratic form at the workspace's q_in
-  // [√σ, m].
+  // √σ(from, to) [m].
   double Apart(const VectorXd& from, const VectorXd& to);
+  // Whether that is more than `limit` [m].
+  bool Farther(const VectorXd& from, const VectorXd& to, double limit);
 
   std::int64_t lcp_steps() const { return local_.lcp_steps(); }
 
  private:
   Workspace& work_;
   LocalOptimization local_;
-  int steps_;
+  FollowPace pace_;
   bool resumable_ = false;  // the last descent was one of Follow's, made when
   int obstacles_ = 0;       // they had moved so often
+  NormEvaluator apart_;
   VectorXd X_, r_;
   MatrixXd J_;
 };

@@ -17,7 +17,7 @@ bool IsFollowed(const Scene& scene, const Options& options) {
 
 }  // namespace
 
-FrameSolver::FrameSolver(const Scene& scene, const Options& options) {
+FrameSolver::FrameSolver(const Scene& scene, const Options& options, bool searches) {
   CheckMujocoVersion();
   if (!IsFollowed(scene, options)) {
     solver_ = std::make_unique<Solver>(scene, options);
@@ -26,9 +26,10 @@ FrameSolver::FrameSolver(const Scene& scene, const Options& options) {
   // Nothing but where a frame's descents end bounds its queries.
   TrackOptions track{.options = options, .queries = std::numeric_limits<int>::max()};
   track.options.trajectory = false;
-  const Pace pace{.follow_steps = tuning::track::kFrameSteps,
-                  .search_queries = tuning::track::kSearchQueries,
-                  .bounds = options.report_lower_bound};
+  const Pace pace{
+      .follow = {.steps = tuning::track::kFrameSteps, .more = tuning::track::kMoreFrameSteps},
+      .search_queries = searches ? tuning::track::kSearchQueries : 0,
+      .bounds = options.report_lower_bound};
   tracker_ = std::make_unique<TrackerCore>(scene, track, pace);
 }
 

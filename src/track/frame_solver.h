@@ -19,11 +19,12 @@ struct Frame {
 // One per thread.
 class FrameSolver {
  public:
-  // Throws Error as Solver does.
-  FrameSolver(const Scene& scene, const Options& options);
+  // `searches`: looks for better optima than the one that is followed. Throws Error as Solver does.
+  FrameSolver(const Scene& scene, const Options& options, bool searches = true);
 
   // Solves the next frame. Throws Error for a bad configuration.
   Status Solve(const Frame& frame, Result& result);
+  bool follows() const { return tracker_ != nullptr; }
 
  private:
   std::unique_ptr<Solver> solver_;        // the one or

@@ -1,7 +1,6 @@
 #include "track/smoother.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -50,7 +49,7 @@ Smoother::Smoother(const Scene& scene, const Options& options, double weight,
       scene_(scene),
       options_(options),
       core_(scene, options_),
-      follower_(core_.work, tune::kSteps),
+      follower_(core_.work, {.steps = tune::kSteps}),
       earlier_(scene.tables(), options.metric),
       answers_(frames.size()),
       gains_(frames.size(), kInfinity),
@@ -59,18 +58,23 @@ Smoother::Smoother(const Scene& scene, const Options& options, double weight,
       seconds_(frames.size(), 0.0) {}
 
 bool Smoother::Run(const std::function<bool()>& go_on, std::vector<Result>& results) {
-  std::vector<Result> followed[2];
-  for (const bool backward : {false, true}) {
-    if (!FollowAll(backward, go_on, followed[backward])) return false;
+  // Those that do not look elsewhere stay on their side of an obstacle as long as they can.
+  std::vector<std::vector<Result>> ways;
+  for (const bool searches : {true, false}) {
+    for (const bool backward : {false, true}) {
+      FrameSolver solver(scene_, options_, searches);
+      if (!searches && !solver.follows()) continue;
+      if (!Follow(solver, backward, go_on, ways.emplace_back())) return false;
+    }
   }
-  Choose(followed);
+  Choose(ways);
   energy_ = Energy();
   for (int sweep = 0; sweep < tune::kSweeps; ++sweep) {
     const double before = energy_;
     if (!Sweep(sweep % 2 == 0, go_on)) return false;
     if (!(energy_ < (1.0 - tune::kConvergence) * before)) break;
   }
-  results = std::move(followed[0]);
+  results = std::move(ways.front());
   for (std::size_t k = 0; k < frames_.size(); ++k) {
     if (!go_on()) return false;
     if (answers_[k].free) Report(k, results[k]);
@@ -78,9 +82,8 @@ bool Smoother::Run(const std::function<bool()>& go_on, std::vector<Result>& resu
   return true;
 }
 
-bool Smoother::FollowAll(bool backward, const std::function<bool()>& go_on,
-                         std::vector<Result>& results) {
-  FrameSolver solver(scene_, options_);
+bool Smoother::Follow(FrameSolver& solver, bool backward, const std::function<bool()>& go_on,
+                      std::vector<Result>& results) {
   results.resize(frames_.size());
   for (std::size_t k = 0; k < frames_.size(); ++k) {
     if (!go_on()) return false;
@@ -93,32 +96,35 @@ bool Smoother::FollowAll(bool backward, const std::function<bool()>& go_on,
   return true;
 }
 
-// Of the two answers of each frame, those whose sequence has the least E. Beside one that is not
-// free, the other is taken.
-void Smoother::Choose(const std::vector<Result> (&followed)[2]) {
-  const std::size_t count = frames_.size();
-  std::vector<std::array<Answer, 2>> answers(count);
-  std::vector<std::array<double, 2>> least(count);        // E up to here that ends in this answer
-  std::vector<std::array<int, 2>> before(count, {0, 0});  // which answer of the frame before
+// Of the answers of each frame, one for each way to follow, those whose sequence has the least E.
+// Beside one that is not free, a free one is taken.
+void Smoother::Choose(const std::vector<std::vector<Result>>& ways) {
+  const std::size_t count = frames_.size(), choices = ways.size();
+  std::vector<std::vector<Answer>> answers(count, std::vector<Answer>(choices));
+  std::vector<std::vector<std::size_t>> before(count, std::vector<std::size_t>(choices, 0));
+  std::vector<double> least(choices, 0.0),
+      up_to(choices);  // E up to a frame that ends in an answer
   for (std::size_t k = 0; k < count; ++k) {
-    for (const int way : {0, 1}) {
-      const Result& result = followed[way][k];
+    bool some_free = false;
+    for (std::size_t way = 0; way < choices; ++way) {
+      const Result& result = ways[way][k];
       answers[k][way] = {ToEigen(result.q), result.status != Status::kUnsolved, result.sigma};
+      some_free = some_free || answers[k][way].free;
     }
-    for (const int way : {0, 1}) {
-      const bool worse = !answers[k][way].free && answers[k][1 - way].free;
-      double& energy = least[k][way] = worse ? kInfinity : answers[k][way].sigma;
+    const std::vector<double> earlier = least;
+    for (std::size_t way = 0; way < choices; ++way) {
+      least[way] = some_free && !answers[k][way].free ? kInfinity : answers[k][way].sigma;
       if (k == 0) continue;
-      std::array<double, 2> up_to;
-      for (const int other : {0, 1}) {
-        up_to[other] =
-            least[k - 1][other] + ChangeFrom(k - 1, answers[k - 1][other], answers[k][way]);
+      for (std::size_t other = 0; other < choices; ++other) {
+        up_to[other] = earlier[other] + ChangeFrom(k - 1, answers[k - 1][other], answers[k][way]);
       }
-      before[k][way] = up_to[1] < up_to[0] ? 1 : 0;
-      energy += up_to[before[k][way]];
+      const auto best = std::min_element(up_to.begin(), up_to.end());
+      before[k][way] = static_cast<std::size_t>(best - up_to.begin());
+      least[way] += *best;
     }
   }
-  int way = count > 0 && least[count - 1][1] < least[count - 1][0] ? 1 : 0;
+  const auto best = std::min_element(least.begin(), least.end());
+  std::size_t way = static_cast<std::size_t>(best - least.begin());
   for (std::size_t k = count; k-- > 0; way = before[k][way]) answers_[k] = answers[k][way];
 }
 
@@ -227,11 +233,9 @@ void Smoother::Report(std::size_t k, Result& result) {
   Reporter::Clear(result);
   Begin(k);
   asked_.assign(answers_[k].q.data(), answers_[k].q.data() + answers_[k].q.size());
-  core_.verifier.IsFree(asked_, frame.q);
-  if (asked_ == frame.q) {
-    core_.reporter.AlreadyFree(frame.q, result);
-  } else {
-    core_.reporter.SolvedBeside(frame.q, asked_, Component::kMotionCoherence, result);
+  core_.reporter.Input(frame.q, result);
+  if (asked_ != frame.q) {
+    core_.reporter.Solved(frame.q, asked_, Component::kMotionCoherence, result);
     const std::vector<NearPair>& overlaps = core_.work.OverlapsAtInput();
     core_.reporter.Overlaps(overlaps, result);
     if (options_.report_lower_bound) {

@@ -6,11 +6,12 @@
 // Source: Tang & Kim, Eq. 26 and 28, for the form; sweeps are successive over-relaxation (Young,
 // Iterative Solution of Large Linear Systems, 1971) by blocks, one frame each, projected onto what
 // is free.
-// How: the frames are followed from the first to the last and from the last to the first, and of
-// the two answers of each frame the sequence of least E is taken (dynamic programming). Then sweeps
-// go forward and backward: each frame in turn descends on E with its neighbours where they are.
-// What the verifier does not call free, or what does not lower E, is not taken. So every state is
-// free, and E never rises.
+// How: the frames are followed from the first to the last and from the last to the first, each with
+// and without a search for other optima, and of the four answers of each frame the sequence of
+// least E is taken (dynamic programming): so a frame knows what comes. Then sweeps go forward and
+// backward: each frame in turn descends on E with its neighbours where they are. What the verifier
+// does not call free, or what does not lower E, is not taken. So every state is free, and E never
+// rises.
 #ifndef MJCF_PDG_SRC_TRACK_SMOOTHER_H_
 #define MJCF_PDG_SRC_TRACK_SMOOTHER_H_
 
@@ -41,8 +42,9 @@ class Smoother {
     bool free = false;
     double sigma = 0.0;  // from its q_in, as followed [m²]
   };
-  bool FollowAll(bool backward, const std::function<bool()>& go_on, std::vector<Result>& results);
-  void Choose(const std::vector<Result> (&followed)[2]);
+  bool Follow(FrameSolver& solver, bool backward, const std::function<bool()>& go_on,
+              std::vector<Result>& results);
+  void Choose(const std::vector<std::vector<Result>>& ways);
   double ChangeFrom(std::size_t k, const Answer& from, const Answer& to);
   double Energy();
   bool Sweep(bool backward, const std::function<bool()>& go_on);

@@ -22,7 +22,7 @@ TrackerCore::TrackerCore(const Scene& scene, const TrackOptions& o, const Pace& 
       pace(p),
       core(scene, options.options),
       work(core.work),
-      follower(work, pace.follow_steps),
+      follower(work, pace.follow),
       elsewhere(work),
       approach(work, options.max_step) {
   work.remembers_distances = true;
@@ -79,10 +79,11 @@ void TrackerCore::Tick(BudgetMeter::Clock::time_point begin, Result& result) {
   work.budget.Begin(
       {.queries = options.queries - tune::kReserve, .seconds = options.options.time_limit}, begin,
       work.finder.queries());
-  const bool command_free = Free(command);
+  work.budget.Charge(1);
+  asked.clear();
+  const bool command_free = core.reporter.Input(q_in, result);
   if (command_free && on_command && !Limited()) {
     at = optimum = command;
-    Answer(result);
   } else {
     Begin();
     if (Approached(command_free)) {
@@ -116,16 +117,16 @@ std::span<const double> TrackerCore::WithFrozenOf(const mjData& data,
   return merged;
 }
 
-// `at` is free, and the verifier's last question was about it.
+// `at` is free. If it is the command, the result is complete.
 void TrackerCore::Answer(Result& result) {
   on_command = at == command;
+  if (on_command) return;
+  // Whose equality constraints are reported.
+  if (work.equality.any() && !std::equal(asked.begin(), asked.end(), at.begin(), at.end()))
+    Free(at);
   asked.assign(at.data(), at.data() + at.size());
-  if (on_command) {
-    core.reporter.AlreadyFree(q_in, result);
-  } else {
-    core.reporter.SolvedBeside(q_in, asked, start, result);
-    if (pace.bounds) Bound(result);
-  }
+  core.reporter.Solved(q_in, asked, start, result);
+  if (pace.bounds) Bound(result);
 }
 
 // One query.
@@ -164,7 +165,7 @@ bool TrackerCore::Follow() {
     iterations += found->iterations;
     if (!found->free || !Free(found->q)) return own_free;
   }
-  const bool jumps = follower.Apart(optimum, found->q) > tune::kJump * moved + Noise();
+  const bool jumps = follower.Farther(optimum, found->q, tune::kJump * moved + Noise());
   const double kept = 1.0 - options.switch_gain;
   if (own_free && jumps && found->sigma > kept * kept * own_sigma) return true;
   switched = jumps;
@@ -196,7 +197,7 @@ bool TrackerCore::Approached(bool command_free) {
   start = Component::kMotionCoherence;
   blocked = std::max(0, blocked - 1);
   if (command_free) {
-    switched = blocked == 0 && follower.Apart(optimum, command) > tune::kJump * moved + Noise();
+    switched = blocked == 0 && follower.Farther(optimum, command, tune::kJump * moved + Noise());
     optimum = command;
   } else {
     if (!Follow()) return false;

@@ -21,7 +21,7 @@ namespace mjcf_pdg {
 
 // How much a tick may do.
 struct Pace {
-  int follow_steps = tuning::track::kFollowSteps;
+  FollowPace follow = {};
   int search_queries = tuning::track::kSearchQueries;
   bool bounds = false;  // computes Result::sigma_lower_bound
 };
