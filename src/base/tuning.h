@@ -192,11 +192,11 @@ inline constexpr int kBlocked = 100;
 // All frames of a trajectory together (track/smoother.cc).
 namespace smoothing {
 inline constexpr int kSteps = 4;  // of a frame's descent, each time that a sweep comes by
-// Sweeps end when one lowers E by less than the first share of it [1], or after so many. A frame is
-// passed over if neither it nor a neighbour lowered E by more than the second share of a frame's
-// part of E [1] when it was last visited.
-inline constexpr double kConvergence = 1e-4, kStill = 1e-6;
-inline constexpr int kSweeps = 200;
+// Sweeps end when a pair of them, forward and backward, lowers E by less than the first share of it
+// [1], or after so many pairs. A frame is passed over if neither it nor a neighbour lowered E by
+// more than the second share of a frame's part of E [1] when it was last visited.
+inline constexpr double kConvergence = 1e-5, kStill = 1e-7;
+inline constexpr int kPairs = 100;
 }  // namespace smoothing
 
 // When a search ends (search/stopping_rule.cc).

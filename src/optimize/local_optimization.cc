@@ -243,9 +243,6 @@ void LocalOptimization::Begin(const VectorXd& q, const LocalOptions& options, De
   if (!work_.remembers_distances) work_.finder.ForgetConvex();
   aim_ = options.retreats ? -problem_.tolerances.user : problem_.tolerances.aim;
   accept_ = options.retreats ? 0.0 : problem_.tolerances.accept;
-  merit_penalty_ = 0.0;
-  damping_ = tune::kFirstDamping;
-  safety_margin_ = 0.0;
   depths_ = d.options.depths;
   next_ = q;
   ClampToLimits(problem_.tables, next_);
@@ -253,12 +250,15 @@ void LocalOptimization::Begin(const VectorXd& q, const LocalOptions& options, De
   Look(next_, options.margin * problem_.size, d.current);
   Evaluate(options.margin * problem_.size, d.current);
   scale_ = std::max(problem_.size, tune::kSizePerDepth * d.current.worst) / tune::kDeskSize;
-  mu_ = tune::kFirstPenalty * scale_;
-  SetRadius(options, d);
+  BeginSteps(options, d);
   d.best = d.current;
 }
 
-void LocalOptimization::SetRadius(const LocalOptions& options, Descent& d) const {
+void LocalOptimization::BeginSteps(const LocalOptions& options, Descent& d) {
+  mu_ = tune::kFirstPenalty * scale_;
+  merit_penalty_ = 0.0;
+  damping_ = tune::kFirstDamping;
+  safety_margin_ = 0.0;
   d.radius = d.largest_radius = std::min(options.trust_radius * scale_, options.largest_step);
 }
 
@@ -273,7 +273,7 @@ const LocalResult& LocalOptimization::Resume(const LocalOptions& options) {
   if (options.renewed) {
     static_cast<Progress&>(d) = {};
     d.best = d.current;
-    SetRadius(options, d);
+    BeginSteps(options, d);
   }
   d.options = options;
   d.options.max_iterations += iterations;

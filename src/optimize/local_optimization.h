@@ -119,7 +119,7 @@ class LocalOptimization {
   };
 
   void Begin(const VectorXd& q, const LocalOptions& options, Descent& d);
-  void SetRadius(const LocalOptions& options, Descent& d) const;
+  void BeginSteps(const LocalOptions& options, Descent& d);
   const LocalResult& Go(Descent& d);
   void Step(Descent& d);
   bool GivesUp(Descent& d);

@@ -84,14 +84,13 @@ void Reporter::Overlaps(const std::vector<NearPair>& overlaps, Result& result) c
   for (const NearPair& near : overlaps) result.depth_in = std::min(result.depth_in, near.distance);
 }
 
-void Reporter::Solved(const std::vector<double>& q_in, const std::vector<double>& q,
-                      Component start, Result& result) {
+void Reporter::Solved(const std::vector<double>& q_in, const Answered& answer, Result& result) {
   result.status = Status::kSolved;
-  result.q = q;
-  result.sigma = Sigma(q);
-  result.start = NameOf(start);
+  result.q = answer.q;
+  result.sigma = Sigma(answer.q);
+  result.start = NameOf(answer.start);
   if (Reports()) {
-    Answer(verifier_.Check(q, q_in), result);
+    Answer(answer.checked ? verifier_.verdict() : verifier_.Check(answer.q, q_in), result);
     CountKeptContacts(result);
   } else {
     AnswerUnmeasured(result);

@@ -69,9 +69,9 @@ bool Smoother::Run(const std::function<bool()>& go_on, std::vector<Result>& resu
   }
   Choose(ways);
   energy_ = Energy();
-  for (int sweep = 0; sweep < tune::kSweeps; ++sweep) {
+  for (int pair = 0; pair < tune::kPairs; ++pair) {
     const double before = energy_;
-    if (!Sweep(sweep % 2 == 0, go_on)) return false;
+    if (!Sweep(false, go_on) || !Sweep(true, go_on)) return false;
     if (!(energy_ < (1.0 - tune::kConvergence) * before)) break;
   }
   results = std::move(ways.front());
@@ -235,7 +235,7 @@ void Smoother::Report(std::size_t k, Result& result) {
   asked_.assign(answers_[k].q.data(), answers_[k].q.data() + answers_[k].q.size());
   core_.reporter.Input(frame.q, result);
   if (asked_ != frame.q) {
-    core_.reporter.Solved(frame.q, asked_, Component::kMotionCoherence, result);
+    core_.reporter.Solved(frame.q, {asked_, Component::kMotionCoherence}, result);
     const std::vector<NearPair>& overlaps = core_.work.OverlapsAtInput();
     core_.reporter.Overlaps(overlaps, result);
     if (options_.report_lower_bound) {

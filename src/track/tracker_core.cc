@@ -28,11 +28,12 @@ TrackerCore::TrackerCore(const Scene& scene, const TrackOptions& o, const Pace& 
   work.remembers_distances = true;
 }
 
-// By the verifier, one query.
+// By the verifier, one query: by Check where that is to be reported of the answer.
 bool TrackerCore::Free(const VectorXd& q) {
   asked.assign(q.data(), q.data() + q.size());
   work.budget.Charge(1);
-  return core.verifier.IsFree(asked, q_in);
+  if (!core.reporter.Reports()) return core.verifier.IsFree(asked, q_in);
+  return core.verifier.Check(asked, q_in, verify::Depths::kMeasured, verify::Words::kSkipped).free;
 }
 
 Status TrackerCore::Step(std::span<const double> q_command, Result& result) {
@@ -121,11 +122,10 @@ std::span<const double> TrackerCore::WithFrozenOf(const mjData& data,
 void TrackerCore::Answer(Result& result) {
   on_command = at == command;
   if (on_command) return;
-  // Whose equality constraints are reported.
-  if (work.equality.any() && !std::equal(asked.begin(), asked.end(), at.begin(), at.end()))
-    Free(at);
+  const bool last = std::equal(asked.begin(), asked.end(), at.begin(), at.end());
+  if (work.equality.any() && !last) Free(at);  // whose constraints are reported
   asked.assign(at.data(), at.data() + at.size());
-  core.reporter.Solved(q_in, asked, start, result);
+  core.reporter.Solved(q_in, {asked, start, last && core.reporter.Reports()}, result);
   if (pace.bounds) Bound(result);
 }
 
@@ -216,7 +216,7 @@ bool TrackerCore::Approached(bool command_free) {
   }
   // No way leads there: back to the optimum on this side.
   on_way = false;
-  blocked = tune::kBlocked;
+  if (blocked == 0) blocked = tune::kBlocked;
   work.Begin(command, core.mocap, Rest());
   candidate = follower.Follow({at, true, Obstacles(), kInfinity}).q;
   if (!Free(candidate)) return Free(at);

@@ -230,7 +230,8 @@ TEST_F(TrajectoryTest, SmoothedClipsOfRandomRobotsAreFreeAndBetter) {
 // A ball on a rail through a box that has no way out in the middle of the clip.
 TEST_F(TrajectoryTest, FramesThatCannotBeFreeStayUnsolvedBesideOthers) {
   const Scene scene = Scene::FromString(R"(<mujoco><worldbody><geom type="box" size=".5 .5 .5"/>
-    <body><joint name="rail" type="slide" axis="1 0 0"/><body name="ball"><joint type="slide"
+    <body><joint name="rail" type="slide" axis="1 0 0"/><inertial pos="0 0 0" mass="1"
+    diaginertia=".1 .1 .1"/><body name="ball"><joint type="slide"
     axis="0 0 1" range="-.2 .2" limited="true"/><geom size=".1"/></body></body>
     </worldbody></mujoco>)",
                                         {.movable = {"ball"}});
