@@ -1,6 +1,5 @@
 #include "track/frame_solver.h"
 
-#include <algorithm>
 #include <limits>
 
 #include "solve/options.h"
@@ -9,28 +8,30 @@ namespace mjcf_pdg {
 namespace {
 
 // Meshes that collide as their triangles need starts on rays, which only a search makes.
-bool IsFollowed(const Scene& scene, const Options& options) {
-  const std::vector<KeptPair>& pairs = scene.tables().pairs;
-  return options.method == Method::kAuto &&
-         std::none_of(pairs.begin(), pairs.end(), [](const KeptPair& pair) { return pair.exact; });
+bool TrianglesCollide(const Workspace& work) {
+  for (std::size_t k = 0; k < work.problem().tables.pairs.size(); ++k) {
+    if (work.finder.NeedsGap(static_cast<int>(k))) return true;
+  }
+  return false;
 }
 
 }  // namespace
 
 FrameSolver::FrameSolver(const Scene& scene, const Options& options, bool searches) {
   CheckMujocoVersion();
-  if (!IsFollowed(scene, options)) {
-    solver_ = std::make_unique<Solver>(scene, options);
-    return;
+  if (options.method == Method::kAuto) {
+    // Nothing but where a frame's descents end bounds its queries.
+    TrackOptions track{.options = options, .queries = std::numeric_limits<int>::max()};
+    track.options.trajectory = false;
+    const Pace pace{
+        .follow = {.steps = tuning::track::kFrameSteps, .more = tuning::track::kMoreFrameSteps},
+        .search_queries = searches ? tuning::track::kSearchQueries : 0,
+        .bounds = options.report_lower_bound};
+    tracker_ = std::make_unique<TrackerCore>(scene, track, pace);
+    if (!TrianglesCollide(tracker_->work)) return;
+    tracker_.reset();
   }
-  // Nothing but where a frame's descents end bounds its queries.
-  TrackOptions track{.options = options, .queries = std::numeric_limits<int>::max()};
-  track.options.trajectory = false;
-  const Pace pace{
-      .follow = {.steps = tuning::track::kFrameSteps, .more = tuning::track::kMoreFrameSteps},
-      .search_queries = searches ? tuning::track::kSearchQueries : 0,
-      .bounds = options.report_lower_bound};
-  tracker_ = std::make_unique<TrackerCore>(scene, track, pace);
+  solver_ = std::make_unique<Solver>(scene, options);
 }
 
 Status FrameSolver::Solve(const Frame& frame, Result& result) {
