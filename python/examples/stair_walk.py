@@ -2,8 +2,8 @@
 
     python3 stair_walk.py [--smooth W] [--write FOLDER]
 
-Without smooth each frame is the nearest free one, followed from frame to frame. With it the whole clip is solved
-forward and backward. Printed are for both: frames that are free, how far feet that stand are off the ground, and how
+Each frame alone is the nearest free one; then one optimum is followed from frame to frame; with smooth the whole clip is
+solved together. Printed are for each: frames that are free, how far feet that stand are off the ground, and how
 fast joints become beside the clip's own fastest. --write leaves walk.xml and walk.npy for the command line.
 """
 
@@ -60,9 +60,8 @@ def ground(x: float) -> float:
 
 def footfalls(first: int) -> list[tuple[float, float]]:
     """Where a foot stands, one after the other: on every second tread [m, m]."""
-    places = [(FIRST_X, 0.0)] if first else [(FIRST_X, 0.0)]
     middles = [(k + 0.5) * TREAD - 0.04 for k in range(-1, STAIRS)]
-    return places + [(x, ground(x + 0.04)) for x in middles[first::2]]
+    return [(FIRST_X, 0.0), *((x, ground(x + 0.04)) for x in middles[first::2])]
 
 
 def feet_at(t: float) -> list[tuple[float, float, bool]]:
@@ -144,7 +143,7 @@ def show(name: str, model: mujoco.MjModel, results, clip: np.ndarray, stands: np
     ratio = np.max(speeds(model, results.q)[[0, 2]] / own[[0, 2]])
     off = off_the_ground(model, results.q, stands)
     colliding = results.queries[results.status == "solved"]
-    print(f"{name:12} {free:4} of {len(clip)} free  {1e3 * off:6.2f} mm off the ground  {ratio:5.2f} times the speed  "
+    print(f"{name:12} {free:4} of {len(clip)} solved and free  {1e3 * off:6.2f} mm off the ground  {ratio:5.2f} times the speed  "
           f"{1e3 * np.mean(results.rms):5.2f} mm (rms)  queries {np.median(colliding):.0f} median, "
           f"{np.quantile(colliding, 0.99):.0f} p99, {np.sum(results.queries)} in all")  # fmt: skip
     return free == len(clip) and off < 0.005 and ratio <= 1.5
@@ -163,6 +162,7 @@ def main() -> None:
     solver = mjcf_pdg.Solver(model)
     print(f"{sum(not solver.is_free(q) for q in clip)} of {len(clip)} frames collide, the clip's fastest: "
           f"root {speeds(model, clip)[0]:.2f} m/s, hinge {speeds(model, clip)[2]:.2f} rad/s")  # fmt: skip
+    show("each alone", model, mjcf_pdg.solve(model, clip), clip, stands)
     show("followed", model, mjcf_pdg.solve(model, clip, trajectory=True), clip, stands)
     smooth = mjcf_pdg.solve(model, clip, trajectory=True, smooth=arguments.smooth)
     if not show(f"smooth={arguments.smooth:g}", model, smooth, clip, stands):
