@@ -46,7 +46,7 @@ TEST_F(TrackerServoTest, ServoingIntoCollisionAndOutAgainDoesNotJump) {
   int held = 0, pressed = 0;
   for (int jog = 0; jog < 12; ++jog) {
     const double speed = 0.5e-3;  // [rad] a tick, 0.5 rad/s
-    Q home = {1.57, 0.0};  // in the wall
+    Q home = {1.57, 0.0};         // in the wall
     while (!Verify(scene, home).free) home = {rng.Uniform(-0.2, 0.5), rng.Uniform(-1.0, 1.0)};
     const Q direction = {1.0, rng.Uniform(-0.8, 0.8)};
     Tracker tracker(scene);
