@@ -42,6 +42,7 @@ struct SolveArguments {
   double time_limit_ms = std::numeric_limits<double>::infinity();
   unsigned long long seed = 0;
   unsigned long long threads = 1;
+  double smooth = 0.0;
   bool resume = false;
   std::string json, out_qpos, out_mjcf, png;
 };
@@ -50,7 +51,11 @@ void AddFlags(CLI::App& command, SolveArguments& arguments) {
   AddModels(command, arguments.models);
   AddWhich(command, arguments.which);
   command.add_flag("--trajectory", arguments.options.trajectory,
-                   "rows are frames of one motion: each starts from earlier answers too");
+                   "rows are frames of one motion: one optimum is followed");
+  AddNumber(
+      command,
+      {"--smooth", "W", "with --trajectory: weight on the change between frames", {.high = 1e6}},
+      arguments.smooth);
   AddMovable(command, arguments.scene);
   AddRoot(command, arguments.scene);
   AddArmature(command, arguments.scene);
@@ -86,6 +91,14 @@ void AddFlags(CLI::App& command, SolveArguments& arguments) {
 #endif
 }
 
+void CheckSmooth(const SolveArguments& arguments) {
+  if (!arguments.options.trajectory) throw Error("--smooth needs --trajectory");
+  if (arguments.options.method == Method::kPaper) throw Error("--smooth needs --method auto");
+  if (arguments.time_limit_ms < std::numeric_limits<double>::infinity()) {
+    throw Error("--smooth seeks all frames together, --time-limit is per row");
+  }
+}
+
 // What goes with one model only, or not with rows of an earlier run.
 void CheckCombination(const SolveArguments& arguments) {
   for (const auto& [flag, path] : {std::pair{"--out-qpos", &arguments.out_qpos},
@@ -97,6 +110,7 @@ void CheckCombination(const SolveArguments& arguments) {
       throw Error("--resume goes with --json and --out-qpos, not with " + std::string(flag));
     }
   }
+  if (arguments.smooth > 0.0) CheckSmooth(arguments);
   if (!arguments.resume) return;
   if (arguments.json.empty() || arguments.json == "-") throw Error("--resume needs --json FILE");
   if (arguments.out_qpos == "-") throw Error("--resume cannot go on with --out-qpos on stdout");
@@ -253,8 +267,9 @@ void SolveRun::SolveModel(const std::string& model) {
   progress_ = std::make_unique<Progress>("solving", rows.size(), index_);
   try {
     const std::size_t most = rows.size().value_or(arguments_.threads);
+    const std::size_t threads = std::clamp<std::size_t>(most, 1, arguments_.threads);
     SolveRows(
-        scene, arguments_.options, std::clamp<std::size_t>(most, 1, arguments_.threads),
+        scene, {arguments_.options, threads, arguments_.smooth},
         [&](Configuration& row) { return rows.Next(row); },
         [&](const Configuration& row, const Result& result) { Tell(scene, model, row, result); });
   } catch (...) {

@@ -13,11 +13,21 @@ namespace mjcf_pdg::app {
 // Fills in the next row; false if there is none.
 using NextRow = std::function<bool(Configuration&)>;
 
+// Is given each row with its result.
+using TellRow = std::function<void(const Configuration&, const Result&)>;
+
+struct RowOptions {
+  const Options& options;
+  std::size_t threads = 1;
+  double smooth = 0.0;  // TrajectoryOptions::smooth
+};
+
 // Solves the rows that `next` gives, over `threads` solvers (one for frames of a trajectory).
 // `tell` is called in the order of the rows. Both are called by one thread at a time. Ends between
 // two rows when interrupted, or when `next` throws: rows before are told, then it is thrown on.
-void SolveRows(const Scene& scene, const Options& options, std::size_t threads, const NextRow& next,
-               const std::function<void(const Configuration&, const Result&)>& tell);
+// With RowOptions::smooth a row is told when all are solved; where that is interrupted, or a row is
+// bad, none is.
+void SolveRows(const Scene& scene, const RowOptions& how, const NextRow& next, const TellRow& tell);
 
 }  // namespace mjcf_pdg::app
 

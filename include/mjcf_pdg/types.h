@@ -94,10 +94,10 @@ struct Options {
   double rest = 0.0;        // contacts of q_in no deeper than this may stay so [m], 0 to 1000
   Method method = Method::kAuto;
   Effort effort = Effort::kDefault;
-  // The calls of Solve are consecutive frames of one motion: a solver's earlier answers become
-  // starts of later solves (motion coherence). If free joints are all that may move, a frame with
-  // exact meshes may end with the answer reached from the last frame, without a search: for five
-  // frames in a row at most, and never with Effort::kMax.
+  // Solves are of consecutive frames of one motion: a solver's earlier answers become starts of
+  // later ones (motion coherence). With exact meshes that only free joints move, five frames in a
+  // row may end there without a search, but for Effort::kMax. Where no exact meshes are, SolveBatch
+  // and the command line follow one optimum instead (mjcf_pdg/trajectory.h).
   bool trajectory = false;
   std::uint64_t seed = 0;  // of the random starts; the same seed gives the same answer
   // Starts and steps of the method that are left out, for experiments: names from Components

@@ -19,6 +19,7 @@
 #include "arrays.h"
 #include "library_call.h"
 #include "mjcf_pdg/pdg.h"
+#include "mjcf_pdg/trajectory.h"
 #include "model.h"
 #include "options.h"
 
@@ -148,7 +149,8 @@ nb::dict SolveRows(nb::handle model, nb::handle qpos, int threads, nb::object pr
                    const nb::kwargs& given) {
   Asked asked = CommandLineDefaults();
   asked.options.report_contacts = false;  // rows have no place for them
-  ReadOptions(given, kNorm | kVerify | kSolve, asked);
+  ReadOptions(given, kNorm | kVerify | kSolve | kRows, asked);
+  if (asked.smooth != 0.0 && !asked.options.trajectory) throw Error("smooth needs trajectory");
   const Model scene = ReadModel(model, asked.scene);
   std::vector<double> q;
   const std::size_t rows = ReadConfigurations(qpos, "qpos", scene.scene.nq(), q);
@@ -161,7 +163,14 @@ nb::dict SolveRows(nb::handle model, nb::handle qpos, int threads, nb::object pr
     return !stop;
   };
   const ErrorsThrow errors;
-  Background solving([&] { SolveBatch(scene.scene, asked.options, q, threads, take_note); });
+  const TrajectoryOptions frames{asked.options, asked.smooth, [&] { return !stop; }};
+  Background solving([&] {
+    if (asked.options.trajectory) {
+      SolveTrajectory(scene.scene, frames, q, take_note);
+    } else {
+      SolveBatch(scene.scene, asked.options, q, threads, take_note);
+    }
+  });
   const auto wait = [&] {
     const nb::gil_scoped_release release;
     return solving.WaitFor(kAttention);

@@ -18,12 +18,14 @@ enum Users : unsigned {
   kVerify = 2,  // what counts as free
   kSolve = 4,
   kTrack = 8,
+  kRows = 16,  // of all rows together
 };
 
 struct Asked {
   SceneOptions scene;
   Options options;
-  TrackOptions track;  // but for its `options`
+  TrackOptions track;   // but for its `options`
+  double smooth = 0.0;  // TrajectoryOptions::smooth
 };
 
 // As the command line asks: contacts, and distances up to a metre.

@@ -59,8 +59,35 @@ def test_reset_forgets_earlier_frames(puma):
     first = [solver.solve(frame).q.tobytes() for frame in frames]
     solver.reset()
     assert [solver.solve(frame).q.tobytes() for frame in frames] == first
+
+
+def test_rows_of_a_trajectory_are_followed_or_smoothed(puma):
+    frames = np.linspace(puma.key("arm_through_roof").qpos, puma.key("arm_through_door").qpos, 40)
     rows = mjcf_pdg.solve(puma, frames, trajectory=True, threads=4)
-    assert [row.tobytes() for row in rows.q] == first
+    again = mjcf_pdg.solve(puma, frames, trajectory=True)
+    assert rows.q.tobytes() == again.q.tobytes()
+    assert rows.free.all() and np.median(rows.queries[rows.status == "solved"]) <= 8
+    smooth = mjcf_pdg.solve(puma, frames, trajectory=True, smooth=20.0)
+    assert smooth.free.all() and all(mjcf_pdg.verify(puma, q).free for q in smooth.q)
+    change = lambda q: np.sum(np.diff(q, axis=0) ** 2)
+    assert change(smooth.q) < change(rows.q) and np.sum(smooth.sigma) > np.sum(rows.sigma)
+
+
+def test_smooth_is_for_frames_together(puma):
+    frames = np.tile(puma.key("home").qpos, (2, 1))
+    for options, words in (
+        ({}, "smooth needs trajectory"), ({"trajectory": True, "method": "paper"}, "method auto"),
+        ({"trajectory": True, "time_limit": 5.0}, "time limit"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            mjcf_pdg.solve(puma, frames, smooth=1.0, **options)
+    for bad in (-1.0, float("nan"), 1e7):
+        with pytest.raises(ValueError, match="smooth must lie between"):
+            mjcf_pdg.solve(puma, frames, trajectory=True, smooth=bad)
+    with pytest.raises(ValueError, match="frames of a trajectory"):
+        mjcf_pdg.solve(puma, frames[0], trajectory=True, smooth=1.0)
+    with pytest.raises(ValueError, match="no option 'smooth'"):
+        mjcf_pdg.Solver(puma, smooth=1.0)
 
 
 def test_eight_threads_may_share_a_solver(ball):

@@ -168,6 +168,9 @@ namespace track {
 // Steps of a tick's descent from the last answer where that is free; where it is not; and of one
 // that keeps distances in full, where the verifier refuses what the first found.
 inline constexpr int kFollowSteps = 2, kRepairSteps = 8, kRetreatSteps = 4;
+// The first for frames of a trajectory, which lie farther apart; and how often so many follow while
+// nothing nearer is found.
+inline constexpr int kFrameSteps = 3, kMoreFrameSteps = 2;
 // An answer moves by at most this many times what the command moved [1], and this [size], in steps
 // of the descent; farther than the second number times, it has jumped.
 inline constexpr double kReach = 6.0, kNoise = 1e-5, kJump = 8.0;
@@ -177,8 +180,9 @@ inline constexpr double kMargin = 0.03;
 // Queries of a tick that are kept for the verifier, and the fewest that leave something to follow
 // with.
 inline constexpr int kReserve = 2, kFewestQueries = 6;
-// Another optimum is sought in one of so many ticks, in so many of them from one start.
-inline constexpr int kSearchEvery = 3, kSlices = 8;
+// Queries of a tick for another optimum, each a step of the descent beside: as few as there can be,
+// for the search in every tick, not its bursts, is what a deadline sees.
+inline constexpr int kSearchQueries = 1;
 // A way that leads no farther than this share of it is blocked [1]; then no other optimum is sought
 // for so many ticks, a tenth of a second at 1 kHz.
 inline constexpr double kLeastShare = 1e-3;
@@ -195,6 +199,16 @@ inline constexpr double kHelps = 0.99;
 // handles come in few combinations.
 inline constexpr std::size_t kKept = 8;
 }  // namespace islands
+
+// All frames of a trajectory together (track/smoother.cc).
+namespace smoothing {
+inline constexpr int kSteps = 4;  // of a frame's descent, each time that a sweep comes by
+// Sweeps end when a pair of them, forward and backward, lowers E by less than the first share of it
+// [1], or after so many pairs. A frame is passed over if neither it nor a neighbour lowered E by
+// more than the second share of a frame's part of E [1] when it was last visited.
+inline constexpr double kConvergence = 1e-5, kStill = 1e-7;
+inline constexpr int kPairs = 100;
+}  // namespace smoothing
 
 // When a search ends (search/stopping_rule.cc).
 namespace stopping {

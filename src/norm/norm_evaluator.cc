@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "norm/change.h"
+
 namespace mjcf_pdg {
 namespace {
 
@@ -68,6 +70,20 @@ void NormEvaluator::Fill(const VectorXd& q, VectorXd& r, MatrixXd* J) {
         break;
     }
   }
+  if (!pulls_.empty()) FillPulls(q, r, J);
+}
+
+void NormEvaluator::AddPull(const VectorXd& to, const MatrixXd& B) {
+  pulls_.push_back({to, B, rows_});
+  rows_ += static_cast<int>(B.rows());
+}
+
+void NormEvaluator::FillPulls(const VectorXd& q, VectorXd& r, MatrixXd* J) {
+  for (const Pull& pull : pulls_) {
+    Change(tables_, pull.to, q, X_, J ? &D_ : nullptr);
+    r.segment(pull.row, pull.B.rows()).noalias() = pull.B * X_;
+    if (J) J->middleRows(pull.row, pull.B.rows()).noalias() = pull.B * D_;
+  }
 }
 
 void NormEvaluator::FillScalar(const NormTerm& term, const VectorXd& q, VectorXd& r,
@@ -130,12 +146,19 @@ void NormEvaluator::FillBodyPose(const NormTerm& term, VectorXd& r, MatrixXd* J)
 void NormEvaluator::InnerProduct(const MatrixXd& J, MatrixXd& H) const {
   H.resize(tables_.n, tables_.n);
   for (const ColumnRange& block : blocks_) {
-    // If H is block-diagonal, so is J: row numbers in r are then column numbers in dq.
-    const bool all = NeedsPose();
-    const auto own =
-        J.block(all ? 0 : block.begin, block.begin, all ? J.rows() : block.size, block.size);
-    H.block(block.begin, block.begin, block.size, block.size).noalias() =
-        own.transpose().lazyProduct(own);
+    auto own_H = H.block(block.begin, block.begin, block.size, block.size);
+    if (NeedsPose()) {
+      const auto own = J.middleCols(block.begin, block.size);
+      own_H.noalias() = own.transpose().lazyProduct(own);
+      continue;
+    }
+    // H is block-diagonal, and so is J, and B of each pull below it: row numbers in r are, but for
+    // multiples of n, column numbers in dq.
+    own_H.setZero();
+    for (Eigen::Index row = block.begin; row < J.rows(); row += tables_.n) {
+      const auto own = J.block(row, block.begin, block.size, block.size);
+      own_H += own.transpose().lazyProduct(own);
+    }
   }
   KeepPositive(H);
 }

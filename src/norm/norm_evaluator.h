@@ -48,7 +48,12 @@ class NormEvaluator {
   NormEvaluator(const SceneTables& tables, Metric metric);
 
   // Sets q_in, poses the model there, and computes the terms: masses, inertias and moment arms.
+  // Removes what AddPull has added.
   void SetReference(const VectorXd& q_in, const MocapPoses& mocap = {});
+  // Adds ‖B X(to, q)‖² to σ: a pull of q towards another configuration `to` (nq) that is weighted
+  // by BᵀB, such as H at some configuration. X is Change (norm/change.h). B has n columns, and for
+  // a sequential metric without another root link it is block-diagonal, as J is.
+  void AddPull(const VectorXd& to, const MatrixXd& B);
 
   double total_mass() const { return total_mass_; }  // M, of the scene's movable bodies [kg]
   int rows() const { return rows_; }                 // the length of r
@@ -111,6 +116,7 @@ class NormEvaluator {
   void FillTranslation(const NormTerm& term, const VectorXd& q, VectorXd& r, MatrixXd* J) const;
   void FillRotation(const NormTerm& term, const VectorXd& q, VectorXd& r, MatrixXd* J) const;
   void FillBodyPose(const NormTerm& term, VectorXd& r, MatrixXd* J);
+  void FillPulls(const VectorXd& q, VectorXd& r, MatrixXd* J);
   void RetractHinge(const JointEntry& joint, const VectorXd& q, const VectorXd& dq,
                     VectorXd& out) const;
   void RetractRotation(const NormTerm& term, const VectorXd& q, const VectorXd& dq,
@@ -126,8 +132,15 @@ class NormEvaluator {
   double scale_ = 0.0;  // 1/√M [kg^-½]
   int rows_ = 0;
   std::vector<NormTerm> terms_;
+  struct Pull {
+    VectorXd to;
+    MatrixXd B;
+    int row = 0;  // first row of r
+  };
+  std::vector<Pull> pulls_;
   std::vector<ColumnRange> blocks_;
-  VectorXd r_;  // scratch
+  VectorXd r_, X_;  // scratch
+  MatrixXd D_;
   BodyJacobians jacobians_;
 };
 

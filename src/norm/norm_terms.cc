@@ -77,6 +77,7 @@ void NormEvaluator::SetReference(const VectorXd& q_in, const MocapPoses& mocap) 
   posed_.SetMocap(mocap);
   posed_.Pose(q_in);
   terms_.clear();
+  pulls_.clear();
   rows_ = 0;
   total_mass_ = RigidPiece(all_moving_).mass + tables_.outside_mass;
   scale_ = 1.0 / std::sqrt(total_mass_);
@@ -127,7 +128,7 @@ std::vector<int> NormEvaluator::Moving(const std::vector<char>& marked) const {
 void NormEvaluator::AddTerm(NormTerm term) {
   term.row = rows_;
   rows_ += TermRows(term.kind);
-  term.sqrt_inertia_W = SqrtOf(term.inertia_W);
+  if (TermRows(term.kind) > 1) term.sqrt_inertia_W = SqrtOf(term.inertia_W);
   terms_.push_back(term);
 }
 

@@ -114,7 +114,7 @@ void LocalOptimization::Step(Descent& d) {
   ClampToLimits(problem_.tables, next_);
   work_.equality.Project(next_);
   const double reach =
-      std::clamp(tune::kMarginPerStep * d.length, tune::kLeastMargin * problem_.size,
+      std::clamp(tune::kMarginPerStep * d.length, d.options.least_margin * problem_.size,
                  tune::kLargestMargin * problem_.size);
   Look(next_, reach, d.trial);
   Evaluate(reach, d.trial);
@@ -240,12 +240,9 @@ void LocalOptimization::Begin(const VectorXd& q, const LocalOptions& options, De
   d.options = options;
   step_.Clear();
   features_.Clear(problem_.tables.pairs.size());
-  work_.finder.ForgetConvex();
+  if (!work_.remembers_distances) work_.finder.ForgetConvex();
   aim_ = options.retreats ? -problem_.tolerances.user : problem_.tolerances.aim;
   accept_ = options.retreats ? 0.0 : problem_.tolerances.accept;
-  merit_penalty_ = 0.0;
-  damping_ = tune::kFirstDamping;
-  safety_margin_ = 0.0;
   depths_ = d.options.depths;
   next_ = q;
   ClampToLimits(problem_.tables, next_);
@@ -253,16 +250,48 @@ void LocalOptimization::Begin(const VectorXd& q, const LocalOptions& options, De
   Look(next_, options.margin * problem_.size, d.current);
   Evaluate(options.margin * problem_.size, d.current);
   scale_ = std::max(problem_.size, tune::kSizePerDepth * d.current.worst) / tune::kDeskSize;
-  mu_ = tune::kFirstPenalty * scale_;
-  d.radius = d.largest_radius = std::min(d.options.trust_radius * scale_, d.options.largest_step);
+  BeginSteps(options, d);
   d.best = d.current;
 }
 
+void LocalOptimization::BeginSteps(const LocalOptions& options, Descent& d) {
+  mu_ = tune::kFirstPenalty * scale_;
+  merit_penalty_ = 0.0;
+  damping_ = tune::kFirstDamping;
+  safety_margin_ = 0.0;
+  d.radius = d.largest_radius = std::min(options.trust_radius * scale_, options.largest_step);
+}
+
 const LocalResult& LocalOptimization::Run(const VectorXd& q, const LocalOptions& options) {
+  Begin(q, options, descent_);
+  return Go(descent_);
+}
+
+const LocalResult& LocalOptimization::Resume(const LocalOptions& options) {
   Descent& d = descent_;
-  Begin(q, options, d);
+  const int iterations = options.renewed ? 0 : d.result.iterations;
+  if (options.renewed) {
+    static_cast<Progress&>(d) = {};
+    d.best = d.current;
+    BeginSteps(options, d);
+  }
+  d.options = options;
+  d.options.max_iterations += iterations;
+  static_cast<LocalOutcome&>(d.result) = {};
+  d.result.iterations = iterations;
+  for (Iterate* it : {&d.current, &d.best}) it->sigma = work_.norm.Sigma(it->q);
+  d.finder_at_current = false;
+  return Go(d);
+}
+
+const LocalResult& LocalOptimization::Go(Descent& d) {
+  d.result.ended = true;
   Keep(d.current, d.result);
-  while (d.result.iterations < options.max_iterations && !work_.Spent()) {
+  for (;;) {
+    if (d.result.iterations >= d.options.max_iterations || work_.Spent()) {
+      d.result.ended = false;
+      break;
+    }
     ++d.result.iterations;
     const BudgetMeter::Clock::time_point begin = work_.budget.Now();
     Step(d);

@@ -44,6 +44,8 @@ struct LocalOptions {
   const VectorXd* known = nullptr;
   double known_sigma = 0.0;  // [m²]
   bool retreats = false;     // keeps every pair farther apart than required, by a tolerance
+  double least_margin = tuning::descent::kLeastMargin;  // pairs within it have rows later [size]
+  bool renewed = false;  // Resume: trust radius and patience are those of a descent that begins
 
   // A last descent to full precision, from a configuration close to its optimum.
   static LocalOptions Polishing();
@@ -59,13 +61,14 @@ struct LocalOutcome {
   bool reached_known = false;  // ended close to LocalOptions::known
   bool hopeless = false;       // ended because of LocalOptions::give_up_sigma
   int iterations = 0;
+  bool ended = false;  // by itself; false: max_iterations or the budget stopped it
 };
 
 struct LocalResult : LocalOutcome {
   VectorXd q;  // nq: the free configuration of least σ that was met, else the one of least merit
 };
 
-// Runs do not depend on earlier runs; only memory is kept.
+// Runs do not depend on earlier runs; only memory is kept. Resume goes on with the last one.
 class LocalOptimization {
  public:
   explicit LocalOptimization(Workspace& work);
@@ -73,6 +76,12 @@ class LocalOptimization {
   // Descends from `q` (nq), moved inside its limits; pairs may overlap deeply there. The result is
   // valid until the next run.
   const LocalResult& Run(const VectorXd& q, const LocalOptions& options);
+  // Goes on with the last run from at(), by another options.max_iterations, without a query for
+  // what is there. The workspace's q_in may have changed since, obstacles and required distances
+  // may not. The result holds what is found from here on, at() included.
+  const LocalResult& Resume(const LocalOptions& options);
+  // Where the last run stands (nq).
+  const VectorXd& at() const { return descent_.current.q; }
 
   std::int64_t lcp_steps() const { return step_.lcp_steps(); }
 
@@ -110,6 +119,8 @@ class LocalOptimization {
   };
 
   void Begin(const VectorXd& q, const LocalOptions& options, Descent& d);
+  void BeginSteps(const LocalOptions& options, Descent& d);
+  const LocalResult& Go(Descent& d);
   void Step(Descent& d);
   bool GivesUp(Descent& d);
   void Advance(Descent& d);

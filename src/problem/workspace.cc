@@ -33,7 +33,7 @@ Workspace::Workspace(const SceneTables& tables, const Options& options)
 
 void Workspace::Begin(const Eigen::Ref<const VectorXd>& q_in, const MocapPoses& mocap,
                       const VectorXd* rest) {
-  finder.Forget();
+  if (!remembers_distances) finder.Forget();
   finder.SetMocap(mocap);
   equality.SetMocap(mocap);
   problem_.mocap = mocap;

@@ -45,6 +45,9 @@ class Workspace {
   ContactFinder finder;
   EqualityConstraints equality;
   BudgetMeter budget;
+  // Begin keeps the starting points of distances that the last problem left. The last digits of
+  // distances then depend on what was asked before.
+  bool remembers_distances = false;
 
  private:
   VectorXd RequiredDistances() const;

@@ -59,11 +59,6 @@ bool Reporter::Input(const std::vector<double>& q_in, Result& result) {
   return free;
 }
 
-void Reporter::AlreadyFree(const std::vector<double>& q_in, Result& result) {
-  if (Reports()) MeasureInput(q_in, result);
-  FillFree(q_in, result);
-}
-
 // What is to be reported of q_in.
 bool Reporter::MeasureInput(const std::vector<double>& q_in, Result& result) {
   const Verdict& verdict =
@@ -95,27 +90,17 @@ void Reporter::Overlaps(const std::vector<NearPair>& overlaps, Result& result) c
   for (const NearPair& near : overlaps) result.depth_in = std::min(result.depth_in, near.distance);
 }
 
-void Reporter::Solved(const std::vector<double>& q_in, const std::vector<double>& q,
-                      Component start, Result& result) {
+void Reporter::Solved(const std::vector<double>& q_in, const Answered& answer, Result& result) {
   result.status = Status::kSolved;
-  result.q = q;
-  result.sigma = Sigma(q);
-  result.start = NameOf(start);
+  result.q = answer.q;
+  result.sigma = Sigma(answer.q);
+  result.start = NameOf(answer.start);
   if (Reports()) {
-    Answer(verifier_.Check(q, q_in), result);
+    Answer(answer.checked ? verifier_.verdict() : verifier_.Check(answer.q, q_in), result);
     CountKeptContacts(result);
   } else {
     AnswerUnmeasured(result);
   }
-}
-
-void Reporter::SolvedBeside(const std::vector<double>& q_in, const std::vector<double>& q,
-                            Component start, Result& result) {
-  if (Reports()) {
-    MeasureInput(q_in, result);
-    result.equality_residual_in = verifier_.verdict().equality_residual;
-  }
-  Solved(q_in, q, start, result);
 }
 
 double Reporter::Sigma(const std::vector<double>& q) {
@@ -133,6 +118,7 @@ void Reporter::Answer(const Verdict& verdict, Result& result) const {
 
 // At the configuration that the verifier was last asked about.
 void Reporter::CountKeptContacts(Result& result) const {
+  result.contacts_kept = 0;
   for (const Contact& contact : result.contacts_in) {
     result.contacts_kept += verifier_.Within(contact.geom[0], contact.geom[1], kKeptContact);
   }

@@ -22,29 +22,30 @@ class Reporter {
 
   // Asks the verifier about q_in. If it is free, the result is complete: returns true.
   bool Input(const std::vector<double>& q_in, Result& result);
-  // The same for a q_in that the verifier was last asked about and called free.
-  void AlreadyFree(const std::vector<double>& q_in, Result& result);
   // Takes the depth at q_in from the search's `overlaps`, unless contacts or distances are to be
   // reported: the verifier takes longer to measure deep overlaps than to find that there are some.
   void Overlaps(const std::vector<NearPair>& overlaps, Result& result) const;
-  // The answer is `q`, which the verifier was last asked about and called free.
-  void Solved(const std::vector<double>& q_in, const std::vector<double>& q, Component start,
-              Result& result);
-  // As Solved, where no search measured q_in: it is asked about only if that is to be reported.
-  void SolvedBeside(const std::vector<double>& q_in, const std::vector<double>& q, Component start,
-                    Result& result);
+  // The answer is `q`, which the verifier was last asked about and called free; `checked`: by
+  // Check.
+  struct Answered {
+    const std::vector<double>& q;
+    Component start;
+    bool checked = false;
+  };
+  void Solved(const std::vector<double>& q_in, const Answered& answer, Result& result);
   // There is no answer: the result's q is the least overlap that the search found, or q_in moved
   // inside its limits where that is no worse by the verifier. `outcome` is null if nothing was
   // searched. `frozen`: pairs overlap that no movable joint can part.
   void Unsolved(const std::vector<double>& q_in, const Outcome* outcome, bool frozen,
                 Result& result);
+  // Whether contacts or distances are to be reported.
+  bool Reports() const {
+    return problem_.options.report_contacts || problem_.options.report_distances_to > 0.0;
+  }
 
  private:
   bool MeasureInput(const std::vector<double>& q_in, Result& result);
   void FillFree(const std::vector<double>& q_in, Result& result);
-  bool Reports() const {
-    return problem_.options.report_contacts || problem_.options.report_distances_to > 0.0;
-  }
   double Sigma(const std::vector<double>& q);
   void Answer(const Verdict& verdict, Result& result) const;
   void CountKeptContacts(Result& result) const;

@@ -78,7 +78,7 @@ Status SolverCore::Solve(std::span<const double> q, Result& result) {
     if (options.rest > 0.0) DistancesAtRest(verifier, scene.tables(), at_rest_);
     work.Begin(AsEigen(q_in_), mocap, options.rest > 0.0 ? &at_rest_ : nullptr);
     if (Search(result)) {
-      reporter.Solved(q_in_, q_, start_, result);
+      reporter.Solved(q_in_, {q_, start_}, result);
     } else {
       reporter.Unsolved(q_in_, outcome_, frozen_, result);
     }

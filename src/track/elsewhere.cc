@@ -4,8 +4,6 @@
 
 namespace mjcf_pdg {
 
-namespace tune = tuning::track;
-
 Elsewhere::Elsewhere(Workspace& work)
     : problem_(work.problem()), work_(work), local_(work), starts_(work), random_(0) {
   q_.resize(problem_.tables.model->nq);
@@ -14,7 +12,8 @@ Elsewhere::Elsewhere(Workspace& work)
 
 void Elsewhere::Reset() {
   random_ = Random(problem_.options.seed);
-  next_ = slices_ = 0;
+  next_ = 0;
+  running_ = false;
 }
 
 // The command itself and the own optimum without limits first, because a way that has opened is
@@ -48,22 +47,38 @@ void Elsewhere::Begin(const VectorXd& own, double own_sigma) {
   }
 }
 
-bool Elsewhere::Search(const VectorXd& own, double own_sigma, double wanted_sigma) {
-  while (!work_.Spent()) {
-    if (slices_ == 0) Begin(own, own_sigma);
-    LocalOptions options;
-    options.max_iterations = tuning::descent::kCoarseSteps;
-    options.convergence = tuning::descent::kCoarseConvergence;
-    options.give_up_sigma = wanted_sigma;
-    options.known = &own;
-    options.known_sigma = own_sigma;
-    const LocalResult& result = local_.Run(q_, options);
-    ++slices_;
+// The start of a descent, or its next step: one query, unless obstacles have moved.
+const LocalResult& Elsewhere::Step(const Wanted& wanted) {
+  LocalOptions options;
+  options.convergence = tuning::descent::kCoarseConvergence;
+  options.give_up_sigma = wanted.sigma;
+  options.known = &wanted.own;
+  options.known_sigma = wanted.own_sigma;
+  const bool same = obstacles_ == wanted.obstacles;
+  obstacles_ = wanted.obstacles;
+  if (!running_) {
+    Begin(wanted.own, wanted.own_sigma);
+    running_ = true;
+    steps_ = options.max_iterations = 0;
+    return local_.Run(q_, options);
+  }
+  ++steps_;
+  options.max_iterations = 1;
+  if (same) return local_.Resume(options);
+  q_ = local_.at();
+  return local_.Run(q_, options);
+}
+
+bool Elsewhere::Search(const Wanted& wanted) {
+  const std::int64_t last = work_.finder.queries() + wanted.queries;
+  while (work_.finder.queries() < last && !work_.Spent()) {
+    const LocalResult& result = Step(wanted);
+    const bool better = result.free && result.sigma < wanted.sigma;
+    const bool over = result.ended || steps_ == tuning::descent::kCoarseSteps;
+    if (better || over) running_ = false;
+    if (!better) continue;
     q_ = result.q;
-    const bool cut = work_.Spent() && !result.hopeless && !result.reached_known;
-    const bool better = result.free && result.sigma < wanted_sigma;
-    if (better || !cut || slices_ == tune::kSlices) slices_ = 0;
-    if (better) return true;
+    return true;
   }
   return false;
 }

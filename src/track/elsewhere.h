@@ -17,10 +17,17 @@ class Elsewhere {
  public:
   explicit Elsewhere(Workspace& work);
 
-  // Goes on with the present descent, or begins the next one, as long as the workspace's budget
-  // lasts. `own` is the optimum that is followed, of `own_sigma`. Returns true if a configuration
-  // of less than `wanted_sigma` was found that is free by the solver's distances: q(), start().
-  bool Search(const VectorXd& own, double own_sigma, double wanted_sigma);
+  // What a tick's search is for.
+  struct Wanted {
+    const VectorXd& own;     // nq, the optimum that is followed
+    double own_sigma = 0.0;  // [m²]
+    double sigma = 0.0;      // less is sought [m²]
+    int queries = 0;         // at most
+    int obstacles = 0;       // how often obstacles have moved until now
+  };
+  // Goes on with the present descent, or begins the next one. Returns true if a configuration of
+  // less than `wanted.sigma` was found that is free by the solver's distances: q(), start().
+  bool Search(const Wanted& wanted);
   const VectorXd& q() const { return q_; }
   Component start() const { return start_; }
 
@@ -30,16 +37,19 @@ class Elsewhere {
 
  private:
   void Begin(const VectorXd& own, double own_sigma);
+  const LocalResult& Step(const Wanted& wanted);
 
   const Problem& problem_;
   Workspace& work_;
   LocalOptimization local_;
   StartSelection starts_;
   Random random_;
-  VectorXd q_;  // where the present descent stands
+  VectorXd q_;  // where the present descent began; what was found
   Component start_ = Component::kNone;
-  int next_ = 0;    // number of descents that have begun
-  int slices_ = 0;  // ticks that the present descent has had; 0: there is none
+  int next_ = 0;          // number of descents that have begun
+  bool running_ = false;  // there is a present descent, which has made
+  int steps_ = 0;         // so many steps, the last when
+  int obstacles_ = 0;     // obstacles had moved so often
 };
 
 }  // namespace mjcf_pdg

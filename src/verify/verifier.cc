@@ -310,9 +310,8 @@ bool Verifier::IsFree(std::span<const double> q, std::span<const double> q_in) {
   const auto& pairs = shared_->pairs;
   const auto concerns = [&](int k) { return InScope(pairs[k].geom1, pairs[k].geom2); };
   if (too_near_ >= 0 && concerns(too_near_) && !KeepsApart(too_near_)) return false;
-  too_near_ = -1;
   for (const int k : sweep_.Near(*data_, reach_)) {
-    if (!concerns(k) || KeepsApart(k)) continue;
+    if (k == too_near_ || !concerns(k) || KeepsApart(k)) continue;
     too_near_ = k;
     return false;
   }

@@ -152,7 +152,7 @@ class Verifier {
   std::vector<int> contact_;            // index of MuJoCo's deepest contact; -1: none
   std::vector<int> touching_;           // the pairs that have one, ascending
 
-  // The pair by which the last IsFree was false; the next one asks it first. -1: none.
+  // The pair by which the last IsFree that was false was so; the next one asks it first. -1: none.
   int too_near_ = -1;
   std::vector<double> rest_q_in_;              // the q_in that required_ refers to; empty: none
   std::vector<std::pair<double, int>> order_;  // scratch: (bound of the distance [m], pair)

@@ -51,6 +51,10 @@ class SolveOptions(NormOptions, VerifyOptions, total=False):
     report_distances_to: float
 
 
+class RowOptions(SolveOptions, total=False):
+    smooth: float
+
+
 class TrackOptions(SolveOptions, total=False):
     queries: int
     switch_gain: float
@@ -149,7 +153,7 @@ def solve(
     *,
     threads: int = 1,
     progress: bool = False,
-    **options: typing.Unpack[SolveOptions],
+    **options: typing.Unpack[RowOptions],
 ) -> typing.Any: ...
 
 
@@ -177,8 +181,10 @@ def solve(model, qpos, *, threads=1, progress=False, **options):
       method: "auto", a search over many starts, or "paper", the paper's sequence of steps.
       effort: "fast", "default" or "max": how many starts are tried.
       seed: of the random starts; the same seed gives the same answer.
-      trajectory: the rows are consecutive frames of one motion, each of which starts from earlier
-        answers, too; they are solved by one thread.
+      trajectory: the rows are consecutive frames of one motion, through which one optimum is
+        followed; they are solved by one thread. A Solver starts each from earlier answers instead.
+      smooth: W, with trajectory and rows: the answers of all frames together minimize the sum of σ
+        plus W times that of the changes from frame to frame. Default: 0, each is the nearest.
       time_limit: most time of a row, as on the command line in milliseconds [ms].
       without: starts and steps to leave out.
       mocap_pos, mocap_quat: poses of the mocap bodies, (nmocap, 3) [m] and (nmocap, 4) (w, x, y, z).
@@ -194,6 +200,8 @@ def solve(model, qpos, *, threads=1, progress=False, **options):
     """
     threads = _thread_count(threads)
     rows = np.asarray(qpos)
+    if rows.ndim != 2 and options.get("smooth") is not None:
+        raise ValueError("smooth is for the frames of a trajectory, (n, nq)")
     if rows.ndim == 2:
         return _solve_rows(model, rows, threads, progress, options)
     return Solver(model, **options).solve(rows)

@@ -1,0 +1,47 @@
+#include "track/frame_solver.h"
+
+#include <limits>
+
+#include "solve/options.h"
+
+namespace mjcf_pdg {
+namespace {
+
+// Meshes that collide as their triangles need starts on rays, which only a search makes.
+bool TrianglesCollide(const Workspace& work) {
+  for (std::size_t k = 0; k < work.problem().tables.pairs.size(); ++k) {
+    if (work.finder.NeedsGap(static_cast<int>(k))) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+FrameSolver::FrameSolver(const Scene& scene, const Options& options, bool searches) {
+  CheckMujocoVersion();
+  if (options.method == Method::kAuto) {
+    // Nothing but where a frame's descents end bounds its queries.
+    TrackOptions track{.options = options, .queries = std::numeric_limits<int>::max()};
+    track.options.trajectory = false;
+    const Pace pace{
+        .follow = {.steps = tuning::track::kFrameSteps, .more = tuning::track::kMoreFrameSteps},
+        .search_queries = searches ? tuning::track::kSearchQueries : 0,
+        .bounds = options.report_lower_bound};
+    tracker_ = std::make_unique<TrackerCore>(scene, track, pace);
+    if (!TrianglesCollide(tracker_->work)) return;
+    tracker_.reset();
+  }
+  solver_ = std::make_unique<Solver>(scene, options);
+}
+
+Status FrameSolver::Solve(const Frame& frame, Result& result) {
+  if (solver_) {
+    solver_->SetMocap(frame.mocap.pos, frame.mocap.quat);
+    return solver_->Solve(frame.q, result);
+  }
+  tracker_->core.CheckInput(frame.q);
+  tracker_->SetMocap(frame.mocap);
+  return tracker_->Step(frame.q, result);
+}
+
+}  // namespace mjcf_pdg

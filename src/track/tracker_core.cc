@@ -1,0 +1,285 @@
+#include "track/tracker_core.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "problem/effort.h"
+#include "solve/rest.h"
+
+namespace mjcf_pdg {
+
+namespace tune = tuning::track;
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+TrackerCore::TrackerCore(const Scene& scene, const TrackOptions& o, const Pace& p)
+    : options(o),
+      pace(p),
+      core(scene, options.options),
+      work(core.work),
+      follower(work, pace.follow),
+      elsewhere(work),
+      approach(work, options.max_step) {
+  work.remembers_distances = true;
+}
+
+// By the verifier, one query: by Check where that is to be reported of the answer.
+bool TrackerCore::Free(const VectorXd& q) {
+  asked.assign(q.data(), q.data() + q.size());
+  work.budget.Charge(1);
+  if (!core.reporter.Reports()) return core.verifier.IsFree(asked, q_in);
+  return core.verifier.Check(asked, q_in, verify::Depths::kMeasured, verify::Words::kSkipped).free;
+}
+
+Status TrackerCore::Step(std::span<const double> q_command, Result& result) {
+  const BudgetMeter::Clock::time_point begin = BudgetMeter::Clock::now();
+  const std::int64_t queries = core.Queries(), lcp_steps = LcpSteps();
+  q_in.assign(q_command.begin(), q_command.end());
+  command = Eigen::Map<const VectorXd>(q_in.data(), static_cast<Eigen::Index>(q_in.size()));
+  switched = false;
+  iterations = 0;
+  if (started) {
+    Tick(begin, result);
+  } else {
+    First(result);
+  }
+  last_command = command;
+  result.switched = switched;
+  result.stats.iterations += iterations;
+  result.stats.collision_queries = static_cast<int>(core.Queries() - queries);
+  result.stats.lcp_sweeps = static_cast<int>(LcpSteps() - lcp_steps);
+  result.stats.seconds = std::chrono::duration<double>(BudgetMeter::Clock::now() - begin).count();
+  return result.status;
+}
+
+// A solve depends on nothing that was asked before.
+void TrackerCore::Solve(Result& result) {
+  work.remembers_distances = false;
+  core.Solve(q_in, result);
+  work.remembers_distances = true;
+}
+
+// As Solver does.
+void TrackerCore::First(Result& result) {
+  core.budget = {.queries = 0, .seconds = options.options.time_limit};
+  Solve(result);
+  if (result.status == Status::kUnsolved) return;
+  Reset(result.q);
+  moves = Obstacles();
+  obstacles_moved = false;
+  on_command = result.status == Status::kAlreadyFree;
+}
+
+void TrackerCore::Tick(BudgetMeter::Clock::time_point begin, Result& result) {
+  Reporter::Clear(result);
+  work.budget.Begin(
+      {.queries = options.queries - tune::kReserve, .seconds = options.options.time_limit}, begin,
+      work.finder.queries());
+  work.budget.Charge(1);
+  asked.clear();
+  const bool command_free = core.reporter.Input(q_in, result);
+  if (command_free && on_command && !Limited()) {
+    at = optimum = command;
+  } else {
+    Begin();
+    if (Approached(command_free)) {
+      Answer(result);
+    } else {
+      FallBack(result);
+    }
+  }
+  moves = Obstacles();
+  // Where nothing free was found, what is followed is not known to be free in the next tick either.
+  obstacles_moved = result.status == Status::kUnsolved;
+}
+
+void TrackerCore::Reset(std::span<const double> q) {
+  at = optimum = Eigen::Map<const VectorXd>(q.data(), static_cast<Eigen::Index>(q.size()));
+  last_command = at;
+  obstacles_moved = true;  // nobody has asked whether q is free
+  on_command = false;
+  started = true;
+  blocked = 0;
+  on_way = false;
+  elsewhere.Reset();
+}
+
+std::span<const double> TrackerCore::WithFrozenOf(const mjData& data,
+                                                  std::span<const double> q_command) {
+  merged.assign(data.qpos, data.qpos + q_command.size());
+  for (const JointEntry& joint : core.scene.tables().joints) {
+    std::copy_n(q_command.begin() + joint.qadr, QposEntries(joint), merged.begin() + joint.qadr);
+  }
+  return merged;
+}
+
+// `at` is free. If it is the command, the result is complete.
+void TrackerCore::Answer(Result& result) {
+  on_command = at == command;
+  if (on_command) return;
+  const bool last = std::equal(asked.begin(), asked.end(), at.begin(), at.end());
+  if (work.equality.any() && !last) Free(at);  // whose constraints are reported
+  asked.assign(at.data(), at.data() + at.size());
+  core.reporter.Solved(q_in, {asked, start, last && core.reporter.Reports()}, result);
+  if (pace.bounds) Bound(result);
+}
+
+// One query.
+void TrackerCore::Bound(Result& result) {
+  const std::vector<NearPair>& overlaps = work.OverlapsAtInput();
+  core.reporter.Overlaps(overlaps, result);
+  const int cells = PlanFor(core.options.effort).bound_cells;
+  result.sigma_lower_bound = bound.Sigma(work, overlaps, cells);
+}
+
+// The problem of this tick's command; what is frozen is where the command says.
+void TrackerCore::Begin() {
+  if (options.options.rest > 0.0) DistancesAtRest(core.verifier, core.scene.tables(), at_rest);
+  work.Begin(command, core.mocap, Rest());
+  moved = std::sqrt(work.norm.Sigma(last_command));
+  for (VectorXd* q : {&optimum, &at}) {
+    candidate = work.problem().q_in;
+    SetMovable(core.scene.tables(), *q, candidate);
+    obstacles_moved = obstacles_moved || candidate != *q;
+    *q = candidate;
+  }
+  obstacles_moved = obstacles_moved || options.options.rest > 0.0;
+}
+
+// Moves `optimum` to where the command has moved it. Returns false if nothing there is free.
+bool TrackerCore::Follow() {
+  const bool own_free = !obstacles_moved || Free(optimum);
+  const double own_sigma = own_free ? work.norm.Sigma(optimum) : kInfinity;
+  const double reach = tune::kReach * moved + Noise();
+  const LocalResult* found = &follower.Follow({optimum, own_free, Obstacles(), reach});
+  iterations = found->iterations;
+  if (own_free && !(found->sigma < own_sigma)) return true;
+  if (!found->free || !Free(found->q)) {
+    candidate = found->q;
+    found = &follower.Retreat(candidate);
+    iterations += found->iterations;
+    if (!found->free || !Free(found->q)) return own_free;
+  }
+  const bool jumps = follower.Farther(optimum, found->q, tune::kJump * moved + Noise());
+  const double kept = 1.0 - options.switch_gain;
+  if (own_free && jumps && found->sigma > kept * kept * own_sigma) return true;
+  switched = jumps;
+  optimum = found->q;
+  return true;
+}
+
+void TrackerCore::TrySwitch() {
+  const double sigma = work.norm.Sigma(optimum), kept = 1.0 - options.switch_gain;
+  if (!elsewhere.Search({.own = optimum,
+                         .own_sigma = sigma,
+                         .sigma = kept * kept * sigma,
+                         .queries = pace.search_queries,
+                         .obstacles = Obstacles()})) {
+    return;
+  }
+  candidate = elsewhere.q();
+  Unwind(core.scene.tables(), work.problem().q_in, candidate);
+  // Couplings may forbid whole turns of one joint alone.
+  if (work.equality.Violation(candidate) > kEqualityTolerance) candidate = elsewhere.q();
+  if (!Free(candidate)) return;
+  switched = true;
+  optimum = candidate;
+  start = elsewhere.start();
+}
+
+// Moves the follower. Returns false if nothing free is known.
+bool TrackerCore::Approached(bool command_free) {
+  start = Component::kMotionCoherence;
+  blocked = std::max(0, blocked - 1);
+  if (command_free) {
+    switched = blocked == 0 && follower.Farther(optimum, command, tune::kJump * moved + Noise());
+    optimum = command;
+  } else {
+    if (!Follow()) return false;
+    if (!on_way && blocked == 0) TrySwitch();
+  }
+  if (!Limited()) {
+    at = optimum;
+    return true;
+  }
+  on_way = true;
+  if (switched && !command_free)
+    return Free(at);  // the search took the queries: off in the next tick
+  if (MoveTowards(optimum) || (blocked == 0 && SlideTowards(optimum))) {
+    on_way = at != optimum;
+    return true;
+  }
+  // No way leads there: back to the optimum on this side.
+  on_way = false;
+  if (blocked == 0) blocked = tune::kBlocked;
+  work.Begin(command, core.mocap, Rest());
+  candidate = follower.Follow({at, true, Obstacles(), kInfinity}).q;
+  if (!Free(candidate)) return Free(at);
+  optimum = candidate;
+  return MoveTowards(optimum) || Free(at);
+}
+
+// Returns whether that leads anywhere.
+bool TrackerCore::MoveTowards(const VectorXd& target) {
+  const bool unproven = !options.certify_motion;
+  double share = unproven ? approach.Cut(at, target) : approach.CutToProof(at, target);
+  if (unproven && !Free(approach.q())) share = approach.CutToProof(at, target);
+  if (share < tune::kLeastShare || !Free(approach.q())) return false;
+  at = approach.q();
+  return true;
+}
+
+// Where the straight way is blocked: along the obstacle, to what is nearest to the next point of
+// the straight way. Returns whether that comes nearer to the target.
+bool TrackerCore::SlideTowards(const VectorXd& target) {
+  approach.Cut(at, target);
+  work.Begin(approach.q(), core.mocap, Rest());
+  const double before = follower.Apart(at, target);
+  const VectorXd& beside = follower.Follow({at, true, Obstacles(), kInfinity}).q;
+  last_at = at;
+  if (MoveTowards(beside) && follower.Apart(at, target) < before) return true;
+  at = last_at;
+  return false;
+}
+
+// Nothing that is followed is free: a solve with what is left of the budget. Where max_step does
+// not let the follower go there at once, it goes as far as it may.
+void TrackerCore::FallBack(Result& result) {
+  const std::int64_t left = work.budget.Left(work.finder.queries());
+  core.budget = {.queries = static_cast<int>(std::max<std::int64_t>(1, left)),
+                 .seconds = options.options.time_limit};
+  Solve(result);
+  on_command = false;
+  if (result.status == Status::kUnsolved) return;
+  optimum = ToEigen(result.q);
+  switched = true;
+  elsewhere.Reset();
+  approach.Cut(at, optimum);
+  at = approach.q();
+  if (at == optimum) return;
+  start = Component::kMotionCoherence;
+  if (Free(at)) return Answer(result);
+  result.q.assign(at.data(), at.data() + at.size());
+  result.status = Status::kUnsolved;
+  result.sigma = work.norm.Sigma(at);
+  result.cause = Cause::kBudget;
+  result.reason = "the way to a free configuration takes longer than a tick at this max_step";
+}
+
+void TrackerCore::SetMocap(const MocapPoses& poses) {
+  if (poses == core.mocap) return;
+  obstacles_moved = true;
+  core.SetMocap(poses.pos, poses.quat);
+}
+
+void TrackerCore::SetObstacles(const mjData& data) {
+  obstacles_moved = obstacles_moved || !core.HasObstacles(data);
+  core.SetObstacles(data);
+}
+
+}  // namespace mjcf_pdg

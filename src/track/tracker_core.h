@@ -1,0 +1,91 @@
+// All that a Tracker is made of, and the path of a tick: is the command free, follow, look
+// elsewhere, approach, answer. Tracker (mjcf_pdg/tracker.h) checks its arguments and calls this;
+// Clip (clip.h) does so for the frames of a motion.
+#ifndef MJCF_PDG_SRC_TRACK_TRACKER_CORE_H_
+#define MJCF_PDG_SRC_TRACK_TRACKER_CORE_H_
+
+#include <mujoco/mujoco.h>
+
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "base/tuning.h"
+#include "bound/lower_bound.h"
+#include "mjcf_pdg/tracker.h"
+#include "solve/solver_core.h"
+#include "track/approach.h"
+#include "track/elsewhere.h"
+#include "track/follower.h"
+
+namespace mjcf_pdg {
+
+// How much a tick may do.
+struct Pace {
+  FollowPace follow = {};
+  int search_queries = tuning::track::kSearchQueries;
+  bool bounds = false;  // computes Result::sigma_lower_bound
+};
+
+// `optimum` is the local optimum that is followed; `at` is where the follower stands. They differ
+// only on the way from one optimum to another, or to a command, that max_step or certify_motion
+// makes longer than a tick.
+struct TrackerCore {
+  TrackerCore(const Scene& scene, const TrackOptions& o, const Pace& p = {});
+
+  Status Step(std::span<const double> q_command, Result& result);
+  void SetObstacles(const mjData& data);
+  void SetMocap(const MocapPoses& poses);
+  void Reset(std::span<const double> q);
+  // The command, with frozen joints as in `data`.
+  std::span<const double> WithFrozenOf(const mjData& data, std::span<const double> q_command);
+
+  bool Limited() const {
+    return options.certify_motion || options.max_step < std::numeric_limits<double>::infinity();
+  }
+  // What a tick may move an answer that stands [√σ, m].
+  double Noise() const { return tuning::track::kNoise * work.problem().size; }
+  // How often obstacles have moved until now.
+  int Obstacles() const { return moves + obstacles_moved; }
+  std::int64_t LcpSteps() const {
+    return core.LcpSteps() + follower.lcp_steps() + elsewhere.lcp_steps();
+  }
+  bool Free(const VectorXd& q);
+  void Solve(Result& result);
+  void First(Result& result);
+  void Tick(BudgetMeter::Clock::time_point begin, Result& result);
+  void Answer(Result& result);
+  void Bound(Result& result);
+  void Begin();
+  bool Follow();
+  void TrySwitch();
+  bool Approached(bool command_free);
+  bool MoveTowards(const VectorXd& target);
+  bool SlideTowards(const VectorXd& target);
+  const VectorXd* Rest() const { return options.options.rest > 0.0 ? &at_rest : nullptr; }
+  void FallBack(Result& result);
+
+  const TrackOptions options;
+  const Pace pace;
+  SolverCore core;  // solves in the first tick, and where nothing that is followed is free
+  Workspace& work;
+  LowerBound bound;
+  Follower follower;
+  Elsewhere elsewhere;
+  Approach approach;
+
+  bool started = false, obstacles_moved = false, switched = false;
+  bool on_command = false,
+       on_way = false;  // the follower stands on the command; on its way to `optimum`
+  int moves = 0;        // how often obstacles had moved before this tick
+  int iterations = 0;   // of this tick
+  int blocked = 0;  // ticks for which no other optimum is sought, since the way to one was blocked
+  Component start = Component::kNone;
+  double moved = 0.0;  // how far the command has moved since the last tick [√σ, m]
+  std::vector<double> q_in, asked, merged;
+  VectorXd command, last_command, optimum, at, last_at, candidate, at_rest;
+};
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_TRACK_TRACKER_CORE_H_
