@@ -35,16 +35,14 @@ ConvergedOptimum::ConvergedOptimum(Workspace& work, const SceneTables& all)
     : work_(work), all_(all), constraints_(work.problem(), all) {}
 
 ConvergedOptimum::Ending ConvergedOptimum::Run(const VectorXd& q) {
-  const Problem& problem = work_.problem();
+  const double size = work_.problem().size;
   q_ = q;
   moved_ = 0.0;
   known_.clear();
   lambda_.resize(0);
   work_.finder.ForgetConvex();
-  work_.finder.Pose(q_);
   constraints_.SetActive(work_.equality.active());
-  const double reach = problem.clearance + kMargin * problem.size;
-  const bool smooth = constraints_.Begin(q_, work_.finder.Find(reach, Depths::kSkipped));
+  const bool smooth = constraints_.Begin(q_, FindNear());
   if (!smooth) return Ending::kNotSmooth;
   for (int k = 0; k < kSteps; ++k) {
     const double length = Step();
@@ -52,12 +50,30 @@ ConvergedOptimum::Ending ConvergedOptimum::Run(const VectorXd& q) {
     const double turn =
         constraints_.plane_unknowns() ? step_.tail(constraints_.plane_unknowns()).lpNorm<Eigen::Infinity>() : 0.0;
     if (!std::isfinite(length)) return Ending::kNotConverged;
-    if (length > kShort * (std::sqrt(work_.norm.Sigma(q_)) + problem.size) || turn > kStill) continue;
+    if (length > kShort * (std::sqrt(work_.norm.Sigma(q_)) + size) || turn > kStill) continue;
     constraints_.Evaluate(q_);
-    work_.norm.Linearize(q_, r_, J_);
+    constraints_.MarkHeld(lambda_);
     return Ending::kConverged;
   }
   return Ending::kNotConverged;
+}
+
+const std::vector<NearPair>& ConvergedOptimum::FindNear() {
+  const Problem& problem = work_.problem();
+  work_.finder.Pose(q_);
+  return work_.finder.Find(problem.clearance + kMargin * problem.size, Depths::kSkipped);
+}
+
+const std::vector<NearPair>& ConvergedOptimum::IdlePairs() {
+  idle_.clear();
+  for (const NearPair& near : FindNear()) {
+    const auto is_idle = [&near](const PartingPlane& plane) {
+      return plane.pair == near.pair && plane.Idle();
+    };
+    const std::vector<PartingPlane>& planes = constraints_.planes();
+    if (std::any_of(planes.begin(), planes.end(), is_idle)) idle_.push_back(near);
+  }
+  return idle_;
 }
 
 Eigen::RowVectorXd ConvergedOptimum::RowByUnknowns(int row) const {

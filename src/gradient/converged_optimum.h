@@ -44,6 +44,9 @@ class ConvergedOptimum {
   const VectorXd& lambda() const { return lambda_; }  // per row; 0: not active [m per unit of row]
   double moved() const { return moved_; }             // √σ from the answer to q(), about [m]
 
+  // The near pairs whose planes are idle, at q(), where the finder stays posed.
+  const std::vector<NearPair>& IdlePairs();
+
   int unknowns() const { return work_.problem().tables.n + constraints_.plane_unknowns(); }
   // Evaluates the rows at q(), after Forces or SecondDerivative has done so elsewhere.
   void Evaluate() { constraints_.Evaluate(q_); }
@@ -55,6 +58,7 @@ class ConvergedOptimum {
   void Forces(const VectorXd& q, const VectorXd& lambda, VectorXd& by_q, VectorXd& by_plane);
 
  private:
+  const std::vector<NearPair>& FindNear();
   bool FactorHessian();
   double Step();
 
@@ -63,6 +67,7 @@ class ConvergedOptimum {
   PartedConstraints constraints_;
   VectorXd q_, lambda_, r_, y_, z_, step_;
   MatrixXd J_, H_, G_;
+  std::vector<NearPair> idle_;
   std::unordered_map<std::int64_t, double> known_;  // λ of the last step, by key
   Eigen::LLT<MatrixXd> whitening_;
   ActiveSetLcp lcp_;

@@ -129,7 +129,7 @@ void PartedConstraints::Evaluate(const VectorXd& q, const VectorXd* lambda) {
     if (row.kind == Kind::kEquality) {
       values_.gap[k] = equality_.residual()[row.of];
       values_.C.row(k) = equality_.jacobian().row(row.of);
-    } else if (row.kind == Kind::kGeom1 || row.kind == Kind::kGeom2) {
+    } else if (row.IsPiece()) {
       EvaluatePiece(row, k);
     } else {
       EvaluateLimit(row, q, k);
@@ -192,8 +192,7 @@ void PartedConstraints::EvaluatePiece(const ConstraintRow& row, int k) {
 void PartedConstraints::AddPlaneCurvature(const VectorXd& lambda, MatrixXd& second) const {
   for (int k = 0; k < size(); ++k) {
     const ConstraintRow& row = rows_[k];
-    const bool piece = row.kind == Kind::kGeom1 || row.kind == Kind::kGeom2;
-    if (!piece || lambda[k] == 0.0 || planes_[row.of].col < 0) continue;
+    if (!row.IsPiece() || lambda[k] == 0.0 || planes_[row.of].col < 0) continue;
     const PartingPlane& plane = planes_[row.of];
     Matrix3d by_nn;  // minus the row's second derivative by n
     Vector3d by_n;
@@ -211,6 +210,13 @@ void PartedConstraints::AddPlaneCurvature(const VectorXd& lambda, MatrixXd& seco
     second.block<2, 2>(plane.col, plane.col) +=
         lambda[k] * (plane.tangents.transpose() * by_nn * plane.tangents +
                      by_n.dot(plane.n_G) * Eigen::Matrix2d::Identity());
+  }
+}
+
+void PartedConstraints::MarkHeld(const VectorXd& lambda) {
+  for (PartingPlane& plane : planes_) plane.held = false;
+  for (int k = 0; k < size(); ++k) {
+    if (rows_[k].IsPiece() && lambda[k] != 0.0) planes_[rows_[k].of].held = true;
   }
 }
 

@@ -39,6 +39,10 @@ struct PartingPlane {
   Eigen::Matrix<double, 3, 2> tangents;     // a basis normal to n_G
   std::vector<SupportPiece> pieces1, pieces2;
   int col = -1;  // of its three unknowns (tilts about the tangents [rad], c) in by_plane; -1: given
+  bool held = false;  // some row of it is active
+
+  // Nothing says where between the geoms it is.
+  bool Idle() const { return col >= 0 && !held; }
 };
 
 // What a row is about. Rows of the same key are the same constraint.
@@ -48,6 +52,8 @@ struct ConstraintRow {
   std::int64_t key = 0;
   int of = 0;     // its joint (of `all`), residual or plane
   int piece = 0;  // of kGeom1 and kGeom2: of pieces1 or pieces2
+
+  bool IsPiece() const { return kind == Kind::kGeom1 || kind == Kind::kGeom2; }
 };
 
 class PartedConstraints {
@@ -65,6 +71,8 @@ class PartedConstraints {
   void ChooseRows(const VectorXd& q);
   // Fills values, by_q and by_plane at q; where `lambda` is given, only of rows with λ ≠ 0.
   void Evaluate(const VectorXd& q, const VectorXd* lambda = nullptr);
+  // Notes which planes are held: those with a row whose λ is not 0.
+  void MarkHeld(const VectorXd& lambda);
   // Moves the planes by their unknowns.
   void MovePlanes(const VectorXd& step);
 

@@ -71,7 +71,6 @@ void Sensitivity::MoveInput(const JointEntry& joint, int k, const VectorXd& q) {
 }
 
 bool Sensitivity::Answer() {
-  const SceneTables& tables = work_.problem().tables;
   const VectorXd lambda = optimum_.lambda();
   MatrixXd second;
   optimum_.SecondDerivative(lambda, second);
@@ -81,12 +80,7 @@ bool Sensitivity::Answer() {
     const bool equality = optimum_.constraints().rows()[k].kind == ConstraintRow::Kind::kEquality;
     if (lambda[k] != 0.0 || equality) active.push_back(k);
   }
-  if (!Solve(active, second)) return false;
-  answer_.setIdentity(all_.n, all_.n);
-  for (int dof = 0; dof < all_.n; ++dof) {
-    if (tables.column_of_dof[dof] >= 0) answer_.row(dof) = dy_.row(tables.column_of_dof[dof]);
-  }
-  return true;
+  return Solve(active, second);
 }
 
 // In units in which turns are arcs at the scene's size, by the null space of the active rows.
@@ -101,7 +95,11 @@ bool Sensitivity::Solve(const std::vector<int>& active, const MatrixXd& second) 
   for (int k = tables.n; k < unknowns; ++k) {
     if ((k - tables.n) % 3 < 2) unit[k] = 1.0 / all_.size;
   }
-  const MatrixXd H = unit.asDiagonal() * second * unit.asDiagonal();
+  MatrixXd H = unit.asDiagonal() * second * unit.asDiagonal();
+  for (const PartingPlane& plane : optimum_.constraints().planes()) {
+    // Nothing holds it: it stays.
+    if (plane.Idle()) H.diagonal().segment<3>(tables.n + plane.col).setOnes();
+  }
   const MatrixXd b = unit.asDiagonal() * mixed_;
   MatrixXd by_input = MatrixXd::Zero(m, all_.n), rows(unknowns, m);
   for (int k = 0; k < m; ++k) {
@@ -136,8 +134,12 @@ bool Sensitivity::Solve(const std::vector<int>& active, const MatrixXd& second) 
     dlambda = qr.colsPermutation() * held;
   }
   dy_ = (unit.asDiagonal() * dy_).eval();
+  answer_.setIdentity(all_.n, all_.n);
+  for (int dof = 0; dof < all_.n; ++dof) {
+    if (tables.column_of_dof[dof] >= 0) answer_.row(dof) = dy_.row(tables.column_of_dof[dof]);
+  }
   MeasureRoom(active, dlambda);
-  return dy_.allFinite();
+  return answer_.allFinite();
 }
 
 // How a row changes with the frozen joints of q_in; with the others only by what y does.
@@ -151,21 +153,38 @@ Eigen::RowVectorXd Sensitivity::RowByInput(int row) const {
 
 void Sensitivity::MeasureRoom(const std::vector<int>& active, const MatrixXd& dlambda) {
   const PartedConstraints& constraints = optimum_.constraints();
-  VectorXd per_metre(all_.n);
-  for (int dof = 0; dof < all_.n; ++dof) per_metre[dof] = 1.0 / Arm(dof);
   room_ = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < active.size(); ++k) {
     if (constraints.rows()[active[k]].kind == ConstraintRow::Kind::kEquality) continue;
-    const double rate = dlambda.row(static_cast<Eigen::Index>(k)).cwiseAbs() * per_metre;
+    const double rate = PerMetre(dlambda.row(static_cast<Eigen::Index>(k)));
     room_ = std::min(room_, optimum_.lambda()[active[k]] / rate);
   }
+  const auto closes = [this](double slack, double rate) {
+    if (rate > kImplied) room_ = std::min(room_, std::max(0.0, slack) / rate);
+  };
   for (int k = 0; k < constraints.size(); ++k) {
-    if (optimum_.lambda()[k] != 0.0) continue;
-    if (constraints.rows()[k].kind == ConstraintRow::Kind::kEquality) continue;
-    const Eigen::RowVectorXd change = optimum_.RowByUnknowns(k) * dy_ + RowByInput(k);
-    const double rate = change.cwiseAbs() * per_metre;
-    if (rate > kImplied) room_ = std::min(room_, std::max(0.0, constraints.values().gap[k]) / rate);
+    const ConstraintRow& row = constraints.rows()[k];
+    if (optimum_.lambda()[k] != 0.0 || row.kind == ConstraintRow::Kind::kEquality) continue;
+    if (row.IsPiece() && constraints.planes()[row.of].Idle()) continue;
+    closes(constraints.values().gap[k],
+           PerMetre(optimum_.RowByUnknowns(k) * dy_ + RowByInput(k)));
   }
+  // Of pairs that do not touch, whose planes are anywhere between.
+  const Problem& problem = work_.problem();
+  for (const NearPair& near : optimum_.IdlePairs()) {
+    Eigen::RowVectorXd row(all_.n);
+    ContactRow(all_, work_.finder.posed(), near.pair, near.p1_W, near.p2_W, near.n_W, row);
+    closes(near.distance - problem.required[near.pair] + problem.tolerances.aim,
+           PerMetre(row * answer_));
+  }
+}
+
+// The largest change of a function with these derivatives by the entries of q_in, if each moves by
+// an arc or length of one metre.
+double Sensitivity::PerMetre(const Eigen::RowVectorXd& by_input) const {
+  double sum = 0.0;
+  for (int dof = 0; dof < all_.n; ++dof) sum += std::abs(by_input[dof]) / Arm(dof);
+  return sum;
 }
 
 }  // namespace mjcf_pdg

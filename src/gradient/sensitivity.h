@@ -40,6 +40,7 @@ class Sensitivity {
   bool Solve(const std::vector<int>& active, const MatrixXd& second);
   Eigen::RowVectorXd RowByInput(int row) const;
   void MeasureRoom(const std::vector<int>& active, const MatrixXd& dlambda);
+  double PerMetre(const Eigen::RowVectorXd& by_input) const;
   double Arm(int dof) const;  // what a unit of the dof counts as [m]
 
   Workspace& work_;
