@@ -22,6 +22,8 @@ constexpr double kPlaneShare = 1e-6;
 // Weights of the squared active rows that make H positive definite without changing the step on
 // them [1].
 constexpr double kAugmented[] = {10.0, 1e3};
+// Multipliers below this share of the largest are the LCP's rounding [1].
+constexpr double kNoForce = 1e-12;
 constexpr double kMostForce = 1e6;   // μ of the elastic rows [size]
 constexpr double kLcpTolerance = 1e-13;  // [size]
 
@@ -208,7 +210,10 @@ double ConvergedOptimum::Step() {
   step_ = G_ * lambda - y_;
   whitening_.matrixU().solveInPlace(step_);
   lambda_.setZero(rows);
-  for (int k = 0; k < m; ++k) lambda_[row_of[k]] += sign[k] * lambda[k];
+  const double least = kNoForce * (m > 0 ? lambda.maxCoeff() : 0.0);
+  for (int k = 0; k < m; ++k) {
+    if (lambda[k] > least) lambda_[row_of[k]] += sign[k] * lambda[k];
+  }
   known_.clear();
   for (int k = 0; k < rows; ++k) {
     if (lambda_[k] != 0.0) known_[constraints_.rows()[k].key] = lambda_[k];
