@@ -17,8 +17,10 @@ constexpr double kShort = 1e-11, kStill = 1e-9;
 // The longest step [√σ + size], and the largest turn of a joint or plane in a step [rad].
 constexpr double kLongest = 0.3, kLargestTurn = 0.2;
 // What holds a plane where no row does: its turns and moves cost this share of those of all mass
-// at the scene's size [1]. It does not move the optimum, where planes stand still.
-constexpr double kPlaneShare = 1e-6;
+// at the scene's size [1]. It does not move the optimum, where planes stand still. In the first
+// step, which finds the forces, those at round geoms do so: how strongly such a geom holds a plane
+// depends on the force.
+constexpr double kPlaneShare = 1e-6, kFirstPlaneShare = 1e6;
 // Weights of the squared active rows that make H positive definite without changing the step on
 // them [1].
 constexpr double kAugmented[] = {10.0, 1e3};
@@ -52,7 +54,7 @@ ConvergedOptimum::Ending ConvergedOptimum::Run(const VectorXd& q) {
     const double turn =
         constraints_.plane_unknowns() ? step_.tail(constraints_.plane_unknowns()).lpNorm<Eigen::Infinity>() : 0.0;
     if (!std::isfinite(length)) return Ending::kNotConverged;
-    if (length > kShort * (std::sqrt(work_.norm.Sigma(q_)) + size) || turn > kStill) continue;
+    if (k == 0 || length > kShort * (std::sqrt(work_.norm.Sigma(q_)) + size) || turn > kStill) continue;
     constraints_.Evaluate(q_);
     constraints_.MarkHeld(lambda_);
     return Ending::kConverged;
@@ -137,8 +139,10 @@ void ConvergedOptimum::SecondDerivative(const VectorXd& lambda, MatrixXd& second
 bool ConvergedOptimum::FactorHessian() {
   const int n = work_.problem().tables.n, planes = constraints_.plane_unknowns();
   VectorXd plane_cost(planes);
-  for (int k = 0; k < planes; ++k) {
-    plane_cost[k] = kPlaneShare * (k % 3 < 2 ? all_.size * all_.size : 1.0);
+  for (const PartingPlane& plane : constraints_.planes()) {
+    if (plane.col < 0) continue;
+    const double share = known_.empty() && plane.AtRoundGeom() ? kFirstPlaneShare : kPlaneShare;
+    plane_cost.segment<3>(plane.col) << share * all_.size * all_.size * Eigen::Vector2d::Ones(), share;
   }
   lambda_.setZero(constraints_.size());
   for (int k = 0; k < constraints_.size(); ++k) {
@@ -169,7 +173,10 @@ bool ConvergedOptimum::FactorHessian() {
     H_.block(block.begin, block.begin, block.size, block.size) =
         of_norm.block(block.begin, block.begin, block.size, block.size);
   }
-  H_.diagonal().tail(planes) = plane_cost;
+  MatrixXd of_planes = MatrixXd::Zero(planes, planes);
+  constraints_.AddPlaneCurvature(lambda_, of_planes);
+  H_.bottomRightCorner(planes, planes) = of_planes;
+  H_.diagonal().tail(planes) += plane_cost;
   whitening_.compute(H_);
   return false;
 }

@@ -17,9 +17,10 @@ namespace {
 
 // A change of q_in this small is soon to come [size].
 constexpr double kSoon = 1e-4;
-// The converged optimum may be this far from the answer [√σ], beside some tolerances: farther, the
-// answer was not at an optimum, and what is differentiated would be another answer.
-constexpr double kFarthest = 0.1, kFarthestTolerances = 20.0;
+// The optimum to which an answer converges may be this far from it [√σ], beside some tolerances:
+// farther, it is another one. Of 98 answers of the figure eight are farther than 0.05, and six of
+// these descend by 0.01 to 1.5 % of σ.
+constexpr double kFarthest = 0.5, kFarthestTolerances = 20.0;
 
 Eigen::Map<const VectorXd> AsEigen(std::span<const double> q) {
   return {q.data(), static_cast<Eigen::Index>(q.size())};

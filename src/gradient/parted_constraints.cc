@@ -1,5 +1,7 @@
 #include "gradient/parted_constraints.h"
 
+#include <algorithm>
+
 namespace mjcf_pdg {
 namespace {
 
@@ -16,6 +18,14 @@ void SetTangents(PartingPlane& plane) {
 }
 
 }  // namespace
+
+bool PartingPlane::AtRoundGeom() const {
+  const auto round = [](const SupportPiece& piece) {
+    return piece.kind != SupportPiece::Kind::kPoint || piece.radius > 0.0;
+  };
+  return std::any_of(pieces1.begin(), pieces1.end(), round) ||
+         std::any_of(pieces2.begin(), pieces2.end(), round);
+}
 
 SceneTables WithAllJoints(const SceneTables& tables) {
   const mjModel& m = *tables.model;

@@ -43,6 +43,7 @@ struct PartingPlane {
 
   // Nothing says where between the geoms it is.
   bool Idle() const { return col >= 0 && !held; }
+  bool AtRoundGeom() const;
 };
 
 // What a row is about. Rows of the same key are the same constraint.
