@@ -26,7 +26,7 @@ constexpr double kPlaneShare = 1e-6, kFirstPlaneShare = 1e6;
 constexpr double kAugmented[] = {10.0, 1e3};
 // Multipliers below this share of the largest are the LCP's rounding [1].
 constexpr double kNoForce = 1e-12;
-constexpr double kMostForce = 1e6;   // μ of the elastic rows [size]
+constexpr double kMostForce = 1e6;       // μ of the elastic rows [size]
 constexpr double kLcpTolerance = 1e-13;  // [size]
 
 }  // namespace
@@ -51,10 +51,12 @@ ConvergedOptimum::Ending ConvergedOptimum::Run(const VectorXd& q) {
   for (int k = 0; k < kSteps; ++k) {
     const double length = Step();
     moved_ += length;
-    const double turn =
-        constraints_.plane_unknowns() ? step_.tail(constraints_.plane_unknowns()).lpNorm<Eigen::Infinity>() : 0.0;
+    const double turn = constraints_.plane_unknowns()
+                            ? step_.tail(constraints_.plane_unknowns()).lpNorm<Eigen::Infinity>()
+                            : 0.0;
     if (!std::isfinite(length)) return Ending::kNotConverged;
-    if (k == 0 || length > kShort * (std::sqrt(work_.norm.Sigma(q_)) + size) || turn > kStill) continue;
+    if (k == 0 || length > kShort * (std::sqrt(work_.norm.Sigma(q_)) + size) || turn > kStill)
+      continue;
     constraints_.Evaluate(q_);
     constraints_.MarkHeld(lambda_);
     return Ending::kConverged;
@@ -119,7 +121,8 @@ void ConvergedOptimum::SecondDerivative(const VectorXd& lambda, MatrixXd& second
         Forces(q, lambda, by_q, by_plane);
         second.col(col).head(n).noalias() += weight * (J.transpose() * r);
         for (int dof = 0; dof < all_.n; ++dof) {
-          if (tables.column_of_dof[dof] >= 0) second(tables.column_of_dof[dof], col) -= weight * by_q[dof];
+          if (tables.column_of_dof[dof] >= 0)
+            second(tables.column_of_dof[dof], col) -= weight * by_q[dof];
         }
         second.col(col).tail(planes) -= weight * by_plane;
       }
@@ -142,7 +145,8 @@ bool ConvergedOptimum::FactorHessian() {
   for (const PartingPlane& plane : constraints_.planes()) {
     if (plane.col < 0) continue;
     const double share = known_.empty() && plane.AtRoundGeom() ? kFirstPlaneShare : kPlaneShare;
-    plane_cost.segment<3>(plane.col) << share * all_.size * all_.size * Eigen::Vector2d::Ones(), share;
+    plane_cost.segment<3>(plane.col) << share * all_.size * all_.size * Eigen::Vector2d::Ones(),
+        share;
   }
   lambda_.setZero(constraints_.size());
   for (int k = 0; k < constraints_.size(); ++k) {
@@ -213,7 +217,9 @@ double ConvergedOptimum::Step() {
   b.noalias() += G_.transpose() * y_;
   const VectorXd bounds = VectorXd::Constant(m, kMostForce * problem.size);
   lcp_.Reserve(n + planes, m);
-  lcp_.Solve(G_, b, bounds, {.max_steps = 20 * (n + planes + m), .tolerance = kLcpTolerance * problem.size}, lambda);
+  lcp_.Solve(G_, b, bounds,
+             {.max_steps = 20 * (n + planes + m), .tolerance = kLcpTolerance * problem.size},
+             lambda);
   step_ = G_ * lambda - y_;
   whitening_.matrixU().solveInPlace(step_);
   lambda_.setZero(rows);

@@ -39,7 +39,7 @@ class ConvergedOptimum {
   // From the answer q (nq) of the workspace's problem.
   Ending Run(const VectorXd& q);
 
-  const VectorXd& q() const { return q_; }                             // nq
+  const VectorXd& q() const { return q_; }                               // nq
   const PartedConstraints& constraints() const { return constraints_; }  // evaluated at q()
   const VectorXd& lambda() const { return lambda_; }  // per row; 0: not active [m per unit of row]
   double moved() const { return moved_; }             // √σ from the answer to q(), about [m]

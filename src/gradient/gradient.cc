@@ -84,10 +84,10 @@ void Differentiator::Impl::AtSolved(const VectorXd& q_in, const VectorXd& q, Gra
   const double before = std::sqrt(work.norm.Sigma(q));
   const ConvergedOptimum::Ending ending = optimum.Run(q);
   const double beside = kFarthestTolerances * options.tolerance;
-  const bool converged =
-      ending == ConvergedOptimum::Ending::kConverged &&
-      optimum.moved() <= kFarthest * before + beside &&
-      std::sqrt(work.norm.Sigma(optimum.q())) <= before + beside && work.Free(optimum.q());
+  const bool converged = ending == ConvergedOptimum::Ending::kConverged &&
+                         optimum.moved() <= kFarthest * before + beside &&
+                         std::sqrt(work.norm.Sigma(optimum.q())) <= before + beside &&
+                         work.Free(optimum.q());
   sensitivity.Sigma(converged ? optimum.q() : q);
   const bool frozen = all.n > work.problem().tables.n;
   if (converged || !frozen) {

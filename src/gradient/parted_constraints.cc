@@ -168,8 +168,8 @@ RelativePose PartedConstraints::Relative(const KeptPair& pair) const {
   const mjData& d = *posed_.data();
   const Matrix3d R1 = AsMatrix(d.geom_xmat + 9 * pair.geom1);
   return {R1.transpose() * AsMatrix(d.geom_xmat + 9 * pair.geom2),
-          R1.transpose() * (AsVector(d.geom_xpos + 3 * pair.geom2) -
-                            AsVector(d.geom_xpos + 3 * pair.geom1))};
+          R1.transpose() *
+              (AsVector(d.geom_xpos + 3 * pair.geom2) - AsVector(d.geom_xpos + 3 * pair.geom1))};
 }
 
 // The farthest point of a piece stays the farthest to first order: its own motion along the geom

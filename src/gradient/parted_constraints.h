@@ -1,10 +1,10 @@
 // The constraints of the nearest free configuration as smooth functions: joint limits, equality
 // constraints, and that a plane parts the two geoms of each near pair.
 //
-// The distance of two convex geoms has kinks wherever the nearest features change, and a vertex that
-// lies on an edge has no normal. "A plane parts them" has neither. With n and c the plane's normal
-// and offset in the frame of geom 1, h the support function of a geom (support_pieces.h), and d the
-// distance that the pair must keep,
+// The distance of two convex geoms has kinks wherever the nearest features change, and a vertex
+// that lies on an edge has no normal. "A plane parts them" has neither. With n and c the plane's
+// normal and offset in the frame of geom 1, h the support function of a geom (support_pieces.h),
+// and d the distance that the pair must keep,
 //
 //   c - h_1(n) >= 0    and    n · x_2 - h_2(-n) - c - d >= 0
 //
@@ -35,8 +35,8 @@ SceneTables WithAllJoints(const SceneTables& tables);
 struct PartingPlane {
   int pair = 0;
   Vector3d n_G = Vector3d::UnitZ();
-  double offset = 0.0;                      // c [m]
-  Eigen::Matrix<double, 3, 2> tangents;     // a basis normal to n_G
+  double offset = 0.0;                   // c [m]
+  Eigen::Matrix<double, 3, 2> tangents;  // a basis normal to n_G
   std::vector<SupportPiece> pieces1, pieces2;
   int col = -1;  // of its three unknowns (tilts about the tangents [rad], c) in by_plane; -1: given
   bool held = false;  // some row of it is active
@@ -82,8 +82,9 @@ class PartedConstraints {
   const std::vector<ConstraintRow>& rows() const { return rows_; }
   const std::vector<PartingPlane>& planes() const { return planes_; }
 
-  // Of each row: its slack, or residual if it is an equality [m; limits: m at the scene's size]; its
-  // derivative by dq of all joints (rows × nv) and by the planes' unknowns (rows × plane_unknowns).
+  // Of each row: its slack, or residual if it is an equality [m; limits: m at the scene's size];
+  // its derivative by dq of all joints (rows × nv) and by the planes' unknowns (rows ×
+  // plane_unknowns).
   const ContactRows& values() const { return values_; }
   const MatrixXd& by_plane() const { return by_plane_; }
 

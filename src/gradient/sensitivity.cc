@@ -129,8 +129,7 @@ bool Sensitivity::Solve(const std::vector<int>& active, const MatrixXd& second) 
   }
   if (rank > 0) {
     MatrixXd held = MatrixXd::Zero(m, all_.n);
-    held.topRows(rank) =
-        R.triangularView<Eigen::Upper>().solve(Y.transpose() * (b + H * dy_));
+    held.topRows(rank) = R.triangularView<Eigen::Upper>().solve(Y.transpose() * (b + H * dy_));
     dlambda = qr.colsPermutation() * held;
   }
   dy_ = (unit.asDiagonal() * dy_).eval();
@@ -166,8 +165,7 @@ void Sensitivity::MeasureRoom(const std::vector<int>& active, const MatrixXd& dl
     const ConstraintRow& row = constraints.rows()[k];
     if (optimum_.lambda()[k] != 0.0 || row.kind == ConstraintRow::Kind::kEquality) continue;
     if (row.IsPiece() && constraints.planes()[row.of].Idle()) continue;
-    closes(constraints.values().gap[k],
-           PerMetre(optimum_.RowByUnknowns(k) * dy_ + RowByInput(k)));
+    closes(constraints.values().gap[k], PerMetre(optimum_.RowByUnknowns(k) * dy_ + RowByInput(k)));
   }
   // Of pairs that do not touch, whose planes are anywhere between.
   const Problem& problem = work_.problem();

@@ -21,8 +21,8 @@ class Sensitivity {
   // As for ConvergedOptimum; `optimum` is of the same two.
   Sensitivity(Workspace& work, const SceneTables& all, ConvergedOptimum& optimum);
 
-  // Fills sigma() at q (nq): the derivative of σ by its first argument, and by what frozen joints of
-  // q_in do to the rows, for the multipliers of the optimum. Must come before Answer.
+  // Fills sigma() at q (nq): the derivative of σ by its first argument, and by what frozen joints
+  // of q_in do to the rows, for the multipliers of the optimum. Must come before Answer.
   void Sigma(const VectorXd& q);
   const VectorXd& sigma() const { return sigma_; }  // nv
 
@@ -46,11 +46,11 @@ class Sensitivity {
   Workspace& work_;
   const SceneTables& all_;
   ConvergedOptimum& optimum_;
-  std::vector<char> slides_;   // nv
-  VectorXd sigma_;             // nv
-  MatrixXd mixed_;             // L_yp, unknowns × nv
-  MatrixXd dy_;                // unknowns × nv
-  MatrixXd answer_;            // nv × nv
+  std::vector<char> slides_;  // nv
+  VectorXd sigma_;            // nv
+  MatrixXd mixed_;            // L_yp, unknowns × nv
+  MatrixXd dy_;               // unknowns × nv
+  MatrixXd answer_;           // nv × nv
   double room_ = 0.0;
 };
 

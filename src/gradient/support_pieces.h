@@ -1,6 +1,7 @@
 // The support function h(u) = max over x of u · x of a convex geom, as the maximum of smooth pieces
-// with their first and second derivatives: the vertices of a box or mesh, the ends of a capsule, the
-// rims of a cylinder. Wherever two geoms touch, a few pieces of each say how their distance changes.
+// with their first and second derivatives: the vertices of a box or mesh, the ends of a capsule,
+// the rims of a cylinder. Wherever two geoms touch, a few pieces of each say how their distance
+// changes.
 //
 // SupportPoints (collide/convex) answers which point is farthest. Here all pieces near the farthest
 // are needed, since a plane that touches a face or an edge touches several.
@@ -28,9 +29,9 @@ struct SupportPiece {
 
 // h, its gradient x (the farthest point) and its second derivative, all at a direction of length 1.
 struct SupportValue {
-  double h = 0.0;                         // [m]
-  Vector3d x_G = Vector3d::Zero();        // [m]
-  Matrix3d second_G = Matrix3d::Zero();   // [m]
+  double h = 0.0;                        // [m]
+  Vector3d x_G = Vector3d::Zero();       // [m]
+  Matrix3d second_G = Matrix3d::Zero();  // [m]
 };
 SupportValue Evaluate(const SupportPiece& piece, const Vector3d& u_G);
 
@@ -38,8 +39,8 @@ SupportValue Evaluate(const SupportPiece& piece, const Vector3d& u_G);
 // meshes, which count as their convex hulls.
 bool HasPieces(const SceneTables& tables, int geom);
 
-// Replaces `pieces` by those of the geom that reach within `slab` [m] of the farthest along the unit
-// vector u_G; of a finely cut mesh only the nearest 32.
+// Replaces `pieces` by those of the geom that reach within `slab` [m] of the farthest along the
+// unit vector u_G; of a finely cut mesh only the nearest 32.
 void FindPieces(const SceneTables& tables, int geom, const Vector3d& u_G, double slab,
                 std::vector<SupportPiece>& pieces);
 

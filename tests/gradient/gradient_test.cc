@@ -8,6 +8,7 @@
 
 #include "gradient/converged_optimum.h"
 #include "mjcf_pdg/pdg.h"
+#include "tests/equality/equality_models.h"
 #include "tests/support/test_support.h"
 
 namespace mjcf_pdg::test {
@@ -82,7 +83,8 @@ TEST_F(GradientTest, AFrozenObstacleCarriesTheAnswerAlong) {
   const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
 <body name="lift"><joint type="slide" axis="0 0 1"/><geom type="box" size="1 1 0.1" pos="0 0 -0.1"/></body>
 <body name="ball" pos="0 0 1"><joint type="slide" axis="0 0 1"/><geom size="0.1"/></body>
-</worldbody></mujoco>)", options);
+</worldbody></mujoco>)",
+                                        options);
   const Gradient gradient = GradientOf(scene, {0.02, -0.93});
   const double gap = 0.05 - kOverlap;
   EXPECT_NEAR(gradient.sigma[0], 2.0 * gap, 1e-8);
@@ -142,8 +144,8 @@ struct Tally {
   std::vector<double> sigma_errors, q_errors;
 
   void Add(const Tally& other) {
-    for (int Tally::*count : {&Tally::solved, &Tally::good, &Tally::flagged,
-                              &Tally::wrong_unflagged, &Tally::without_q, &Tally::unstable}) {
+    for (int Tally::* count : {&Tally::solved, &Tally::good, &Tally::flagged,
+                               &Tally::wrong_unflagged, &Tally::without_q, &Tally::unstable}) {
       this->*count += other.*count;
     }
     sigma_errors.insert(sigma_errors.end(), other.sigma_errors.begin(), other.sigma_errors.end());
@@ -175,8 +177,11 @@ std::string Describe(const Tally& t) {
 class Reference {
  public:
   Reference(const Scene& scene, const Options& options)
-      : scene_(scene), options_(options), all_(WithAllJoints(scene.tables())),
-        work_(scene_.tables(), options_), optimum_(work_, all_) {}
+      : scene_(scene),
+        options_(options),
+        all_(WithAllJoints(scene.tables())),
+        work_(scene_.tables(), options_),
+        optimum_(work_, all_) {}
 
   int nv() const { return all_.n; }
 
@@ -262,7 +267,8 @@ VectorXd Anywhere(const Scene& scene, Random& rng) {
 }
 
 // Solves random problems and holds their gradients against differences: an error is the norm of the
-// difference over that of the reference, in metres and radians.
+// difference over that of the reference, in metres and radians; a dq/dq_in below 0.01 counts as
+// such.
 Tally Compare(const Scene& scene, const Options& options, int count, Random& rng, Draw draw) {
   Tally tally;
   Options plain = options;
@@ -286,7 +292,8 @@ Tally Compare(const Scene& scene, const Options& options, int count, Random& rng
       const double off = (ToEigen(gradient.sigma) - sigma).norm() / sigma.norm();
       tally.sigma_errors.push_back(off);
       if (!gradient.q.empty()) {
-        const double q_off = (AsMatrix(gradient, reference.nv()) - by).norm() / by.norm();
+        const double q_off =
+            (AsMatrix(gradient, reference.nv()) - by).norm() / std::max(by.norm(), 0.01);
         tally.q_errors.push_back(q_off);
         good = off <= 1e-4 && q_off <= 1e-4;
       }
@@ -313,11 +320,11 @@ TEST_F(GradientTest, AgreesWithDifferencesOnOurRobots) {
   Tally all;
   for (const char* name : {"puma/puma_car", "hand/hand_bottle", "figure/figure_bench"}) {
     const Scene scene = Scene::FromFile(kModels + "/" + name + ".xml");
-    const Tally tally = Compare(scene, {}, 25, rng, NearKeyframe);
+    const Tally tally = Compare(scene, {}, 16, rng, NearKeyframe);
     std::printf("%s: %s\n", name, Describe(tally).c_str());
     all.Add(tally);
   }
-  ExpectGood(all, 50, "robots");
+  ExpectGood(all, 30, "robots");
 }
 
 TEST_F(GradientTest, AgreesWithDifferencesOnPairsOfPrimitives) {
@@ -342,7 +349,8 @@ TEST_F(GradientTest, AgreesWithDifferencesOnRandomRobots) {
   Random rng(26);
   Tally all;
   for (int k = 0; k < 80; ++k) {
-    const Scene scene = Scene::FromString(RandomRobotXml(rng, {.bodies = 5, .free_base = k % 2 == 0}));
+    const Scene scene =
+        Scene::FromString(RandomRobotXml(rng, {.bodies = 5, .free_base = k % 2 == 0}));
     all.Add(Compare(scene, {}, 3, rng, Anywhere));
   }
   ExpectGood(all, 60, "random robots");
@@ -392,21 +400,15 @@ TEST_F(GradientTest, AgreesWithDifferencesFromAnotherRoot) {
   ExpectGood(Compare(scene, {}, 6, rng, NearKeyframe), 4, "palm as root");
 }
 
-// A four-bar linkage of rods whose last joint is a connect, in a floor.
-TEST_F(GradientTest, AgreesWithDifferencesOnALoop) {
-  const Scene scene = Scene::FromString(R"(<mujoco><worldbody><geom type="plane" size="1 1 1"/>
-<body pos="0 0 0.2"><joint type="slide" axis="0 0 1"/><geom size="0.02"/>
-<body name="a"><joint axis="0 1 0"/><geom type="capsule" size="0.02" fromto="0 0 0 0 0 -0.3" contype="0"/>
-<body name="b" pos="0 0 -0.3"><joint axis="0 1 0"/><geom type="capsule" size="0.03" fromto="0 0 0 0.4 0 0"/></body></body>
-<body name="c" pos="0.4 0 0"><joint axis="0 1 0"/><geom type="capsule" size="0.02" fromto="0 0 0 0 0 -0.3" contype="0"/></body>
-</body></worldbody>
-<equality><connect body1="b" body2="c" anchor="0.4 0 0"/></equality></mujoco>)");
+// Closed loops and couplings; q_in is near where they hold.
+TEST_F(GradientTest, AgreesWithDifferencesWhereEqualitiesHold) {
   Random rng(29);
-  const Draw draw = [](const Scene&, Random& random) {
-    const double a = random.Uniform(-0.7, 0.7);
-    return VectorXd((VectorXd(4) << random.Uniform(-0.1, 0.05), a, -a, a).finished());
+  const Draw four_bar = [](const Scene&, Random& random) {
+    const double a = random.Uniform(-1.2, 1.2);
+    return VectorXd(Eigen::Vector3d(a, -a, a) + 0.05 * random.Normals(3));
   };
-  ExpectGood(Compare(scene, {}, 20, rng, draw), 15, "loop");
+  ExpectGood(Compare(Scene::FromString(kFourBar), {}, 60, rng, four_bar), 10, "four-bar linkage");
+  ExpectGood(Compare(Scene::FromString(kParallelJaw), {}, 60, rng, Anywhere), 10, "parallel jaws");
 }
 
 // Triangle meshes have no smooth distance here: σ's derivative is that at the answer as it is.
