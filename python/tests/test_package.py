@@ -25,8 +25,8 @@ def run(code: str, *arguments: str, **environment: str) -> subprocess.CompletedP
 
 
 def test_names_are_those_that_other_programs_rely_on():
-    functions = {"solve", "object_norm", "verify", "check_motion", "audit"}
-    answers = {"Contact", "Motion", "Result", "Results", "Verdict"}
+    functions = {"solve", "gradient", "object_norm", "verify", "check_motion", "audit"}
+    answers = {"Contact", "Gradient", "Motion", "Result", "Results", "Verdict"}
     assert set(mjcf_pdg.__all__) == functions | answers | {"Solver", "Tracker", "__version__"}
     for name in (*functions, "Solver"):
         assert getattr(mjcf_pdg, name).__doc__
