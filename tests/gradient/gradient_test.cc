@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -313,6 +315,9 @@ void ExpectGood(const Tally& tally, int least_solved, const std::string& what) {
   EXPECT_LE(tally.wrong_unflagged, 0.01 * tally.solved) << what << ": " << Describe(tally);
 }
 
+// The target long_tests asks for more.
+int Many(int count) { return std::getenv("MJCF_PDG_LONG_TESTS") ? 20 * count : count; }
+
 const std::string kModels = MJCF_PDG_MODEL_DIR;
 
 TEST_F(GradientTest, AgreesWithDifferencesOnOurRobots) {
@@ -320,7 +325,7 @@ TEST_F(GradientTest, AgreesWithDifferencesOnOurRobots) {
   Tally all;
   for (const char* name : {"puma/puma_car", "hand/hand_bottle", "figure/figure_bench"}) {
     const Scene scene = Scene::FromFile(kModels + "/" + name + ".xml");
-    const Tally tally = Compare(scene, {}, 16, rng, NearKeyframe);
+    const Tally tally = Compare(scene, {}, Many(16), rng, NearKeyframe);
     std::printf("%s: %s\n", name, Describe(tally).c_str());
     all.Add(tally);
   }
@@ -334,7 +339,7 @@ TEST_F(GradientTest, AgreesWithDifferencesOnPairsOfPrimitives) {
     for (const int second : ConvexTypes()) {
       if (first == mjGEOM_PLANE) continue;  // may not move
       Tally of_pair;
-      for (int k = 0; k < 5; ++k) {
+      for (int k = 0; k < Many(5); ++k) {
         const Scene scene = Scene::FromString(
             TwoGeomXml({.first = RandomShape(first, rng), .second = RandomShape(second, rng)}));
         of_pair.Add(Compare(scene, {}, 2, rng, Anywhere));
@@ -348,7 +353,7 @@ TEST_F(GradientTest, AgreesWithDifferencesOnPairsOfPrimitives) {
 TEST_F(GradientTest, AgreesWithDifferencesOnRandomRobots) {
   Random rng(26);
   Tally all;
-  for (int k = 0; k < 80; ++k) {
+  for (int k = 0; k < Many(80); ++k) {
     const Scene scene =
         Scene::FromString(RandomRobotXml(rng, {.bodies = 5, .free_base = k % 2 == 0}));
     all.Add(Compare(scene, {}, 3, rng, Anywhere));
