@@ -59,8 +59,14 @@ class ConvergedOptimum {
 
  private:
   const std::vector<NearPair>& FindNear();
-  bool FactorHessian();
+  VectorXd PlaneCost() const;
+  void RecallForces();
+  bool FactorExact(const VectorXd& plane_cost);
+  void FactorNorm(const VectorXd& plane_cost);
+  void SolveRows();
+  double LargestTurn() const;
   double Step();
+  double HeldTurn();
 
   Workspace& work_;
   const SceneTables& all_;
