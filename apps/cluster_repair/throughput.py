@@ -2,8 +2,9 @@
 
     python throughput.py [--rows 10000] [--rounds 2]
 
-Both are timed in turn, the start of Ray's workers included, which a run of hours does not feel. On a machine that others use,
-too, wall times say little: rows per second of processor time, of all processes of Ray, stand beside them.
+Both are timed in turn, for all rows and for a quarter of them: from the difference, what each further row costs, as in a run of
+hours, without the start of Ray's workers. On a machine that others use, too, wall times say little: processor time, of all
+processes of Ray, stands beside them.
 """
 
 import argparse
@@ -12,6 +13,7 @@ import pathlib
 import tempfile
 import threading
 import time
+import typing
 
 import mujoco
 import numpy as np
@@ -72,6 +74,32 @@ class ProcessorTime:
         return sum(time - self._first.get(pid, 0.0) for pid, time in self._last.items())
 
 
+class Cost(typing.NamedTuple):
+    """Wall time and processor time [s]."""
+
+    wall: float
+    work: float
+
+
+def timed(function: typing.Callable[[], typing.Any]) -> tuple[typing.Any, Cost]:
+    begin, work = time.perf_counter(), ProcessorTime()
+    answer = function()
+    return answer, Cost(time.perf_counter() - begin, work.stop())
+
+
+def compare(model: mujoco.MjModel, rows: np.ndarray, cores: int) -> tuple[Cost, Cost]:
+    """What the rows cost in plain threads and on Ray. The answers must be the same."""
+    options = {"report_lower_bound": False, "report_distances_to": 0.0}
+    results, plain = timed(lambda: mjcf_pdg.solve(model, rows, threads=cores, **options))
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder, "rows.npy")
+        np.save(path, rows)
+        plan = Plan(str(MODEL), str(path), folder, len(rows), 250, {})
+        _, on_ray = timed(lambda: run_on_ray(plan))
+        assert merge(plan)["q"].tobytes() == results.q.tobytes()
+    return plain, on_ray
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rows", type=int, default=10000)
@@ -81,23 +109,18 @@ def main() -> None:
     rows = sample_grasps(model, arguments.rows)
     cores = len(os.sched_getaffinity(0))
     ray.init(num_cpus=cores, include_dashboard=False, log_to_driver=False)
-    with tempfile.TemporaryDirectory() as folder:
-        path = pathlib.Path(folder, "rows.npy")
-        np.save(path, rows)
-        for round_ in range(arguments.rounds):
-            begin, work = time.perf_counter(), ProcessorTime()
-            results = mjcf_pdg.solve(model, rows, threads=cores, report_lower_bound=False, report_distances_to=0.0)
-            plain, plain_work = time.perf_counter() - begin, work.stop()
-            plan = Plan(str(MODEL), str(path), folder, len(rows), 500, {})
-            begin, work = time.perf_counter(), ProcessorTime()
-            run_on_ray(plan)
-            on_ray, ray_work = time.perf_counter() - begin, work.stop()
-            same = merge(plan)["q"].tobytes() == results.q.tobytes()
-            print(
-                f"round {round_}: {cores} cores, plain {len(rows) / plain:.0f} rows/s, Ray {len(rows) / on_ray:.0f} rows/s, "
-                f"ratio {plain / on_ray:.3f}, by processor time {plain_work / ray_work:.3f}, the same answers: {same}",
-                flush=True,
-            )
+    for round_ in range(arguments.rounds):
+        few, many = (compare(model, rows[:count], cores) for count in (len(rows) // 4, len(rows)))
+        wall, work = (
+            (many[0][kind] - few[0][kind]) / (many[1][kind] - few[1][kind]) for kind in (0, 1)
+        )
+        start = few[1].work - (many[1].work - few[1].work) / 3.0
+        print(
+            f"round {round_}: {cores} cores, {len(rows)} rows: plain {many[0].wall:.1f} s, Ray {many[1].wall:.1f} s; "
+            f"Ray's throughput over plain, per further row: {wall:.3f} by wall time, {work:.3f} by processor time; "
+            f"Ray's start: {start:.1f} s of processor time",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":
