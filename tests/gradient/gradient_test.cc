@@ -362,7 +362,6 @@ TEST_F(GradientTest, AgreesWithDifferencesOnRandomRobots) {
   ExpectGood(all, 60, "random robots");
 }
 
-// What the norm and the rows may be made of.
 TEST_F(GradientTest, AgreesWithDifferencesUnderEveryOption) {
   Random rng(27);
   Options displacement, clearance;
