@@ -22,6 +22,10 @@ if ! "$venv/bin/pip" install --quiet --disable-pip-version-check -r python/requi
   echo "package index, or a folder of wheels in PIP_FIND_LINKS with PIP_NO_INDEX=1" >&2
   exit 1
 fi
+if [ -n "${CI:-}${MJCF_PDG_PYTHON_EXTRAS:-}" ]; then
+  "$venv/bin/pip" install --quiet --disable-pip-version-check -r python/requirements-optional.txt ||
+    echo "python/run_tests.sh: no jax and ray, the tests that need them are skipped" >&2
+fi
 # Without isolation: the build finds what it needs where it was the last time, and compiles only what has changed. The
 # library that tests/run.sh has built is not compiled again.
 settings=()

@@ -11,6 +11,7 @@
 #include "arrays.h"
 #include "audit.h"
 #include "batch.h"
+#include "gradient.h"
 #include "library_call.h"
 #include "mjcf_pdg/pdg.h"
 #include "model.h"
@@ -86,6 +87,8 @@ NB_MODULE(_core, m) {
         "options"_a);
   m.def("check_motion", &CheckOneMotion, "model"_a.none(), "q0"_a.none(), "q1"_a.none(),
         "options"_a);
+  m.def("gradient_rows", &DifferentiateRows, "model"_a.none(), "q_in"_a.none(), "q"_a.none(),
+        "status"_a, "threads"_a, "options"_a);
   m.def("audit", &AuditModel, "model"_a.none(), "samples"_a, "seed"_a, "tolerance"_a,
         "exact_mesh"_a);
 }

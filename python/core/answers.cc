@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "arrays.h"
@@ -90,9 +91,10 @@ nb::object GeomOf(const Scene& scene, int geom) {
   return name && *name ? nb::object(Text(name)) : nb::object(nb::int_(geom));
 }
 
-nb::dict ToDict(const Scene& scene, const Result& result) {
+nb::dict ToDict(const Scene& scene, std::vector<double> q_in, const Result& result) {
   nb::dict d;
   d["status"] = NameOf(result.status);
+  d["q_in"] = Array(std::move(q_in));
   d["q"] = Array(result.q);
   d["sigma"] = result.sigma;
   d["rms"] = std::sqrt(result.sigma);

@@ -6,6 +6,7 @@
 #include <nanobind/nanobind.h>
 
 #include <string>
+#include <vector>
 
 #include "mjcf_pdg/pdg.h"
 
@@ -22,7 +23,8 @@ bool IsProven(const Result& result);
 // The geom's name, or its id if it has none.
 nb::object GeomOf(const Scene& scene, int geom);
 
-nb::dict ToDict(const Scene& scene, const Result& result);
+// The result of q_in (nq).
+nb::dict ToDict(const Scene& scene, std::vector<double> q_in, const Result& result);
 nb::dict ToDict(const Scene& scene, const Verdict& verdict);
 nb::dict ToDict(const Scene& scene, const Motion& motion);
 

@@ -188,7 +188,9 @@ nb::dict SolveRows(nb::handle model, nb::handle qpos, int threads, nb::object pr
   }
   solving.Join();
   if (!progress.is_none()) progress(told.load());
-  return columns.Take();
+  nb::dict fields = columns.Take();
+  fields["q_in"] = Array(std::move(q), {rows, static_cast<std::size_t>(scene.scene.nq())});
+  return fields;
 }
 
 }  // namespace mjcf_pdg::python

@@ -1,5 +1,10 @@
 #include "solver.h"
 
+#include <mujoco/mujoco.h>
+
+#include <utility>
+#include <vector>
+
 #include "answers.h"
 #include "arrays.h"
 
@@ -34,14 +39,16 @@ SharedSolver::SharedSolver(nb::handle model, const nb::kwargs& options)
 
 nb::dict SharedSolver::Solve(nb::handle qpos_or_data) {
   Result result;
+  std::vector<double> q;
   if (IsData(qpos_or_data)) {
     const mjData* const data = ReadData(model_, qpos_or_data);
+    q.assign(data->qpos, data->qpos + model_.scene.nq());
     Alone([&] { solver_.Solve(data, result); });
   } else {
-    const std::vector<double> q = ReadConfiguration(qpos_or_data, "qpos", model_.scene.nq());
+    q = ReadConfiguration(qpos_or_data, "qpos", model_.scene.nq());
     Alone([&] { solver_.Solve(q, result); });
   }
-  return ToDict(model_.scene, result);
+  return ToDict(model_.scene, q, result);
 }
 
 bool SharedSolver::IsFree(nb::handle qpos) {
@@ -75,7 +82,7 @@ nb::dict SharedTracker::Step(nb::handle qpos, nb::handle data) {
   const mjData* const obstacles = data.is_none() ? nullptr : ReadData(model_, data);
   Result result;
   Alone([&] { obstacles ? tracker_.Step(obstacles, q, result) : tracker_.Step(q, result); });
-  return ToDict(model_.scene, result);
+  return ToDict(model_.scene, q, result);
 }
 
 void SharedTracker::Reset(nb::handle qpos) {

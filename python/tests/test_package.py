@@ -15,6 +15,7 @@ import pytest
 import mjcf_pdg
 from mjcf_pdg import _core
 
+NEEDS = {"jax_gradient": "jax", "torch_gradient": "torch"}  # examples that are not run without these
 EXAMPLES = sorted((pathlib.Path(__file__).resolve().parents[1] / "examples").glob("*.py"))
 
 
@@ -25,8 +26,8 @@ def run(code: str, *arguments: str, **environment: str) -> subprocess.CompletedP
 
 
 def test_names_are_those_that_other_programs_rely_on():
-    functions = {"solve", "object_norm", "verify", "check_motion", "audit"}
-    answers = {"Contact", "Motion", "Result", "Results", "Verdict"}
+    functions = {"solve", "gradient", "object_norm", "verify", "check_motion", "audit"}
+    answers = {"Contact", "Gradient", "Motion", "Result", "Results", "Verdict"}
     assert set(mjcf_pdg.__all__) == functions | answers | {"Solver", "Tracker", "__version__"}
     for name in (*functions, "Solver"):
         assert getattr(mjcf_pdg, name).__doc__
@@ -96,14 +97,17 @@ def test_the_python_of_the_readme_runs():
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
 def test_examples_run(example):
+    if example.stem in NEEDS:
+        pytest.importorskip(NEEDS[example.stem])
     done = subprocess.run([sys.executable, example], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert "skipped" not in done.stdout and "unsolved" not in done.stdout
     assert "solved" in done.stdout or "became free" in done.stdout
 
 
-def test_the_reset_example_is_skipped_without_gymnasium():
-    (example,) = (path for path in EXAMPLES if path.stem == "rl_resets")
-    code = "import runpy, sys; sys.modules['gymnasium'] = None; runpy.run_path(sys.argv[1], run_name='__main__')"
-    done = run(code, str(example))
+@pytest.mark.parametrize("stem, package", [("rl_resets", "gymnasium"), *NEEDS.items()])
+def test_examples_are_skipped_without_their_package(stem, package):
+    (example,) = (path for path in EXAMPLES if path.stem == stem)
+    code = "import runpy, sys; sys.modules[sys.argv[2]] = None; runpy.run_path(sys.argv[1], run_name='__main__')"
+    done = run(code, str(example), package)
     assert done.returncode == 0 and done.stdout.startswith("skipped: ")

@@ -13,15 +13,25 @@ from mjcf_pdg import _libmujoco
 
 _libmujoco.share()
 
-from mjcf_pdg._answers import Contact, Motion, Result, Results, Verdict  # noqa: E402
+from mjcf_pdg._answers import Contact, Gradient, Motion, Result, Results, Verdict  # noqa: E402
 from mjcf_pdg._core import __version__  # noqa: E402
-from mjcf_pdg._functions import Solver, Tracker, audit, check_motion, object_norm, solve, verify  # noqa: E402
+from mjcf_pdg._functions import (  # noqa: E402
+    Solver,
+    Tracker,
+    audit,
+    check_motion,
+    gradient,
+    object_norm,
+    solve,
+    verify,
+)
 
 if typing.TYPE_CHECKING:
     from mjcf_pdg._gymnasium import RepairOnReset
 
 __all__ = [
     "Contact",
+    "Gradient",
     "Motion",
     "Result",
     "Results",
@@ -31,6 +41,7 @@ __all__ = [
     "__version__",
     "audit",
     "check_motion",
+    "gradient",
     "object_norm",
     "solve",
     "verify",

@@ -28,6 +28,8 @@ class Result:
     status: str
     """"already_free" (q is q_in bit for bit), "solved" (q is free, verified) or "unsolved" (q is the
     least penetrating configuration found)."""
+    q_in: np.ndarray
+    """(nq,) The configuration that was given."""
     q: np.ndarray
     """(nq,) The configuration, in MuJoCo's qpos layout."""
     sigma: float
@@ -86,6 +88,8 @@ class Results:
 
     status: np.ndarray
     """(n,) of text."""
+    q_in: np.ndarray
+    """(n, nq)."""
     q: np.ndarray
     """(n, nq)."""
     sigma: np.ndarray
@@ -130,12 +134,35 @@ class Results:
         return len(self.status)
 
     def to_pandas(self) -> typing.Any:
-        """A pandas.DataFrame with a row for each configuration; its column q has arrays (nq,)."""
+        """A pandas.DataFrame with a row for each configuration; its columns q_in and q have arrays (nq,)."""
         import pandas
 
         columns = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
-        columns["q"] = list(self.q)
+        columns["q_in"], columns["q"] = list(self.q_in), list(self.q)
         return pandas.DataFrame(columns)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Gradient:
+    """How a result changes with q_in: `dsigma, dq = gradient` takes the two apart.
+
+    Changes of configurations are in MuJoCo's tangent space (nv): [m] or [rad] by degree of freedom,
+    the three of a ball joint in the body frame; mj_integratePos applies them.
+    """
+
+    sigma: np.ndarray | None
+    """(nv,) The derivative of sigma by q_in [m² per m or rad]; None for an unsolved result. Of n
+    results (n, nv), with NaN for None."""
+    q: np.ndarray | None
+    """(nv, nv) q moves by this matrix times the move of q_in; None where there is no such matrix: the
+    result is unsolved or no local optimum, the optimum is not one point, or what touches is a triangle
+    mesh, an SDF or a height field. Of n results (n, nv, nv), with NaN for None."""
+    active_set_changes: bool | np.ndarray
+    """A small change of q_in changes which contacts and limits hold q: these are the derivatives of
+    one side. Also true where the answer is no local optimum. Of n results (n,)."""
+
+    def __iter__(self) -> typing.Iterator[np.ndarray | None]:
+        return iter((self.sigma, self.q))
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -51,6 +51,14 @@ def solve_rows(
     progress: typing.Callable[[int], typing.Any] | None,
     **options: typing.Any,
 ) -> dict[str, typing.Any]: ...
+def gradient_rows(
+    model: mujoco.MjModel,
+    q_in: npt.ArrayLike,
+    q: npt.ArrayLike,
+    status: typing.Sequence[str],
+    threads: int,
+    **options: typing.Any,
+) -> dict[str, typing.Any]: ...
 def object_norm(model: mujoco.MjModel, q0: npt.ArrayLike, q1: npt.ArrayLike, **options: typing.Any) -> float: ...
 def verify(
     model: mujoco.MjModel, qpos: npt.ArrayLike, q_in: npt.ArrayLike | None, **options: typing.Any

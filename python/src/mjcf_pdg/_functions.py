@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mjcf_pdg import _answers, _core
-from mjcf_pdg._answers import Motion, Result, Results, Verdict
+from mjcf_pdg._answers import Gradient, Motion, Result, Results, Verdict
 
 MAX_THREADS = 1024
 
@@ -205,6 +205,40 @@ def solve(model, qpos, *, threads=1, progress=False, **options):
     if rows.ndim == 2:
         return _solve_rows(model, rows, threads, progress, options)
     return Solver(model, **options).solve(rows)
+
+
+def gradient(
+    model: mujoco.MjModel,
+    result: Result | Results,
+    *,
+    threads: int = 1,
+    **options: typing.Unpack[SolveOptions],
+) -> Gradient:
+    """How sigma and q of a result change with q_in: `dsigma, dq = gradient(model, result)`.
+
+    The derivatives follow from the contacts and limits that hold q, at the local optimum close to
+    result.q, to some 1e-6 of their size. See Gradient for shapes and units, and for where there are
+    none. A joint of q_in that may not move counts, too: as the obstacle that it carries.
+
+    Args:
+      model: the model of the result.
+      result: what solve or a solver returned, one or many.
+      threads: rows of Results that are differentiated at once, without the GIL.
+      options: those that the result was solved with; `rest` is refused.
+
+    Raises:
+      ValueError, TypeError: as solve.
+    """
+    threads = _thread_count(threads)
+    many = isinstance(result, Results)
+    if not many and not isinstance(result, Result):
+        raise TypeError(f"result must be a Result or Results of this package, not {type(result).__name__}")
+    q_in, q, status = (result.q_in, result.q, result.status) if many else ([result.q_in], [result.q], [result.status])
+    fields = _core.gradient_rows(model, q_in, q, [str(name) for name in status], threads, **options)
+    if many:
+        return Gradient(**fields)
+    sigma, matrix = (None if np.isnan(rows[0]).any() else rows[0] for rows in (fields["sigma"], fields["q"]))
+    return Gradient(sigma, matrix, bool(fields["active_set_changes"][0]))
 
 
 def object_norm(
