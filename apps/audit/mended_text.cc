@@ -40,6 +40,13 @@ std::string WithoutComments(std::string text) {
   return text;
 }
 
+bool IsUrdf(const std::string& text) {
+  static const std::regex tag("<([A-Za-z]+)");
+  std::smatch first;
+  const std::string code = WithoutComments(text);
+  return std::regex_search(code, first, tag) && first[1] == "robot";
+}
+
 // An opening tag <key ...>, in the text.
 struct KeyTag {
   std::size_t begin = 0, length = 0;
@@ -173,6 +180,11 @@ std::string MendedText(const std::string& model, const Audit& audit, const std::
   std::string text{std::istreambuf_iterator<char>(file), {}};
   if (fs::path(model).extension() == ".mjb" || text.find('\0') != std::string::npos) {
     throw Error("--fix: " + model + " is no text");
+  }
+  if (IsUrdf(text)) {
+    throw Error("--fix: " + model +
+                " is a URDF, which has neither excludes nor keyframes: let solve " +
+                "--out-mjcf write it as MJCF");
   }
   Mending mending;
   for (const auto& [body1, body2] : audit.exclude) {

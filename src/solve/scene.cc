@@ -13,6 +13,7 @@
 #include "model/exact_mesh.h"
 #include "model/kept_pairs.h"
 #include "model/scene_tables.h"
+#include "solve/model_file.h"
 #include "solve/options.h"
 #include "solve/permanent.h"
 #include "verify/verifier_model.h"
@@ -23,18 +24,6 @@ namespace {
 // Of MuJoCo's convex solver [scene's size]: distances to cylinders jitter by 5e-7 m at its default
 // of 1e-6 m in scenes of 0.1 m.
 constexpr double kCcdTolerance = 1e-8;
-
-struct ModelDeleter {
-  void operator()(mjModel* m) const { mj_deleteModel(m); }
-};
-
-std::string OneLine(std::string text) {
-  for (char& c : text) {
-    if (c == '\n' || c == '\r') c = ' ';
-  }
-  while (!text.empty() && text.back() == ' ') text.pop_back();
-  return text;
-}
 
 void RefuseUnsupported(const mjModel& m, const SceneOptions& options) {
   if (m.nflex > 0 && !options.ignore_flexes) {
@@ -278,16 +267,6 @@ std::shared_ptr<const SceneTables> MakeTables(std::shared_ptr<const mjModel> own
   return tables;
 }
 
-std::shared_ptr<const mjModel> Compile(mjSpec* spec, const std::string& parse_error) {
-  if (!spec) throw Error(OneLine(parse_error));
-  std::unique_ptr<mjSpec, void (*)(mjSpec*)> guard(spec, mj_deleteSpec);
-  mjModel* model = mj_compile(spec, nullptr);
-  if (!model) throw Error(OneLine(mjs_getError(spec)));
-  return {model, ModelDeleter{}};
-}
-
-constexpr int kErrorSize = 2000;
-
 }  // namespace
 
 Scene::Scene(std::shared_ptr<const mjModel> owner, const mjModel& model,
@@ -300,17 +279,8 @@ Scene Scene::FromFile(const std::string& path, const SceneOptions& options) {
   std::error_code ec;
   if (!std::filesystem::exists(path, ec)) throw Error(path + ": no such file");
   if (std::filesystem::is_directory(path, ec)) throw Error(path + ": is a directory");
-  std::string error(kErrorSize, '\0');
-  std::shared_ptr<const mjModel> model;
   try {
-    if (std::filesystem::path(path).extension() == ".mjb") {
-      mjModel* loaded = mj_loadModel(path.c_str(), nullptr);
-      if (!loaded) throw Error(std::string("not a binary model of MuJoCo ") + mj_versionString());
-      model = {loaded, ModelDeleter{}};
-    } else {
-      mjSpec* spec = mj_parse(path.c_str(), nullptr, nullptr, error.data(), kErrorSize);
-      model = Compile(spec, error.c_str());
-    }
+    std::shared_ptr<const mjModel> model = LoadModelFile(path);
     const mjModel* raw = model.get();
     return Scene(std::move(model), *raw, options);
   } catch (const Error& e) {
@@ -319,9 +289,7 @@ Scene Scene::FromFile(const std::string& path, const SceneOptions& options) {
 }
 
 Scene Scene::FromString(const std::string& xml, const SceneOptions& options) {
-  std::string error(kErrorSize, '\0');
-  mjSpec* spec = mj_parseXMLString(xml.c_str(), nullptr, error.data(), kErrorSize);
-  std::shared_ptr<const mjModel> model = Compile(spec, error.c_str());
+  std::shared_ptr<const mjModel> model = CompileModel(ParseModelText(xml).get());
   const mjModel* raw = model.get();
   return Scene(std::move(model), *raw, options);
 }

@@ -279,5 +279,23 @@ TEST_F(SceneTest, GeomsWithoutNameAreToldByTheirPlaceInTheXml) {
               HasSubstr("geom world/geom0 and geom ball/geom0 overlap"));
 }
 
+TEST_F(SceneTest, AModelThatIsBuiltByCodeIsAModel) {
+  const std::unique_ptr<mjSpec, void (*)(mjSpec*)> spec(mj_makeSpec(), mj_deleteSpec);
+  mjsBody* world = mjs_findBody(spec.get(), "world");
+  mjsGeom* floor = mjs_addGeom(world, nullptr);
+  floor->type = mjGEOM_PLANE;
+  std::fill(floor->size, floor->size + 3, 1.0);
+  mjsBody* ball = mjs_addBody(world, nullptr);
+  ball->pos[2] = 0.06;
+  mjs_addFreeJoint(ball);
+  mjs_addGeom(ball, nullptr)->size[0] = 0.1;
+  const ModelPtr m(mj_compile(spec.get(), nullptr));
+  ASSERT_NE(m, nullptr);
+  const Scene scene = Scene::FromModel(m.get());
+  const Result result = Solver(scene).Solve(scene.DefaultQpos());
+  EXPECT_EQ(result.status, Status::kSolved);
+  EXPECT_NEAR(result.sigma, 0.04 * 0.04, 1e-6);
+}
+
 }  // namespace
 }  // namespace mjcf_pdg::test
