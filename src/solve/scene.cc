@@ -14,6 +14,7 @@
 #include "model/kept_pairs.h"
 #include "model/scene_tables.h"
 #include "solve/model_file.h"
+#include "solve/model_numbers.h"
 #include "solve/options.h"
 #include "solve/permanent.h"
 #include "verify/verifier_model.h"
@@ -31,6 +32,7 @@ void RefuseUnsupported(const mjModel& m, const SceneOptions& options) {
                 " is not supported (--flex ignore leaves it out)");
   }
   if (m.njnt == 0) throw Error("the model has no joints: nothing can move");
+  CheckModelNumbers(m);
 }
 
 // MuJoCo only warns that it cannot collide these: an overlap would never be seen.
@@ -114,8 +116,9 @@ void FillJoints(SceneTables& tables, const SceneOptions& options) {
     joint.col = tables.n;
     joint.ndof = joint.type == mjJNT_FREE ? 6 : joint.type == mjJNT_BALL ? 3 : 1;
     joint.limited = limits && m->jnt_limited[j] && joint.type != mjJNT_FREE;
-    joint.lo = m->jnt_range[2 * j];
-    joint.hi = m->jnt_range[2 * j + 1];
+    // A side without limit may be given as infinite; the search needs differences of finite numbers.
+    joint.lo = std::max(m->jnt_range[2 * j], -mjMAXVAL);
+    joint.hi = std::min(m->jnt_range[2 * j + 1], mjMAXVAL);
     joint.armature = Armature(*m, joint, options);
     for (int k = 0; k < joint.ndof; ++k) tables.column_of_dof[joint.vadr + k] = tables.n++;
     tables.joints.push_back(joint);
