@@ -1,10 +1,14 @@
 #include "solve/model_numbers.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <span>
 #include <string>
 
 #include "base/names.h"
 #include "mjcf_pdg/types.h"
+#include "solve/options.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -19,16 +23,27 @@ struct Numbers {
   const char* what;
 };
 
-bool Usable(double value) { return std::abs(value) <= mjMAXVAL; }  // false for NaN
+// False for NaN, too.
+bool AllFinite(std::span<const mjtNum> values) {
+  return std::all_of(values.begin(), values.end(),
+                     [](mjtNum v) { return std::abs(v) <= mjMAXVAL; });
+}
 
-void Check(const mjModel& m, const Numbers& numbers) {
-  for (mjtSize i = 0; i < numbers.count * numbers.width; ++i) {
-    if (Usable(numbers.values[i])) continue;
-    const int id = static_cast<int>(i / numbers.width);
+// MuJoCo normalizes the quaternion 1e308 0 0 0 to zeros.
+bool Turns(std::span<const mjtNum> quat) {
+  return AllFinite(quat) && mju_norm(quat.data(), 4) >= kLeastQuaternion;
+}
+
+// `usable` is asked of the numbers of each element.
+template <typename Usable>
+void Check(const mjModel& m, const Numbers& numbers, const Usable& usable) {
+  for (int id = 0; id < numbers.count; ++id) {
+    const mjtNum* const values = numbers.values + std::ptrdiff_t{numbers.width} * id;
+    if (usable(std::span(values, static_cast<std::size_t>(numbers.width)))) continue;
     const std::string name =
         numbers.kind == mjOBJ_GEOM ? QuotedNameOrPlace(m, id) : QuotedNameOrId(m, numbers.kind, id);
     throw Error("the " + std::string(numbers.what) + " of " + numbers.element + " " + name +
-                " is not a usable number");
+                " is not usable");
   }
 }
 
@@ -39,18 +54,21 @@ void CheckModelNumbers(const mjModel& m) {
       {m.geom_size, m.ngeom, 3, mjOBJ_GEOM, "geom", "size"},
       {m.geom_rbound, m.ngeom, 1, mjOBJ_GEOM, "geom", "size"},
       {m.geom_pos, m.ngeom, 3, mjOBJ_GEOM, "geom", "position"},
-      {m.geom_quat, m.ngeom, 4, mjOBJ_GEOM, "geom", "orientation"},
       {m.geom_margin, m.ngeom, 1, mjOBJ_GEOM, "geom", "margin"},
       {m.geom_gap, m.ngeom, 1, mjOBJ_GEOM, "geom", "gap"},
       {m.body_pos, m.nbody, 3, mjOBJ_BODY, "body", "position"},
-      {m.body_quat, m.nbody, 4, mjOBJ_BODY, "body", "orientation"},
       {m.body_ipos, m.nbody, 3, mjOBJ_BODY, "body", "centre of mass"},
       {m.body_mass, m.nbody, 1, mjOBJ_BODY, "body", "mass"},
       {m.body_inertia, m.nbody, 3, mjOBJ_BODY, "body", "inertia"},
       {m.jnt_pos, m.njnt, 3, mjOBJ_JOINT, "joint", "position"},
       {m.jnt_axis, m.njnt, 3, mjOBJ_JOINT, "joint", "axis"},
       {m.eq_data, m.neq, mjNEQDATA, mjOBJ_EQUALITY, "equality constraint", "data"}};
-  for (const Numbers& numbers : all) Check(m, numbers);
+  for (const Numbers& numbers : all) Check(m, numbers, AllFinite);
+  const Numbers orientations[] = {
+      {m.geom_quat, m.ngeom, 4, mjOBJ_GEOM, "geom", "orientation"},
+      {m.body_quat, m.nbody, 4, mjOBJ_BODY, "body", "orientation"},
+      {m.body_iquat, m.nbody, 4, mjOBJ_BODY, "body", "inertial orientation"}};
+  for (const Numbers& numbers : orientations) Check(m, numbers, Turns);
 }
 
 }  // namespace mjcf_pdg

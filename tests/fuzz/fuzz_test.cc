@@ -13,7 +13,7 @@ namespace mjcf_pdg::test {
 namespace {
 
 // Runs the cases of `count` seeds and returns how many were of each kind.
-std::map<std::string, int> Run(CaseOutcome (*run)(std::uint64_t), int count) {
+std::map<std::string, int> RunCases(CaseOutcome (*run)(std::uint64_t), int count) {
   const QuietMujoco quiet;
   std::map<std::string, int> kinds;
   for (int seed = 1; seed <= count; ++seed) {
@@ -25,20 +25,20 @@ std::map<std::string, int> Run(CaseOutcome (*run)(std::uint64_t), int count) {
 }
 
 TEST(FuzzTest, VerdictsOnRandomModelsAreFiniteAndNotFalselyFree) {
-  std::map<std::string, int> kinds = Run(VerdictCase, 300);
+  std::map<std::string, int> kinds = RunCases(VerdictCase, 300);
   EXPECT_GT(kinds["free"], 30);
   EXPECT_GT(kinds["not free"], 100);
   EXPECT_LT(kinds["refused"], 60);
 }
 
 TEST(FuzzTest, SolvesOfRandomModelsAreFiniteAndNotFalselyFree) {
-  std::map<std::string, int> kinds = Run(SolvingCase, 80);
+  std::map<std::string, int> kinds = RunCases(SolvingCase, 80);
   EXPECT_GT(kinds["solved"], 25);
   EXPECT_GT(kinds["already free"], 5);
 }
 
 TEST(FuzzTest, DamagedFilesAreReadAsNumbersOrRefused) {
-  std::map<std::string, int> kinds = Run(BytesCase, 400);
+  std::map<std::string, int> kinds = RunCases(BytesCase, 400);
   EXPECT_GT(kinds["refused"], 100);
   EXPECT_GT(kinds["model"], 20);
   EXPECT_GT(kinds["rows"], 30);

@@ -297,16 +297,17 @@ TEST_F(SceneTest, AModelThatIsBuiltByCodeIsAModel) {
   EXPECT_NEAR(result.sigma, 0.04 * 0.04, 1e-6);
 }
 
-// MuJoCo compiles both.
+// MuJoCo compiles all of them.
 TEST_F(SceneTest, InfiniteSizesAreRefusedByNameAndInfiniteRangesAreNoLimits) {
   const auto scene = [](const std::string& size, const std::string& range) {
     return Scene::FromString(R"(<mujoco><worldbody><geom type="plane" size="1 1 1"/>
         <body name="ball" pos="0 0 .06"><joint type="slide" range=")" +
-                             range + R"("/><geom size=")" + size +
-                             R"("/></body></worldbody></mujoco>)");
+                             range + R"("/><geom size=')" + size +
+                             R"('/></body></worldbody></mujoco>)");
   };
-  EXPECT_EQ(ErrorOf([&] { scene("inf", "-1 1"); }),
-            "the size of geom ball/geom0 is not a usable number");
+  EXPECT_EQ(ErrorOf([&] { scene("inf", "-1 1"); }), "the size of geom ball/geom0 is not usable");
+  EXPECT_EQ(ErrorOf([&] { scene(".1' quat='1e308 0 0 1", "-1 1"); }),
+            "the orientation of geom ball/geom0 is not usable");
   for (const Method method : {Method::kAuto, Method::kPaper}) {
     for (const char* range : {"-inf inf", "-.1 inf"}) {
       const Scene half_open = scene(".1", range);
