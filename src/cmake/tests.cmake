@@ -66,9 +66,10 @@ if(MJCF_PDG_BUILD_TESTS)
         target_link_libraries(mjcf_pdg_tests PRIVATE PNG::PNG)
       endif()
     endif()
-    # A million poses, each claim of the verifier held against its proof; prints what MuJoCo alone gets wrong.
-    add_executable(verify_poses EXCLUDE_FROM_ALL tests/verify/verify_poses.cc)
-    target_link_libraries(verify_poses PRIVATE mjcf_pdg_test_support GTest::gtest)
+    # A million poses, each claim of the verifier held against its proof; prints what the solver, MuJoCo and FCL get wrong.
+    add_executable(verify_poses EXCLUDE_FROM_ALL tests/verify/verify_poses.cc bench/library/fcl_library.cc)
+    target_include_directories(verify_poses PRIVATE bench)
+    target_link_libraries(verify_poses PRIVATE mjcf_pdg_test_support GTest::gtest fcl)
     # Random models, configurations and damaged files by the thousand; a few are tests. Reads files as the program does.
     file(GLOB fuzz_sources CONFIGURE_DEPENDS tests/fuzz/*.cc)
     list(FILTER fuzz_sources EXCLUDE REGEX "/(fuzz|[a-z_]*_test)\\.cc$")
