@@ -6,8 +6,8 @@
 
 namespace mjcf_pdg {
 
-// Throws Error, which names the element, if a length, mass or position of the model is not finite
-// or beyond MuJoCo's own bound for states, 1e10, or if an orientation is no quaternion.
+// Throws Error, which names the element, if a number of the model is not finite, a length or
+// position beyond MuJoCo's own bound for states, 1e10, or an orientation no quaternion.
 void CheckModelNumbers(const mjModel& m);
 
 }  // namespace mjcf_pdg

@@ -28,7 +28,7 @@ TEST(FuzzTest, VerdictsOnRandomModelsAreFiniteAndNotFalselyFree) {
   std::map<std::string, int> kinds = RunCases(VerdictCase, 300);
   EXPECT_GT(kinds["free"], 30);
   EXPECT_GT(kinds["not free"], 100);
-  EXPECT_LT(kinds["refused"], 60);
+  EXPECT_EQ(kinds["refused"], 0);  // all are models that may be, of 1e-4 to 1e4 m
 }
 
 TEST(FuzzTest, SolvesOfRandomModelsAreFiniteAndNotFalselyFree) {
