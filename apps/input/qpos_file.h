@@ -23,8 +23,8 @@ class QposFile {
   QposFile(const std::string& path, std::size_t width);
 
   // The next row, `width` numbers, and where it is from, for messages: "poses.csv line 7",
-  // "poses.npy row 6". Those of text are finite. False after the last. Throws Error, which begins so, for a bad row, and if
-  // there is none at all.
+  // "poses.npy row 6". Those of text are finite. False after the last. Throws Error, which begins
+  // so, for a bad row, and if there is none at all.
   bool Next(std::vector<double>& row, std::string& origin);
 
   // How many rows there are, where the file says so.

@@ -116,7 +116,8 @@ void FillJoints(SceneTables& tables, const SceneOptions& options) {
     joint.col = tables.n;
     joint.ndof = joint.type == mjJNT_FREE ? 6 : joint.type == mjJNT_BALL ? 3 : 1;
     joint.limited = limits && m->jnt_limited[j] && joint.type != mjJNT_FREE;
-    // A side without limit may be given as infinite; the search needs differences of finite numbers.
+    // A side without limit may be given as infinite; the search needs differences of finite
+    // numbers.
     joint.lo = std::max(m->jnt_range[2 * j], -mjMAXVAL);
     joint.hi = std::min(m->jnt_range[2 * j + 1], mjMAXVAL);
     joint.armature = Armature(*m, joint, options);
