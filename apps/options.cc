@@ -92,7 +92,8 @@ Scene LoadScene(const SceneArguments& arguments) {
 }
 
 void AddModel(CLI::App& command, SceneArguments& arguments) {
-  AddPath(command, "MODEL", "MJCF (.xml) or compiled model (.mjb)", arguments.model)->required();
+  AddPath(command, "MODEL", "MJCF (.xml), URDF or compiled model (.mjb)", arguments.model)
+      ->required();
 }
 
 void AddModels(CLI::App& command, std::vector<std::string>& models) {
@@ -104,7 +105,7 @@ void AddModels(CLI::App& command, std::vector<std::string>& models) {
   };
   command
       .add_option_function<std::vector<std::string>>(
-          "MODEL", set, "MJCF (.xml) or compiled model (.mjb); one or several")
+          "MODEL", set, "MJCF (.xml), URDF or compiled model (.mjb); one or several")
       ->type_name("FILE")
       ->required();
 }

@@ -20,6 +20,7 @@
 #include "apps/output/repaired_mjcf.h"
 #include "apps/output/report.h"
 #include "apps/solve/resume.h"
+#include "apps/solve/scene_output.h"
 #include "apps/solve/solve_rows.h"
 #include "mjcf_pdg/pdg.h"
 #ifdef MJCF_PDG_HAVE_RENDER
@@ -82,9 +83,12 @@ void AddFlags(CLI::App& command, SolveArguments& arguments) {
       ->type_name("FILE|-");
   command.add_flag("--resume", arguments.resume,
                    "go on after an interruption, behind the rows in the .part of --json");
-  AddPath(command, "--out-mjcf",
-          "write the scene with a keyframe NAME_pdg for every row that is or became free",
-          arguments.out_mjcf);
+  AddPath(
+      command, "--out-mjcf",
+      "write the scene with a keyframe NAME_pdg for every row that is or became free; DIR/: with "
+      "copies of its assets",
+      arguments.out_mjcf)
+      ->type_name("FILE|DIR/");
 #ifdef MJCF_PDG_HAVE_RENDER
   AddPath(command, "--png", "draw every row before and after, 24 a page (F.png, F-2.png, ...)",
           arguments.png);
@@ -119,7 +123,7 @@ void CheckCombination(const SolveArguments& arguments) {
   }
 }
 
-void AddOutputs(const SolveArguments& arguments, OutputFiles& outputs) {
+void AddOutputs(const SolveArguments& arguments, OutputFiles& outputs, SceneOutput& scene) {
   std::vector<std::string> inputs = arguments.models;
   if (!arguments.which.file.empty() && arguments.which.file != "-") {
     inputs.push_back(arguments.which.file);
@@ -127,23 +131,10 @@ void AddOutputs(const SolveArguments& arguments, OutputFiles& outputs) {
   CheckQposFileName("--out-qpos", arguments.out_qpos);
   outputs.Add("--json", arguments.json, inputs);
   outputs.Add("--out-qpos", arguments.out_qpos, inputs);
-  outputs.Add("--out-mjcf", arguments.out_mjcf, inputs);
+  scene.Add(arguments.out_mjcf, arguments.models.front(), inputs, outputs);
   outputs.Add("--png", arguments.png, inputs);
-  // Throws Error if one of these is a stream: relative paths in the MJCF and the writer of the PNG
-  // need a file.
-  for (const std::string& path : {arguments.out_mjcf, arguments.png}) {
-    if (!path.empty()) outputs.StagedName(path);
-  }
-}
-
-void StageMjcf(const Scene& scene, const std::vector<Configuration>& rows,
-               const std::vector<Result>& results, const std::string& path, mjSpec* spec,
-               OutputFiles& outputs) {
-  AddRepairedKeys(scene, rows, results, spec);
-  const std::string staged = outputs.StagedName(path);
-  const std::string folder = fs::path(staged).parent_path().string();
-  outputs.Stage(path, FormatMjcf(spec, folder));
-  CheckMjcf(staged, rows, results);
+  // Throws Error if it is a stream: the writer of the PNG needs a file.
+  if (!arguments.png.empty()) outputs.StagedName(arguments.png);
 }
 
 #ifdef MJCF_PDG_HAVE_RENDER
@@ -194,6 +185,7 @@ class SolveRun {
   SolveArguments& arguments_;
   const bool several_;
   OutputFiles outputs_;
+  SceneOutput scene_output_;
   SolveTable table_;
   std::unique_ptr<LeftRows> left_;  // with --resume
   std::unique_ptr<Progress> progress_;
@@ -281,10 +273,8 @@ void SolveRun::SolveModel(const std::string& model) {
 }
 
 void SolveRun::StageScene(const Scene& scene) {
-  if (!arguments_.out_mjcf.empty()) {
-    SpecPtr spec = ParseSpec(arguments_.scene.model);
-    StageMjcf(scene, rows_, results_, arguments_.out_mjcf, spec.get(), outputs_);
-  }
+  const RepairedRows repaired{scene, rows_, results_};
+  if (scene_output_.wanted()) scene_output_.Stage(arguments_.scene.model, repaired, outputs_);
 #ifdef MJCF_PDG_HAVE_RENDER
   if (!arguments_.png.empty()) StagePng(scene, rows_, results_, arguments_.png, outputs_);
 #endif
@@ -319,7 +309,7 @@ void SolveRun::SolveModels() {
 
 int SolveRun::Run() {
   CheckCombination(arguments_);
-  AddOutputs(arguments_, outputs_);
+  AddOutputs(arguments_, outputs_, scene_output_);
   CheckModels();
   if (!arguments_.out_mjcf.empty()) ParseSpec(arguments_.models.front());  // told before any work
   if (arguments_.resume) {

@@ -37,6 +37,12 @@ const TextSpan* FindKey(const std::string& text, const std::vector<TextSpan>& ta
   return nullptr;
 }
 
+// A URDF's root is <robot>.
+bool IsUrdf(const std::string& text) {
+  const std::vector<TextSpan> robots = FindTags(text, "robot");
+  return !robots.empty() && FindTags(text, "mujoco").empty();
+}
+
 std::string WithQpos(std::string tag, const std::vector<double>& q) {
   std::string numbers = FormatQposRow(q, "rows.txt");
   numbers.pop_back();  // its line break
@@ -155,6 +161,11 @@ MendedModel Mended(const std::string& model, const Audit& audit, const MendOptio
   std::string text = ReadTextFile(model);
   if (fs::path(model).extension() == ".mjb" || text.find('\0') != std::string::npos) {
     throw Error("--fix: " + model + " is no text");
+  }
+  if (IsUrdf(text)) {
+    throw Error("--fix: " + model +
+                " is a URDF, which has neither excludes nor keyframes: let solve " +
+                "--out-mjcf write it as MJCF");
   }
   Mending mending;
   for (const auto& [body1, body2] : audit.exclude) {

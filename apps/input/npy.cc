@@ -125,7 +125,6 @@ NpyReader::NpyReader(std::istream& stream, std::string what)
   // Divides instead of multiplying: the shape of a broken file may overflow.
   const std::size_t most = std::numeric_limits<std::ptrdiff_t>::max();
   if (rows_ > most / width_ / value_bytes_) throw Error(what_ + ": no array is " + Shape());
-  bytes_.resize(width_ * value_bytes_);
 }
 
 std::string NpyReader::Shape() const {
@@ -135,6 +134,7 @@ std::string NpyReader::Shape() const {
 
 bool NpyReader::Next(std::vector<double>& row) {
   if (next_ == rows_) return false;
+  bytes_.resize(width_ * value_bytes_);
   stream_.read(bytes_.data(), static_cast<std::streamsize>(bytes_.size()));
   if (stream_.gcount() != static_cast<std::streamsize>(bytes_.size())) {
     throw Error(what_ + ": ends in row " + std::to_string(next_) + ", but the .npy header says " +

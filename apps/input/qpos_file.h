@@ -22,9 +22,9 @@ class QposFile {
   // its header says that it does not hold rows of `width` numbers.
   QposFile(const std::string& path, std::size_t width);
 
-  // The next row, `width` finite numbers, and where it is from, for messages: "poses.csv line 7",
-  // "poses.npy row 6". False after the last. Throws Error, which begins so, for a bad row, and if
-  // there is none at all.
+  // The next row, `width` numbers, and where it is from, for messages: "poses.csv line 7",
+  // "poses.npy row 6". Those of text are finite. False after the last. Throws Error, which begins
+  // so, for a bad row, and if there is none at all.
   bool Next(std::vector<double>& row, std::string& origin);
 
   // How many rows there are, where the file says so.

@@ -28,7 +28,7 @@ void TurnAtRandom(double largest, double* quat, Random& random) {
 
 void DrawJoint(const mjModel& m, int joint, double* q, Random& random) {
   const double* range = m.jnt_range + 2 * joint;
-  const bool limited = m.jnt_limited[joint];
+  const bool limited = m.jnt_limited[joint] && std::isfinite(range[1] - range[0]);
   switch (m.jnt_type[joint]) {
     case mjJNT_FREE:
       for (int k = 0; k < 3; ++k) q[k] += Between(-m.stat.extent, m.stat.extent, random);

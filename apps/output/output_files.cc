@@ -63,9 +63,9 @@ OutputFiles::~OutputFiles() {
     std::error_code ec;
     if (!output.staged.empty() && !output.rows) fs::remove(output.staged, ec);
   }
-  for (const std::string& folder : new_folders_) {
+  for (auto folder = new_folders_.rbegin(); folder != new_folders_.rend(); ++folder) {
     std::error_code ec;
-    fs::remove(folder, ec);
+    fs::remove(*folder, ec);  // the inner ones are the later ones
   }
 }
 

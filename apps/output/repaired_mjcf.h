@@ -11,33 +11,34 @@
 
 #include "apps/input/configurations.h"
 #include "mjcf_pdg/pdg.h"
+#include "solve/model_file.h"
 
 namespace mjcf_pdg::app {
 
-struct SpecDeleter {
-  void operator()(mjSpec* spec) const { mj_deleteSpec(spec); }
-};
-using SpecPtr = std::unique_ptr<mjSpec, SpecDeleter>;
-
-// Parses and compiles an MJCF file. Throws Error if that fails, or for a .mjb file, from which MJCF
-// cannot be written.
+// Parses and compiles an MJCF or URDF file. Throws Error if that fails, or for a .mjb file, from
+// which MJCF cannot be written.
 SpecPtr ParseSpec(const std::string& path);
 
+// The rows of a scene and what became of each.
+struct RepairedRows {
+  const Scene& scene;
+  const std::vector<Configuration>& rows;
+  const std::vector<Result>& results;
+};
+
 // Adds to `spec` a keyframe for each row whose result is not unsolved, and removes an old one of
-// that name. Its qpos is the result's. The ctrl of position actuators changes by as much as the
-// actuator's length. All else is as in the row's keyframe, or, for a row without one, as the
+// that name. Its qpos is the result's. The ctrl and act of position actuators change by as much
+// as the actuator's length. All else is as in the row's keyframe, or, for a row without one, as the
 // model's defaults.
-void AddRepairedKeys(const Scene& scene, const std::vector<Configuration>& rows,
-                     const std::vector<Result>& results, mjSpec* spec);
+void AddRepairedKeys(const RepairedRows& repaired, mjSpec* spec);
 
-// Returns the MJCF text of `spec`, with all digits and with asset files relative to `folder`, the
-// folder that the text will be written to. Changes the file names in `spec`.
-std::string FormatMjcf(mjSpec* spec, const std::string& folder);
+// Returns the MJCF text of `spec`, with all digits. Asset files should be named as seen from where
+// it will be written (apps/output/asset_files.h).
+std::string FormatMjcf(mjSpec* spec);
 
-// Loads the written file `path`. Throws std::runtime_error unless it loads and its keyframes have
-// the qpos of the results.
-void CheckMjcf(const std::string& path, const std::vector<Configuration>& rows,
-               const std::vector<Result>& results);
+// Loads the written file `path`, from `vfs` if that is not null. Throws std::runtime_error unless
+// it loads and its keyframes have the qpos of the results.
+void CheckMjcf(const std::string& path, const mjVFS* vfs, const RepairedRows& repaired);
 
 }  // namespace mjcf_pdg::app
 

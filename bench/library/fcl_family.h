@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "library/library.h"
@@ -45,6 +46,13 @@ class FclFamily : public Library {
     gap.p2 = nearest.nearest_points[1];
     gap.n = Traits::Normal(nearest);
     return std::isfinite(gap.distance) && gap.n.allFinite();
+  }
+  std::optional<bool> Overlap(const mjData& d, int geom1, int geom2) override {
+    if (!shapes_[geom1] || !shapes_[geom2]) return std::nullopt;
+    typename Traits::CollisionResult crossing;
+    collide(shapes_[geom1].get(), Traits::Pose(d, geom1), shapes_[geom2].get(),
+            Traits::Pose(d, geom2), Traits::FirstContact(), crossing);
+    return crossing.isCollision();
   }
   double TriangleDistance(const mjData& d, int geom1, int geom2, double cutoff) override {
     typename Traits::DistanceResult nearest;

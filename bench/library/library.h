@@ -23,6 +23,8 @@ class Library {
   // Sets `gap` to the signed distance of two convex geoms (a mesh is its hull) at the poses in `d`,
   // with witness points and normal in world axes. Returns false if the library has no answer.
   virtual bool Distance(const mjData& d, int geom1, int geom2, SignedGap& gap) = 0;
+  // Whether two convex geoms overlap; nothing if the library has no answer.
+  virtual std::optional<bool> Overlap(const mjData& d, int geom1, int geom2) = 0;
   // The distance [m] of two meshes as their triangles, which do not cross; `cutoff` if it is not
   // less.
   virtual double TriangleDistance(const mjData& d, int geom1, int geom2, double cutoff) = 0;

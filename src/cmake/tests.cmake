@@ -56,7 +56,7 @@ if(MJCF_PDG_BUILD_TESTS)
 
   if(test_sources)
     add_executable(mjcf_pdg_tests ${test_sources})
-    target_link_libraries(mjcf_pdg_tests PRIVATE mjcf_pdg_test_support mjcf_pdg_mesh_import assimp::assimp
+    target_link_libraries(mjcf_pdg_tests PRIVATE mjcf_pdg_fuzz mjcf_pdg_test_support mjcf_pdg_mesh_import assimp::assimp
                           GTest::gtest_main)
     if(TARGET mjcf-pdg)
       add_dependencies(mjcf_pdg_tests mjcf-pdg)
@@ -66,9 +66,18 @@ if(MJCF_PDG_BUILD_TESTS)
         target_link_libraries(mjcf_pdg_tests PRIVATE PNG::PNG)
       endif()
     endif()
-    # A million poses, each claim of the verifier held against its proof; prints what MuJoCo alone gets wrong.
-    add_executable(verify_poses EXCLUDE_FROM_ALL tests/verify/verify_poses.cc)
-    target_link_libraries(verify_poses PRIVATE mjcf_pdg_test_support GTest::gtest)
+    # A million poses, each claim of the verifier held against its proof; prints what the solver, MuJoCo and FCL get wrong.
+    add_executable(verify_poses EXCLUDE_FROM_ALL tests/verify/verify_poses.cc bench/library/fcl_library.cc)
+    target_include_directories(verify_poses PRIVATE bench)
+    target_link_libraries(verify_poses PRIVATE mjcf_pdg_test_support GTest::gtest fcl)
+    # Random models, configurations and damaged files by the thousand; a few are tests. Reads files as the program does.
+    file(GLOB fuzz_sources CONFIGURE_DEPENDS tests/fuzz/*.cc)
+    list(FILTER fuzz_sources EXCLUDE REGEX "/(fuzz|[a-z_]*_test)\\.cc$")
+    add_library(mjcf_pdg_fuzz STATIC EXCLUDE_FROM_ALL ${fuzz_sources}
+                apps/input/npy.cc apps/input/qpos_file.cc apps/console/text.cc)
+    target_link_libraries(mjcf_pdg_fuzz PUBLIC mjcf_pdg_test_support PRIVATE mjcf_pdg_mesh_import nlohmann_json::nlohmann_json)
+    add_executable(fuzz EXCLUDE_FROM_ALL tests/fuzz/fuzz.cc)
+    target_link_libraries(fuzz PRIVATE mjcf_pdg_fuzz GTest::gtest)
     # Tests that take minutes: cmake --build BUILD --target long_tests
     add_custom_target(long_tests
       COMMAND "${CMAKE_COMMAND}" -E env MJCF_PDG_LONG_TESTS=1 $<TARGET_FILE:mjcf_pdg_tests>

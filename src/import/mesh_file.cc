@@ -81,6 +81,23 @@ void CheckColladaUnit(const std::string& path, const std::string& text) {
   throw Error(path + ": its unit, meter=\"" + value + "\", is not a positive number");
 }
 
+// ---- OFF: assimp makes room for what the header promises ----
+
+// Whether the file has room for its counts of vertices and faces, each of which takes two bytes at
+// least. True if the counts cannot be read: assimp tells why.
+bool IsOffWithRoom(std::istream& stream, std::uintmax_t bytes) {
+  std::string line;
+  while (std::getline(stream, line)) {
+    const std::size_t begin = line.find_first_of("0123456789#");
+    if (begin == std::string::npos || line[begin] == '#') continue;
+    char* rest = nullptr;
+    const double vertices = std::strtod(line.c_str() + begin, &rest);
+    const double faces = std::strtod(rest, nullptr);
+    return vertices + faces <= static_cast<double>(bytes) / 2.0;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::string MeshFormat(const std::string& path) {
@@ -107,6 +124,10 @@ std::string CheckMeshFile(const std::string& path) {
   rewind();
   if (format == "ply" && !IsWholePly(stream)) {
     throw Error(path + ": the file ends too early or its header is wrong");
+  }
+  rewind();
+  if (format == "off" && !IsOffWithRoom(stream, std::filesystem::file_size(path, ec))) {
+    throw Error(path + ": its header promises more than the file has room for");
   }
   if (!is_marked && format != "stl" && format != "dae" && format != "glb") return "";
   rewind();

@@ -10,7 +10,8 @@ namespace mjcf_pdg {
 std::string MeshFormat(const std::string& path);
 
 // Throws Error, which names the file, if it is missing, empty or unreadable, ends too early (PLY,
-// ASCII STL), has a unit that is no length (COLLADA), or has corners that do not exist (GLB).
+// ASCII STL), promises more than it has room for (OFF), has a unit that is no length (COLLADA), or
+// has corners that do not exist (GLB).
 //
 // Returns the bytes that assimp must be given instead of the file, or an empty string if it can
 // read the file itself. Left out are a byte order mark, which would hide the first line, and

@@ -58,7 +58,8 @@ void ContactSpaceProjection::Start(const VectorXd& q_f, const ProjectionOptions&
   result_.start_free = result_.certified = result_.complete = true;
   result_.pairs.clear();
   result_.motions = result_.jumps = result_.poses = 0;
-  largest_required_ = required ? std::max(0.0, required->maxCoeff()) : 0.0;
+  const bool pairs = required && required->size() > 0;
+  largest_required_ = pairs ? std::max(0.0, required->maxCoeff()) : 0.0;
 }
 
 void ContactSpaceProjection::RunGeneralizedCcd(const VectorXd& q_in) {

@@ -1,6 +1,7 @@
 #include "solve/permanent.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/random.h"
 #include "collide/contacts.h"
@@ -25,7 +26,8 @@ VectorXd RandomConfiguration(const mjModel& m, Random& random) {
     const int type = m.jnt_type[j];
     if (type == mjJNT_HINGE || type == mjJNT_SLIDE) {
       const double reach = type == mjJNT_HINGE ? mjPI : extent;
-      const bool limited = m.jnt_limited[j];
+      const bool limited =
+          m.jnt_limited[j] && std::isfinite(m.jnt_range[2 * j + 1] - m.jnt_range[2 * j]);
       *value = Between(random, limited ? m.jnt_range[2 * j] : *value - reach,
                        limited ? m.jnt_range[2 * j + 1] : *value + reach);
       continue;

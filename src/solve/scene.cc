@@ -14,6 +14,8 @@
 #include "model/exact_mesh.h"
 #include "model/kept_pairs.h"
 #include "model/scene_tables.h"
+#include "solve/model_file.h"
+#include "solve/model_numbers.h"
 #include "solve/options.h"
 #include "solve/permanent.h"
 #include "verify/verifier_model.h"
@@ -24,18 +26,6 @@ namespace {
 // Of MuJoCo's convex solver [scene's size]: distances to cylinders jitter by 5e-7 m at its default
 // of 1e-6 m in scenes of 0.1 m.
 constexpr double kCcdTolerance = 1e-8;
-
-struct ModelDeleter {
-  void operator()(mjModel* m) const { mj_deleteModel(m); }
-};
-
-std::string OneLine(std::string text) {
-  for (char& c : text) {
-    if (c == '\n' || c == '\r') c = ' ';
-  }
-  while (!text.empty() && text.back() == ' ') text.pop_back();
-  return text;
-}
 
 // MuJoCo scales heights to shares of the largest one when it compiles a model. Outside of that they
 // would stick out of the field's bounds, by which queries begin.
@@ -57,6 +47,7 @@ void RefuseUnsupported(const mjModel& m, const SceneOptions& options) {
                 " is not supported (--flex ignore leaves it out)");
   }
   if (m.njnt == 0) throw Error("the model has no joints: nothing can move");
+  CheckModelNumbers(m);
   RefuseBadHeights(m);
 }
 
@@ -141,8 +132,10 @@ void FillJoints(SceneTables& tables, const SceneOptions& options) {
     joint.col = tables.n;
     joint.ndof = joint.type == mjJNT_FREE ? 6 : joint.type == mjJNT_BALL ? 3 : 1;
     joint.limited = limits && m->jnt_limited[j] && joint.type != mjJNT_FREE;
-    joint.lo = m->jnt_range[2 * j];
-    joint.hi = m->jnt_range[2 * j + 1];
+    // A side without limit may be given as infinite; the search needs differences of finite
+    // numbers.
+    joint.lo = std::max(m->jnt_range[2 * j], -mjMAXVAL);
+    joint.hi = std::min(m->jnt_range[2 * j + 1], mjMAXVAL);
     joint.armature = Armature(*m, joint, options);
     for (int k = 0; k < joint.ndof; ++k) tables.column_of_dof[joint.vadr + k] = tables.n++;
     tables.joints.push_back(joint);
@@ -294,16 +287,6 @@ std::shared_ptr<const SceneTables> MakeTables(std::shared_ptr<const mjModel> own
   return tables;
 }
 
-std::shared_ptr<const mjModel> Compile(mjSpec* spec, const std::string& parse_error) {
-  if (!spec) throw Error(OneLine(parse_error));
-  std::unique_ptr<mjSpec, void (*)(mjSpec*)> guard(spec, mj_deleteSpec);
-  mjModel* model = mj_compile(spec, nullptr);
-  if (!model) throw Error(OneLine(mjs_getError(spec)));
-  return {model, ModelDeleter{}};
-}
-
-constexpr int kErrorSize = 2000;
-
 }  // namespace
 
 Scene::Scene(std::shared_ptr<const mjModel> owner, const mjModel& model,
@@ -319,17 +302,8 @@ Scene Scene::FromFile(const std::string& path, const SceneOptions& options) {
   if (!exists) throw Error(path + ": no such file");
   if (std::filesystem::is_directory(path, ec)) throw Error(path + ": is a directory");
   if (!std::ifstream(path)) throw Error(path + ": cannot be opened");
-  std::string error(kErrorSize, '\0');
-  std::shared_ptr<const mjModel> model;
   try {
-    if (std::filesystem::path(path).extension() == ".mjb") {
-      mjModel* loaded = mj_loadModel(path.c_str(), nullptr);
-      if (!loaded) throw Error(std::string("not a binary model of MuJoCo ") + mj_versionString());
-      model = {loaded, ModelDeleter{}};
-    } else {
-      mjSpec* spec = mj_parse(path.c_str(), nullptr, nullptr, error.data(), kErrorSize);
-      model = Compile(spec, error.c_str());
-    }
+    std::shared_ptr<const mjModel> model = LoadModelFile(path);
     const mjModel* raw = model.get();
     return Scene(std::move(model), *raw, options);
   } catch (const Error& e) {
@@ -338,9 +312,7 @@ Scene Scene::FromFile(const std::string& path, const SceneOptions& options) {
 }
 
 Scene Scene::FromString(const std::string& xml, const SceneOptions& options) {
-  std::string error(kErrorSize, '\0');
-  mjSpec* spec = mj_parseXMLString(xml.c_str(), nullptr, error.data(), kErrorSize);
-  std::shared_ptr<const mjModel> model = Compile(spec, error.c_str());
+  std::shared_ptr<const mjModel> model = CompileModel(ParseModelText(xml).get());
   const mjModel* raw = model.get();
   return Scene(std::move(model), *raw, options);
 }

@@ -366,6 +366,16 @@ TEST_F(MeshImportTest, AReaderThatIsKilledIsAnErrorThatNamesTheFile) {
   EXPECT_EQ(ReadMeshFile(path).triangles.cols(), 12);
 }
 
+TEST_F(MeshImportTest, AnOffFileThatPromisesTooMuchIsRefusedBeforeMemoryIsTaken) {
+  const std::string body = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  EXPECT_EQ(ReadMeshFile(Write("whole.off", "OFF\n# three\n3 1 3\n" + body)).triangles.cols(), 1);
+  for (const char* counts : {"99999999999 1 3", "3 2147483648 3", "1e308 1 3"}) {
+    const std::string path = Write("more.off", std::string("OFF\n") + counts + "\n" + body);
+    const std::string error = ErrorOf([&] { ReadMeshFile(path); });
+    EXPECT_NE(error.find("more.off: its header promises"), std::string::npos) << error;
+  }
+}
+
 TEST_F(MeshImportTest, ABinaryStlThatPromisesTooMuchIsRefused) {
   std::string header(80, ' ');
   const std::uint32_t count = 4'000'000'000u;

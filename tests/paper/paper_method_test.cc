@@ -127,6 +127,16 @@ const std::string kBlocked = InWorld(
     "<geom type='box' size='.01 1 1' pos='1 0 0'/><geom size='.2'/>"
     "<body><joint type='slide' axis='1 0 0'/><geom size='.1'/></body>");
 
+TEST_F(PaperMethodTest, ALimitThatIsExceededIsMendedWithoutAnyPairOfGeoms) {
+  const Scene scene = Scene::FromString(R"(<mujoco><worldbody><body>
+      <joint type="slide" range="0 1"/><geom size=".1"/></body></worldbody></mujoco>)");
+  Options options;
+  options.method = Method::kPaper;
+  const Result result = Solver(scene, options).Solve(std::vector<double>{-0.5});
+  EXPECT_EQ(result.status, Status::kSolved);
+  EXPECT_NEAR(result.sigma, 0.25, 1e-5);
+}
+
 TEST_F(PaperMethodTest, ReverseProjectionGetsBehindAnObstacleOnTheWay) {
   PosedProblem p(kBlocked);
   Ccdg ccd(p.scene.tables(), p.work.finder);

@@ -279,5 +279,46 @@ TEST_F(SceneTest, GeomsWithoutNameAreToldByTheirPlaceInTheXml) {
               HasSubstr("geom world/geom0 and geom ball/geom0 overlap"));
 }
 
+TEST_F(SceneTest, AModelThatIsBuiltByCodeIsAModel) {
+  const std::unique_ptr<mjSpec, void (*)(mjSpec*)> spec(mj_makeSpec(), mj_deleteSpec);
+  mjsBody* world = mjs_findBody(spec.get(), "world");
+  mjsGeom* floor = mjs_addGeom(world, nullptr);
+  floor->type = mjGEOM_PLANE;
+  std::fill(floor->size, floor->size + 3, 1.0);
+  mjsBody* ball = mjs_addBody(world, nullptr);
+  ball->pos[2] = 0.06;
+  mjs_addFreeJoint(ball);
+  mjs_addGeom(ball, nullptr)->size[0] = 0.1;
+  const ModelPtr m(mj_compile(spec.get(), nullptr));
+  ASSERT_NE(m, nullptr);
+  const Scene scene = Scene::FromModel(m.get());
+  const Result result = Solver(scene).Solve(scene.DefaultQpos());
+  EXPECT_EQ(result.status, Status::kSolved);
+  EXPECT_NEAR(result.sigma, 0.04 * 0.04, 1e-6);
+}
+
+// MuJoCo compiles all of them.
+TEST_F(SceneTest, InfiniteSizesAreRefusedByNameAndInfiniteRangesAreNoLimits) {
+  const auto scene = [](const std::string& size, const std::string& range) {
+    return Scene::FromString(R"(<mujoco><worldbody><geom type="plane" size="1 1 1"/>
+        <body name="ball" pos="0 0 .06"><joint type="slide" range=")" +
+                             range + R"("/><geom size=')" + size +
+                             R"('/></body></worldbody></mujoco>)");
+  };
+  EXPECT_EQ(ErrorOf([&] { scene("inf", "-1 1"); }), "the size of geom ball/geom0 is not usable");
+  EXPECT_EQ(ErrorOf([&] { scene(".1' quat='1e308 0 0 1", "-1 1"); }),
+            "the orientation of geom ball/geom0 is not usable");
+  for (const Method method : {Method::kAuto, Method::kPaper}) {
+    for (const char* range : {"-inf inf", "-.1 inf"}) {
+      const Scene half_open = scene(".1", range);
+      Options options;
+      options.method = method;
+      const Result result = Solver(half_open, options).Solve(half_open.DefaultQpos());
+      EXPECT_EQ(result.status, Status::kSolved) << range;
+      EXPECT_NEAR(result.sigma, 0.04 * 0.04, 1e-6) << range;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace mjcf_pdg::test

@@ -1,9 +1,12 @@
 #include "tests/support/pose_trials.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
+#include "collide/contacts.h"
 #include "tests/support/brute_distance.h"
 #include "tests/support/mesh_shapes.h"
 #include "tests/support/test_support.h"
@@ -24,7 +27,8 @@ constexpr double kPlaneRounding = 1e-13, kInsideRounding = 1e-9, kHullRounding =
 // Of overlaps that are much deeper than the tolerance, one in this many is given to the slow
 // oracle.
 constexpr int kSlowlyAsked = 50;
-constexpr std::size_t kWordy = 10;  // most claims in PoseTrials::wrong
+constexpr double kWrongDepth = 1e-3;  // share of the smaller geom's radius
+constexpr std::size_t kWordy = 10;    // most claims in PoseTrials::wrong
 
 // A random size between a hundredth of the scale and the scale, log-uniform.
 double Length(double scale, Random& rng) { return scale * std::pow(10.0, rng.Uniform(-2.0, 0.0)); }
@@ -95,12 +99,14 @@ double Inside(const mjModel& m, const mjData& d, int geom, const Vector3d& p_W) 
 // The poses of one model of two geoms, the second on a free joint.
 class Trial {
  public:
-  Trial(const Scene& scene, double scale)
+  Trial(const Scene& scene, double scale, OtherLibrary library)
       : scene_(scene),
         m_(*scene.model()),
         scale_(scale),
         tolerance_(kTolerance * scale),
         verifier_(scene.verifier_model(), MakeOptions(tolerance_)),
+        finder_(scene.tables()),
+        library_(std::move(library)),
         data_(mj_makeData(&m_)),
         alone_(m_) {
     // With several contacts of a pair, MuJoCo 4.0.1 ends the process for some poses.
@@ -138,8 +144,12 @@ class Trial {
     std::string wrong;
     if (!agrees) wrong = "IsFree and Check differ; ";
     if (free != (found.proof == verify::Proof::kPlane)) wrong += "no proof; ";
-    wrong += free ? RefutePlane(found) : RefutePoints(found, rng);
-    if (found.proof != verify::Proof::kUnproven) AskMujoco(free, tally);
+    wrong += free ? RefutePlane(found) : RefutePoints(found, rng, tally);
+    if (found.proof != verify::Proof::kUnproven) {
+      AskMujoco(free, tally);
+      AskSolver(free, tally);
+      AskLibrary(free, found.gap, tally);
+    }
     if (wrong.empty()) return;
     if (++trials.wrong_count > static_cast<long>(kWordy)) return;
     trials.wrong.push_back(wrong + (free ? "free: " : "not free: ") + TypeName(m_.geom_type[0]) +
@@ -172,7 +182,7 @@ class Trial {
 
   // Says what is wrong with a claim "not free": its point must be in both shapes, and the slow
   // oracle must find no plane that shows an overlap of at most the tolerance.
-  std::string RefutePoints(const verify::Certificate& found, Random& rng) const {
+  std::string RefutePoints(const verify::Certificate& found, Random& rng, PoseTally& tally) {
     const bool hull = m_.geom_type[0] == mjGEOM_MESH || m_.geom_type[1] == mjGEOM_MESH;
     const double rounding = (hull ? kHullRounding : kInsideRounding) * Lengths();
     if (found.proof == verify::Proof::kPoints) {
@@ -188,6 +198,7 @@ class Trial {
     const bool clear = found.gap < -100.0 * tolerance_;
     if (clear && rng.Index(kSlowlyAsked) != 0) return "";
     const double brute = BruteDistance(&m_, data_.get(), 0, 1).distance;
+    CompareDepth(brute, tally);
     if (brute < -tolerance_ + kPlaneRounding * Lengths()) return "";
     return "a plane shows an overlap of no more than " + Join(&brute, 1) + "; ";
   }
@@ -203,10 +214,38 @@ class Trial {
     tally.distance_invented += free && distance < -tolerance_;
   }
 
+  // The solver's signed distance [m], cut off at the scale.
+  double SolversDistance() {
+    finder_.ForgetConvex();  // each pose for itself
+    finder_.Pose(Eigen::Map<const Eigen::VectorXd>(q_.data(), 7));
+    NearPair near;
+    return finder_.Distance(0, scale_, near) ? near.distance : scale_;
+  }
+  void AskSolver(bool free, PoseTally& tally) {
+    const double distance = SolversDistance();
+    tally.solver_missed += !free && !(distance < -0.5 * tolerance_);
+    tally.solver_invented += free && distance < -1.5 * tolerance_;
+  }
+  void CompareDepth(double truth, PoseTally& tally) {
+    ++tally.depths;
+    const bool plane = m_.geom_type[0] == mjGEOM_PLANE;
+    const double size = plane ? m_.geom_rbound[1] : std::min(m_.geom_rbound[0], m_.geom_rbound[1]);
+    tally.solver_wrong_depths += std::abs(SolversDistance() - truth) > kWrongDepth * size;
+  }
+  void AskLibrary(bool free, double gap, PoseTally& tally) const {
+    const std::optional<bool> overlap = library_ ? library_(*data_) : std::nullopt;
+    if (!overlap) return;
+    ++tally.library_asked;
+    tally.library_missed += !free && !*overlap;
+    tally.library_invented += free && *overlap && gap > 0.5 * tolerance_;
+  }
+
   const Scene& scene_;
   const mjModel& m_;
   const double scale_, tolerance_;
   Verifier verifier_;
+  ContactFinder finder_;
+  OtherLibrary library_;
   DataPtr data_;
   mjModel alone_;  // the copy of the model's struct that MuJoCo is asked with
   std::vector<double> q_;
@@ -226,15 +265,18 @@ std::vector<double> AlignedPose(const mjModel& m, Random& rng) {
   return FreePose(p, r.normalized());
 }
 
-void RunPair(int type1, int type2, Random& rng, PoseTrials& trials) {
+using LibraryOf = std::function<OtherLibrary(const mjModel&)>;
+
+void RunPair(const std::array<int, 2>& types, const LibraryOf& library, Random& rng,
+             PoseTrials& trials) {
   const double scale = std::pow(10.0, rng.Uniform(-3.0, 3.0));
   std::string assets;
-  const std::string first = GeomText(RandomConvex(type1, scale, rng), "g1", assets);
-  const std::string second = GeomText(RandomConvex(type2, scale, rng), "g2", assets);
+  const std::string first = GeomText(RandomConvex(types[0], scale, rng), "g1", assets);
+  const std::string second = GeomText(RandomConvex(types[1], scale, rng), "g2", assets);
   const Scene scene =
       Scene::FromString("<mujoco><asset>" + assets + "</asset><worldbody>" + first +
                         "<body><freejoint/>" + second + "</body></worldbody></mujoco>");
-  Trial trial(scene, scale);
+  Trial trial(scene, scale, library ? library(*scene.model()) : OtherLibrary());
   for (int k = 0; k < kPosesOfAPair; ++k) {
     if (k % 4 == 0) {
       trial.Pose(AlignedPose(*scene.model(), rng));
@@ -256,7 +298,7 @@ void RunPair(int type1, int type2, Random& rng, PoseTrials& trials) {
 
 }  // namespace
 
-PoseTrials RunPoseTrials(long poses, std::uint64_t seed) {
+PoseTrials RunPoseTrials(long poses, std::uint64_t seed, const LibraryOf& library) {
   const std::vector<int> types = {mjGEOM_PLANE,    mjGEOM_SPHERE, mjGEOM_CAPSULE, mjGEOM_ELLIPSOID,
                                   mjGEOM_CYLINDER, mjGEOM_BOX,    mjGEOM_MESH};
   Random rng(seed);
@@ -264,7 +306,7 @@ PoseTrials RunPoseTrials(long poses, std::uint64_t seed) {
   for (long done = 0; done < poses;) {
     for (std::size_t i = 0; i < types.size(); ++i) {
       for (std::size_t j = std::max<std::size_t>(i, 1); j < types.size() && done < poses; ++j) {
-        RunPair(types[i], types[j], rng, trials);
+        RunPair({types[i], types[j]}, library, rng, trials);
         done += kPosesOfAPair;
       }
     }

@@ -4,7 +4,11 @@
 #ifndef MJCF_PDG_TESTS_SUPPORT_POSE_TRIALS_H_
 #define MJCF_PDG_TESTS_SUPPORT_POSE_TRIALS_H_
 
+#include <mujoco/mujoco.h>
+
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,7 +24,17 @@ struct PoseTally {
   // mj_geomDistance: no overlap beyond the tolerance though there is one; such an overlap though
   // not.
   long distance_missed = 0, distance_invented = 0;
+  // The solver's own distances, held against the proofs: no overlap by more than the tolerance and
+  // a half though there is one, one by more than half of it though there is none; of the overlaps
+  // that the slow oracle measured, those whose depth is off by more than 1e-3 of the smaller geom.
+  long solver_missed = 0, solver_invented = 0, depths = 0, solver_wrong_depths = 0;
+  // Another library, where it has an answer: no overlap though there is one of more than the
+  // tolerance, an overlap though a plane shows a gap of more than half of it.
+  long library_asked = 0, library_missed = 0, library_invented = 0;
 };
+
+// Whether geoms 0 and 1 overlap at a pose, by another library; nothing if it has no answer.
+using OtherLibrary = std::function<std::optional<bool>(const mjData&)>;
 
 struct PoseTrials {
   // Poses at random; with faces, edges and middles aligned; with an overlap near the tolerance.
@@ -31,8 +45,9 @@ struct PoseTrials {
 
 // Tries about `poses` poses over all pairs of types, in scales of 1e-3 to 1e3 m, with sizes from a
 // hundredth of the scale to the scale, and hulls of 4 to 200 points. The tolerance is 1e-6 of the
-// scale.
-PoseTrials RunPoseTrials(long poses, std::uint64_t seed);
+// scale. `library`, if it is not empty, makes the other library of each pair's model.
+PoseTrials RunPoseTrials(long poses, std::uint64_t seed,
+                         const std::function<OtherLibrary(const mjModel&)>& library = {});
 
 }  // namespace mjcf_pdg::test
 

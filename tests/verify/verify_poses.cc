@@ -1,9 +1,12 @@
 // A million poses of pairs of convex geoms, each claim of the independent check held against its
-// proof, and what MuJoCo says of them alone: cmake --build BUILD --target verify_poses, then
-// BUILD/verify_poses [POSES [SEED]]. Exits with 1 if a claim is wrong.
+// proof, and what the solver, MuJoCo and FCL say of them: cmake --build BUILD --target
+// verify_poses, then BUILD/verify_poses [POSES [SEED]]. Exits with 1 if a claim is wrong.
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
+#include <optional>
 
+#include "library/library.h"
 #include "tests/support/pose_trials.h"
 
 namespace {
@@ -20,6 +23,18 @@ void Print(const char* kind, const mjcf_pdg::test::PoseTally& tally) {
       "invents %.4f %%\n",
       share(tally.collision_missed, tally.overlapping), share(tally.collision_invented, tally.free),
       share(tally.distance_missed, tally.overlapping), share(tally.distance_invented, tally.free));
+  std::printf(
+      "         the solver misses %ld overlaps and invents %ld; %ld of %ld depths are wrong\n",
+      tally.solver_missed, tally.solver_invented, tally.solver_wrong_depths, tally.depths);
+  std::printf("         FCL, asked %ld times, misses %ld and invents %ld\n", tally.library_asked,
+              tally.library_missed, tally.library_invented);
+}
+
+// FCL's own tests of primitives, and GJK for the others. Its depths are not asked: for some poses
+// its EPA ends the process.
+mjcf_pdg::test::OtherLibrary Fcl(const mjModel& m) {
+  std::shared_ptr<mjcf_pdg::bench::Library> fcl = mjcf_pdg::bench::MakeFcl(m, false);
+  return [fcl](const mjData& d) { return fcl->Overlap(d, 0, 1); };
 }
 
 }  // namespace
@@ -27,7 +42,7 @@ void Print(const char* kind, const mjcf_pdg::test::PoseTally& tally) {
 int main(int argc, char** argv) {
   const long poses = argc > 1 ? std::atol(argv[1]) : 1000000;
   const auto seed = static_cast<std::uint64_t>(argc > 2 ? std::atol(argv[2]) : 1);
-  const mjcf_pdg::test::PoseTrials trials = mjcf_pdg::test::RunPoseTrials(poses, seed);
+  const mjcf_pdg::test::PoseTrials trials = mjcf_pdg::test::RunPoseTrials(poses, seed, Fcl);
   Print("random", trials.random);
   Print("aligned", trials.aligned);
   Print("near", trials.near);

@@ -1,0 +1,153 @@
+#include "tests/fuzz/cases.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+
+#include "mjcf_pdg/pdg.h"
+#include "tests/fuzz/judge.h"
+#include "tests/fuzz/random_scene.h"
+#include "verify/verifier.h"
+
+namespace mjcf_pdg::test {
+namespace {
+
+constexpr int kQueries = 300;  // budget of a solve
+
+void HandleMessage(const mjLogMessage* message) {
+  if (message->level >= mjLOG_ERROR) throw std::runtime_error(message->subject);
+}
+
+bool Finite(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+}
+
+bool Finite(const std::vector<Contact>& contacts) {
+  return std::all_of(contacts.begin(), contacts.end(), [](const Contact& c) {
+    return std::isfinite(c.distance) && std::isfinite(c.position_W[0] + c.position_W[1]) &&
+           std::isfinite(c.position_W[2] + c.normal_W[0] + c.normal_W[1] + c.normal_W[2]);
+  });
+}
+
+// A scene and a configuration of it.
+struct Problem {
+  RandomScene drawn;
+  std::optional<Scene> scene;  // none: it does not compile, or is refused
+  std::vector<double> q;
+  Options options;
+
+  explicit Problem(Random& rng) : drawn(DrawScene(rng)) {
+    try {
+      scene.emplace(Scene::FromString(drawn.xml));
+    } catch (const Error&) {
+      return;
+    }
+    q = DrawConfiguration(*scene->model(), drawn.scale, rng);
+    // The default tolerance is large for small scenes and small for large ones.
+    if (rng.Chance(0.5)) options.tolerance = std::clamp(1e-6 * drawn.scale, 1e-10, 1e-2);
+    options.seed = static_cast<std::uint64_t>(rng.Index(1000));
+  }
+
+  std::string Words() const {
+    return " in " + drawn.xml + " at " + Join(q.data(), static_cast<int>(q.size())) +
+           " with tolerance " + Join(&options.tolerance, 1);
+  }
+};
+
+// What the judge says against "q is free".
+std::string Refute(const Problem& problem, const std::vector<double>& q) {
+  Verifier verifier(problem.scene->verifier_model(), problem.options);
+  verifier.IsFree(q);
+  return Judge(*problem.scene->model())
+      .Refute(q, problem.options.tolerance, [&verifier](int geom1, int geom2) -> Eigen::Vector3d {
+        try {
+          return verifier.CertificateOf(geom1, geom2).n;
+        } catch (const Error&) {
+          return Eigen::Vector3d::Zero();  // no kept pair of the verifier's
+        }
+      });
+}
+
+std::string WrongResult(const Problem& problem, const Result& result) {
+  if (!Finite(result.q)) return "q is not finite";
+  if (!Finite({result.sigma, result.sigma_lower_bound, result.depth_in, result.min_distance,
+               result.limit_excess_in, result.equality_residual_in, result.equality_residual})) {
+    return "a number is not finite";
+  }
+  if (!Finite(result.contacts_in) || !Finite(result.contacts)) return "a contact is not finite";
+  if (result.sigma < 0.0) return "σ is negative";
+  const bool unsolved = result.status == Status::kUnsolved;
+  if (unsolved != (result.cause != Cause::kNone) || unsolved == result.reason.empty()) {
+    return "cause or reason do not fit the status";
+  }
+  if (result.status == Status::kAlreadyFree) {
+    const bool same =
+        std::equal(problem.q.begin(), problem.q.end(), result.q.begin(), [](double a, double b) {
+          return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+        });
+    if (!same) return "a free input came back changed";
+  }
+  if (unsolved) return "";
+  // The bound knows no equality constraints, but leaves them out, which lowers it.
+  if (result.sigma_lower_bound > result.sigma * (1.0 + 1e-9)) return "σ is below its lower bound";
+  return Refute(problem, result.q);
+}
+
+}  // namespace
+
+QuietMujoco::QuietMujoco() { mju_setLogHandler(HandleMessage); }
+QuietMujoco::~QuietMujoco() { mju_setLogHandler(nullptr); }
+
+CaseOutcome VerdictCase(std::uint64_t seed) {
+  Random rng(seed);
+  const Problem problem(rng);
+  if (!problem.scene) return {"refused", ""};
+  const Verdict verdict = Verify(*problem.scene, problem.q, problem.options);
+  CaseOutcome outcome{verdict.free ? "free" : "not free", ""};
+  if (!Finite({verdict.min_distance, verdict.limit_excess, verdict.equality_residual}) ||
+      !Finite(verdict.contacts)) {
+    outcome.wrong = "a number of the verdict is not finite";
+  }
+  Options fast = problem.options;
+  fast.effort = Effort::kFast;
+  if (Solver(*problem.scene, fast).IsFree(problem.q) != verdict.free) {
+    outcome.wrong = "IsFree and Verify differ";
+  }
+  const std::vector<double> other =
+      DrawConfiguration(*problem.scene->model(), problem.drawn.scale, rng);
+  ObjectNorm norm(*problem.scene, Metric::kSequential, problem.q);
+  const double sigma = norm.Sigma(other);
+  if (!std::isfinite(sigma) || sigma < 0.0) outcome.wrong = "σ is no number";
+  if (verdict.free && outcome.wrong.empty()) outcome.wrong = Refute(problem, problem.q);
+  if (!outcome.wrong.empty()) outcome.wrong += problem.Words();
+  return outcome;
+}
+
+CaseOutcome SolvingCase(std::uint64_t seed) {
+  Random rng(seed);
+  Problem problem(rng);
+  if (!problem.scene) return {"refused", ""};
+  problem.options.report_contacts = true;
+  problem.options.report_distances_to = rng.Chance(0.5) ? 1.0 : 0.0;
+  if (rng.Chance(0.2)) problem.options.metric = Metric::kDisplacement;
+  if (rng.Chance(0.3)) problem.options.effort = Effort::kFast;
+  if (rng.Chance(0.1) && problem.scene->HeldEqualities().empty()) {
+    problem.options.method = Method::kPaper;
+  }
+  Solver solver(*problem.scene, problem.options);
+  solver.SetBudget({kQueries, 0.0});
+  const Result result = solver.Solve(std::span<const double>(problem.q));
+  const char* kinds[] = {"already free", "solved", "unsolved"};
+  CaseOutcome outcome{kinds[static_cast<int>(result.status)], WrongResult(problem, result)};
+  if (!outcome.wrong.empty()) {
+    outcome.wrong += " (" + outcome.kind + ")" + problem.Words() + ", q " +
+                     Join(result.q.data(), static_cast<int>(result.q.size()));
+  }
+  return outcome;
+}
+
+}  // namespace mjcf_pdg::test
