@@ -5,9 +5,9 @@
 
 Commands are the lines that begin with "$ " in blocks marked ```console. They run with sh, in a folder where `models` and
 `python` are the project's, `mjcf-pdg` is the program and earlier blocks of the same document have left their files.
-Numbers may differ by 1 % (compilers round differently) and the last column of a table headed `time ms` by anything;
+Numbers may differ by 1 % or, if small, by 0.001 (compilers round differently), and the last column of a table headed `time ms` by anything;
 `...` at the end of a line stands for the rest of it, alone on a line for lines that are left out. `# exit N` at the end of a command is its
-exit code, 0 if nothing is said. --update writes into the documents what came out; blocks with `...` are left as they are.
+exit code, 0 if nothing is said. A block marked with a file name behind its language (```xml arm.xml) is that file. --update writes into the documents what came out; blocks with `...` are left as they are.
 """
 
 import argparse
@@ -20,6 +20,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 BLOCK = re.compile(r"^```console\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+FILE = re.compile(r"^```\w+ ([\w.]+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 
 
 def same_word(shown: str, now: str) -> bool:
@@ -29,7 +30,7 @@ def same_word(shown: str, now: str) -> bool:
     if parts.sub("#", shown) != parts.sub("#", now):
         return False
     pairs = zip(map(float, parts.findall(shown)), map(float, parts.findall(now)))
-    return all(abs(a - b) <= 0.01 * max(abs(a), abs(b)) for a, b in pairs)
+    return all(abs(a - b) <= max(0.01 * max(abs(a), abs(b)), 0.001) for a, b in pairs)
 
 
 def same_line(shown: str, now: str, timed: bool) -> bool:
@@ -90,6 +91,8 @@ def check(path: pathlib.Path, program: pathlib.Path, update: bool) -> int:
             link = pathlib.Path(folder, name)
             link.parent.mkdir(exist_ok=True)
             link.symlink_to(target)
+        for name, text in FILE.findall(document):
+            pathlib.Path(folder, name).write_text(text)
         environment = os.environ | {"PATH": f"{folder}/bin:{os.environ['PATH']}"}
 
         def replace(match: re.Match) -> str:
