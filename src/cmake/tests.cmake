@@ -60,8 +60,9 @@ if(MJCF_PDG_BUILD_TESTS)
                           GTest::gtest_main)
     if(TARGET mjcf-pdg)
       add_dependencies(mjcf_pdg_tests mjcf-pdg manual)
-      target_compile_definitions(mjcf_pdg_tests PRIVATE MJCF_PDG_PROGRAM="$<TARGET_FILE:mjcf-pdg>"
-                                 MJCF_PDG_MANUAL_DIR="${manual_dir}")
+      target_compile_definitions(mjcf_pdg_tests PRIVATE MJCF_PDG_PROGRAM="$<TARGET_FILE:mjcf-pdg>")
+      set_source_files_properties(tests/apps/cli_manual_test.cc PROPERTIES
+                                  COMPILE_DEFINITIONS "MJCF_PDG_MANUAL_DIR=\"${manual_dir}\"")
       if(render)  # What is drawn is read again.
         target_compile_definitions(mjcf_pdg_tests PRIVATE MJCF_PDG_TESTS_HAVE_PNG)
         target_link_libraries(mjcf_pdg_tests PRIVATE PNG::PNG)

@@ -13,6 +13,7 @@
 #include "model/exact_mesh.h"
 #include "model/kept_pairs.h"
 #include "model/scene_tables.h"
+#include "solve/finite_model.h"
 #include "solve/options.h"
 #include "solve/permanent.h"
 #include "verify/verifier_model.h"
@@ -42,6 +43,7 @@ void RefuseUnsupported(const mjModel& m, const SceneOptions& options) {
                 " is not supported (--flex ignore leaves it out)");
   }
   if (m.njnt == 0) throw Error("the model has no joints: nothing can move");
+  RefuseNonFinite(m);
 }
 
 // MuJoCo only warns that it cannot collide these: an overlap would never be seen.
