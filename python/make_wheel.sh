@@ -29,7 +29,7 @@ licences=$(echo "$package"/*.dist-info)/licenses
 for library in "$package"/*.libs/*; do
   name=$(basename "$library" | sed -E 's/-[0-9a-f]{8}\.so.*//') # libfcl-0123abcd.so.0.7 is libfcl
   file=$(realpath "$(/sbin/ldconfig -p | awk -v name="$name.so" 'index($1, name) == 1 { print $NF; exit }')")
-  owner=$(dpkg-query --search "$file" | cut -d: -f1 | head -n 1)
+  owner=$(dpkg-query --search "*/$(basename "$file")" | cut -d: -f1 | head -n 1)
   install -D -m 644 "/usr/share/doc/$owner/copyright" "$licences/$owner.copyright"
 done
 mkdir -p "$out"

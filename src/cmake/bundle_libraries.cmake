@@ -1,16 +1,16 @@
 # Run by `cmake --install`: copies the shared libraries that `program` and `library` need to `library_dir`, and for each the
-# licence that its Debian package states to `licence_dir` (both relative to the prefix). `own_names` are installed already.
+# licence that its Debian package states to `licence_dir` (both relative to the prefix).
 
 file(GET_RUNTIME_DEPENDENCIES
   EXECUTABLES ${program} LIBRARIES ${library}
   RESOLVED_DEPENDENCIES_VAR found
   PRE_EXCLUDE_REGEXES "^lib(c|m|dl|rt|pthread|stdc\\+\\+|gcc_s)\\.so" "^ld-linux" "^libmujoco\\." "^libmjcf_pdg\\.")
 foreach(library IN LISTS found)
-  get_filename_component(name "${library}" NAME)
   file(INSTALL "${library}" DESTINATION "${CMAKE_INSTALL_PREFIX}/${library_dir}" FOLLOW_SYMLINK_CHAIN)
-  # dpkg may know the file below /usr/lib where the linker found it below /lib.
+  # By its last name: dpkg may know the file below /lib where the linker found it below /usr/lib, or the other way round.
   file(REAL_PATH "${library}" file)
-  execute_process(COMMAND dpkg-query --search "${file}" OUTPUT_VARIABLE package RESULT_VARIABLE unknown ERROR_QUIET)
+  get_filename_component(file "${file}" NAME)
+  execute_process(COMMAND dpkg-query --search "*/${file}" OUTPUT_VARIABLE package RESULT_VARIABLE unknown ERROR_QUIET)
   string(REGEX REPLACE ":.*" "" package "${package}")
   set(licence "/usr/share/doc/${package}/copyright")
   if(NOT unknown EQUAL 0 OR NOT EXISTS "${licence}")

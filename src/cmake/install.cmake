@@ -51,6 +51,7 @@ install(EXPORT mjcf_pdgTargets NAMESPACE mjcf_pdg:: DESTINATION "${package_dir}"
 # pkg-config. A static library needs what it was made of at the consumer's link.
 set(pkgconfig_dir "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
 file(RELATIVE_PATH pkgconfig_to_prefix "/${pkgconfig_dir}" "/")
+string(REGEX REPLACE "/$" "" pkgconfig_to_prefix "${pkgconfig_to_prefix}")
 set(pkgconfig_requires "")
 set(pkgconfig_cflags "")
 if(MJCF_PDG_IS_STATIC)

@@ -7,7 +7,6 @@
 install(CODE "
   set(program \"$<$<TARGET_EXISTS:mjcf-pdg>:$<TARGET_FILE:mjcf-pdg>>\")
   set(library \"$<$<STREQUAL:$<TARGET_PROPERTY:mjcf_pdg,TYPE>,SHARED_LIBRARY>:$<TARGET_FILE:mjcf_pdg>>\")
-  set(own_names \"$<TARGET_FILE_NAME:mujoco::mujoco>\" \"$<TARGET_FILE_NAME:mjcf_pdg>\")
   set(library_dir \"${private_dir}/bundled\")
   set(licence_dir \"${CMAKE_INSTALL_DOCDIR}/bundled\")
   include(\"${PROJECT_SOURCE_DIR}/src/cmake/bundle_libraries.cmake\")"
@@ -24,7 +23,13 @@ set(CPACK_INSTALL_CMAKE_PROJECTS "${PROJECT_BINARY_DIR};mjcf_pdg;ALL;/"
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)  # finds the C and C++ runtime's least versions
-set(CPACK_PROJECT_CONFIG_FILE "${PROJECT_SOURCE_DIR}/src/cmake/package_options.cmake")
+# The runtime of this machine or a newer one. (dpkg-shlibdeps would ask for the packages of what we bundle, too.)
+execute_process(COMMAND getconf GNU_LIBC_VERSION OUTPUT_VARIABLE libc ERROR_QUIET)
+string(REGEX MATCH "[0-9.]+" libc "${libc}")
+string(REGEX MATCH "^[0-9]+" compiler "${CMAKE_CXX_COMPILER_VERSION}")
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "libc6 (>= ${libc}), libgcc-s1, libstdc++6")
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  string(APPEND CPACK_DEBIAN_PACKAGE_DEPENDS " (>= ${compiler})")
+endif()
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libegl1, libgl1-mesa-dri")  # pictures
 include(CPack)
