@@ -15,6 +15,7 @@ packages=(
   libgtest-dev libgmock-dev
   libcgal-dev                                      # tests and benches only: a second opinion on meshes
   libegl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libpng-dev  # pictures without a screen
+  patchelf                                         # packages only (preset `package`)
   mandoc                                           # tests only: are the manual pages well-formed?
 )
 

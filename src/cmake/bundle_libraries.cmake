@@ -1,6 +1,10 @@
 # Run by `cmake --install`: copies the shared libraries that `program` and `library` need to `library_dir`, and for each the
 # licence that its Debian package states to `licence_dir` (both relative to the prefix).
 
+find_program(patchelf patchelf)
+if(NOT patchelf)
+  message(FATAL_ERROR "Packages need patchelf: apt-get install patchelf")
+endif()
 file(GET_RUNTIME_DEPENDENCIES
   EXECUTABLES ${program} LIBRARIES ${library}
   RESOLVED_DEPENDENCIES_VAR found
@@ -11,6 +15,9 @@ foreach(library IN LISTS found)
   file(REAL_PATH "${library}" file)
   get_filename_component(file "${file}" NAME)
   execute_process(COMMAND dpkg-query --search "*/${file}" OUTPUT_VARIABLE package RESULT_VARIABLE unknown ERROR_QUIET)
+  # It finds the others beside it, when a program runs and when a consumer's linker looks for what it needs.
+  execute_process(COMMAND "${patchelf}" --set-rpath "$ORIGIN" "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/${library_dir}/${file}"
+                  COMMAND_ERROR_IS_FATAL ANY)
   string(REGEX REPLACE ":.*" "" package "${package}")
   set(licence "/usr/share/doc/${package}/copyright")
   if(NOT unknown EQUAL 0 OR NOT EXISTS "${licence}")
