@@ -16,7 +16,7 @@ packages=(
   libcgal-dev                                      # tests and benches only: a second opinion on meshes
   libegl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libpng-dev  # pictures without a screen
   patchelf                                         # packages only (preset `package`)
-  mandoc                                           # tests only: are the manual pages well-formed?
+  mandoc pkg-config                                # tests only: manual pages, a consumer of what is installed
 )
 
 if [ -n "${MJCF_PDG_SKIP_DEPS:-}" ]; then

@@ -48,15 +48,15 @@ install(FILES "${PROJECT_BINARY_DIR}/mjcf_pdgConfig.cmake" "${PROJECT_BINARY_DIR
         DESTINATION "${package_dir}")
 install(EXPORT mjcf_pdgTargets NAMESPACE mjcf_pdg:: DESTINATION "${package_dir}")
 
-# pkg-config. A static library needs what it was made of at the consumer's link.
+# pkg-config. A static library needs what it was made of at the consumer's link. (Not `Requires: fcl`: fcl.pc says -std=c++11.)
 set(pkgconfig_dir "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
 file(RELATIVE_PATH pkgconfig_to_prefix "/${pkgconfig_dir}" "/")
 string(REGEX REPLACE "/$" "" pkgconfig_to_prefix "${pkgconfig_to_prefix}")
-set(pkgconfig_requires "")
 set(pkgconfig_cflags "")
+set(pkgconfig_libs "")
 if(MJCF_PDG_IS_STATIC)
-  set(pkgconfig_requires "fcl")
   set(pkgconfig_cflags " -DMJCF_PDG_STATIC")
+  set(pkgconfig_libs " -lfcl")
 endif()
 if(MJCF_PDG_INSTALLS_MUJOCO)
   set(pkgconfig_mujoco "\${libdir}/mjcf_pdg/mujoco")
