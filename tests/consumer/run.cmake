@@ -16,6 +16,7 @@ run("${CMAKE_COMMAND}" -S "${CMAKE_CURRENT_LIST_DIR}" -B "${work}/build" -G "${g
     "-DCMAKE_BUILD_TYPE=${config}" "-DCMAKE_RUNTIME_OUTPUT_DIRECTORY=${work}/bin$<0:>")
 run("${CMAKE_COMMAND}" --build "${work}/build" --config "${config}")
 run("${work}/bin/consumer")
+execute_process(COMMAND "${work}/bin/readme" WORKING_DIRECTORY "${CMAKE_CURRENT_LIST_DIR}/../.." COMMAND_ERROR_IS_FATAL ANY)
 set(models "${CMAKE_CURRENT_LIST_DIR}/../../models")
 run("${work}/bin/allocations" 40 "${models}/puma/puma_car.xml" "${models}/hand/hand_bottle.xml"
     "${models}/figure/figure_bench.xml")
