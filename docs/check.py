@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the commands of the documents again and holds what they show against what comes out.
+"""Runs the commands of the documents again and holds what they show against what comes out; looks where links lead.
 
     docs/check.py [--program build/bin/mjcf-pdg] [--update] [FILE.md ...]     # default: README.md and docs/*.md
 
@@ -84,8 +84,27 @@ def run_block(block: str, folder: str, environment: dict) -> tuple[str, list[str
     return text, faults
 
 
+def anchors(path: pathlib.Path) -> set[str]:
+    """The headings of a document as GitHub names them in links."""
+    headings = re.findall(r"^#+ (.*)$", path.read_text(), re.MULTILINE)
+    return {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def bad_links(path: pathlib.Path) -> list[str]:
+    bad = []
+    for link in re.findall(r"\]\(([^)\s]+)\)", path.read_text()):
+        name, _, anchor = link.partition("#")
+        target = path.parent / name if name else path
+        if not link.startswith("http") and not (target.exists() and (not anchor or anchor in anchors(target))):
+            bad.append(link)
+    return bad
+
+
 def check(path: pathlib.Path, program: pathlib.Path, update: bool) -> int:
     document, faults = path.read_text(), 0
+    for link in bad_links(path):
+        print(f"{path.relative_to(ROOT)}: leads nowhere: {link}", file=sys.stderr)
+        faults += 1
     with tempfile.TemporaryDirectory() as folder:
         for name, target in (("models", ROOT / "models"), ("python", ROOT / "python"), ("bin/mjcf-pdg", program)):
             link = pathlib.Path(folder, name)
