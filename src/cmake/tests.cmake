@@ -59,7 +59,7 @@ if(MJCF_PDG_BUILD_TESTS)
     target_link_libraries(mjcf_pdg_tests PRIVATE mjcf_pdg_test_support mjcf_pdg_mesh_import assimp::assimp
                           GTest::gtest_main)
     if(TARGET mjcf-pdg)
-      add_dependencies(mjcf_pdg_tests mjcf-pdg manual)
+      add_dependencies(mjcf_pdg_tests mjcf-pdg)
       target_compile_definitions(mjcf_pdg_tests PRIVATE MJCF_PDG_PROGRAM="$<TARGET_FILE:mjcf-pdg>")
       set_source_files_properties(tests/apps/cli_manual_test.cc PROPERTIES
                                   COMPILE_DEFINITIONS "MJCF_PDG_MANUAL_DIR=\"${manual_dir}\"")
