@@ -1,9 +1,12 @@
-// What main.cc and the verbs (subcommands) share: exit codes, and how a verb is registered.
+// What main.cc and the verbs (subcommands) share: exit codes, how a verb is registered, and all of
+// them together.
 #ifndef MJCF_PDG_APPS_CLI_H_
 #define MJCF_PDG_APPS_CLI_H_
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <memory>
+#include <vector>
 
 namespace mjcf_pdg::app {
 
@@ -25,6 +28,13 @@ Verb AddCheckVerb(CLI::App& program);
 Verb AddImportVerb(CLI::App& program);
 Verb AddRegressVerb(CLI::App& program);
 Verb AddAuditVerb(CLI::App& program);
+
+// The whole command line: what main.cc parses and what the manual pages are written from.
+struct Program {
+  std::unique_ptr<CLI::App> app;
+  std::vector<Verb> verbs;
+};
+Program MakeProgram();
 
 }  // namespace mjcf_pdg::app
 

@@ -14,7 +14,9 @@ packages=(
   libcli11-dev nlohmann-json3-dev
   libgtest-dev libgmock-dev
   libcgal-dev                                      # tests and benches only: a second opinion on meshes
-  libegl-dev libegl-mesa0 libgl1-mesa-dri libpng-dev  # pictures without a screen
+  libegl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libpng-dev  # pictures without a screen
+  patchelf                                         # packages only (preset `package`)
+  mandoc pkg-config                                # tests only: manual pages, a consumer of what is installed
 )
 
 if [ -n "${MJCF_PDG_SKIP_DEPS:-}" ]; then

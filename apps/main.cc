@@ -14,8 +14,6 @@
 namespace mjcf_pdg::app {
 namespace {
 
-constexpr char kVersion[] = "mjcf-pdg " MJCF_PDG_VERSION;
-
 int Fail(const std::string& message, int exit_code) {
   std::fprintf(stderr, "mjcf-pdg: error: %s\n", OneLine(message).c_str());
   return exit_code;
@@ -36,27 +34,15 @@ void CheckVerb(const std::vector<Verb>& verbs, int argc, char** argv) {
 }
 
 int Dispatch(int argc, char** argv) {
-  CLI::App program{
-      "Nearest collision-free configuration of a MuJoCo model, under the object norm (PDg).",
-      "mjcf-pdg"};
-  program.require_subcommand(1);
-  std::vector<Verb> verbs = {AddSolveVerb(program),   AddNormVerb(program),
-                             AddCheckVerb(program),   AddAuditVerb(program),
-                             AddRegressVerb(program), AddImportVerb(program)};
-  program.set_version_flag("--version", kVersion);
-  for (Verb& verb : verbs) verb.command->set_version_flag("--version", kVersion);
-  program.footer(
-      "Exit codes: 0 all free or made free, 2 bad input, 3 some configuration is not free, 1 "
-      "other.");
-
-  CheckVerb(verbs, argc, argv);
+  Program program = MakeProgram();
+  CheckVerb(program.verbs, argc, argv);
   try {
-    program.parse(argc, argv);
+    program.app->parse(argc, argv);
   } catch (const CLI::Success& request) {  // --help, --version
-    program.exit(request);
+    program.app->exit(request);
     return std::fflush(stdout) == 0 ? kExitFree : Fail("cannot write to stdout", kExitFailure);
   }
-  for (Verb& verb : verbs) {
+  for (Verb& verb : program.verbs) {
     if (!verb.command->parsed()) continue;
     const int exit_code = verb.run();
     for (const std::string& warning : TakeMujocoWarnings()) {

@@ -156,7 +156,7 @@ Verb AddRegressVerb(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "regress", "Solve suites of models again and compare with their golden results");
   auto arguments = std::make_shared<RegressArguments>();
-  command->add_option("SUITE", arguments->suites, "suites, as docs/ci.md describes them")
+  command->add_option("SUITE", arguments->suites, "suites, as docs/regress.md describes them")
       ->type_name("FILE");
   AddPath(*command, "--discover", "the models below this folder, as a suite", arguments->discover)
       ->type_name("DIR");

@@ -24,6 +24,7 @@
 #include "apps/solve/solve_rows.h"
 #include "mjcf_pdg/pdg.h"
 #ifdef MJCF_PDG_HAVE_RENDER
+#include "apps/picture/egl_context.h"
 #include "apps/picture/render.h"
 #include "apps/picture/row_picture.h"
 #endif
@@ -311,7 +312,11 @@ int SolveRun::Run() {
   CheckCombination(arguments_);
   AddOutputs(arguments_, outputs_, scene_output_);
   CheckModels();
-  if (!arguments_.out_mjcf.empty()) ParseSpec(arguments_.models.front());  // told before any work
+  // What cannot be written is told before any work.
+  if (!arguments_.out_mjcf.empty()) ParseSpec(arguments_.models.front());
+#ifdef MJCF_PDG_HAVE_RENDER
+  if (!arguments_.png.empty()) EglContext{};
+#endif
   if (arguments_.resume) {
     left_ = std::make_unique<LeftRows>(OutputFiles::PartName(arguments_.json));
   }

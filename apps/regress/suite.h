@@ -1,5 +1,5 @@
 // A suite: models, configurations and options to be solved again and again, as a small JSON file.
-// docs/ci.md describes the format.
+// docs/regress.md describes the format.
 #ifndef MJCF_PDG_APPS_REGRESS_SUITE_H_
 #define MJCF_PDG_APPS_REGRESS_SUITE_H_
 

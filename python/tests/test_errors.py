@@ -19,6 +19,8 @@ CALLS = {
     "verify q_in": lambda m, q: mjcf_pdg.verify(m, [0.0], q_in=q),
     "check_motion q0": lambda m, q: mjcf_pdg.check_motion(m, q, [0.0]),
     "check_motion q1": lambda m, q: mjcf_pdg.check_motion(m, [0.0], q),
+    "Tracker.step": lambda m, q: mjcf_pdg.Tracker(m).step(q),
+    "Tracker.reset": lambda m, q: mjcf_pdg.Tracker(m).reset(q),
 }
 
 
@@ -65,6 +67,16 @@ def test_another_model_is_a_type_error(model):
     ):
         with pytest.raises(TypeError, match="mujoco.MjModel"):
             call()
+
+
+def test_models_that_hold_nan_are_value_errors():
+    for field, words in (
+        ("body_mass", "mass of body 'world'"), ("geom_size", "size of geom 'floor'"), ("jnt_axis", "axis of joint 'up'")
+    ):
+        model = mujoco.MjModel.from_xml_string(BALL)
+        getattr(model, field)[:] = np.nan
+        with pytest.raises(ValueError, match=f"the {words} is not usable"):
+            mjcf_pdg.solve(model, [-0.95])
 
 
 def test_data_must_be_of_the_same_model(ball):

@@ -61,6 +61,8 @@ if(MJCF_PDG_BUILD_TESTS)
     if(TARGET mjcf-pdg)
       add_dependencies(mjcf_pdg_tests mjcf-pdg)
       target_compile_definitions(mjcf_pdg_tests PRIVATE MJCF_PDG_PROGRAM="$<TARGET_FILE:mjcf-pdg>")
+      set_source_files_properties(tests/apps/cli_manual_test.cc PROPERTIES
+                                  COMPILE_DEFINITIONS "MJCF_PDG_MANUAL_DIR=\"${manual_dir}\"")
       if(render)  # What is drawn is read again.
         target_compile_definitions(mjcf_pdg_tests PRIVATE MJCF_PDG_TESTS_HAVE_PNG)
         target_link_libraries(mjcf_pdg_tests PRIVATE PNG::PNG)
@@ -88,6 +90,18 @@ if(MJCF_PDG_BUILD_TESTS)
       USES_TERMINAL VERBATIM)
     # Cases are listed when ctest starts, not at build time: a crash in start-up is a failed test, not a failed build.
     gtest_discover_tests(mjcf_pdg_tests DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60)
+  endif()
+
+  if(TARGET mjcf-pdg)
+    add_test(NAME docs_show_real_output
+             COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/docs/check.py" --program $<TARGET_FILE:mjcf-pdg>)
+    find_program(MANDOC mandoc)
+    mark_as_advanced(MANDOC)
+    if(MANDOC)  # The pages have no date, so that the same sources give the same bytes.
+      add_test(NAME manual_pages_are_well_formed
+               COMMAND sh -c "! '${MANDOC}' -T lint -W warning *.1 | grep -v 'missing date'"
+               WORKING_DIRECTORY "${manual_dir}")
+    endif()
   endif()
 
   if(CMAKE_VERSION VERSION_GREATER_EQUAL 3.24)

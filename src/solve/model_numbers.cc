@@ -70,6 +70,11 @@ void CheckModelNumbers(const mjModel& m) {
       {m.body_inertia, m.nbody, 3, mjOBJ_BODY, "body", "inertia"},
       {m.eq_data, m.neq, mjNEQDATA, mjOBJ_EQUALITY, "equality constraint", "data"}};
   for (const Numbers& numbers : others) Check(m, numbers, AllFinite);
+  // Infinite ends of a range are none.
+  Check(m, {m.jnt_range, m.njnt, 2, mjOBJ_JOINT, "joint", "range"},
+        [](std::span<const mjtNum> range) {
+          return !std::isnan(range[0]) && !std::isnan(range[1]);
+        });
   const Numbers orientations[] = {
       {m.geom_quat, m.ngeom, 4, mjOBJ_GEOM, "geom", "orientation"},
       {m.body_quat, m.nbody, 4, mjOBJ_BODY, "body", "orientation"},

@@ -1,5 +1,5 @@
 # Installs the build, moves the installed folder, then builds and runs the consumer against it (and the program in it).
-# Of a shared library, looks at what it exports.
+# The same by pkg-config, where that is installed. Of a shared library, looks at what it exports.
 set(work "${build}/consumer")
 file(REMOVE_RECURSE "${work}")
 file(MAKE_DIRECTORY "${work}")
@@ -16,9 +16,21 @@ run("${CMAKE_COMMAND}" -S "${CMAKE_CURRENT_LIST_DIR}" -B "${work}/build" -G "${g
     "-DCMAKE_BUILD_TYPE=${config}" "-DCMAKE_RUNTIME_OUTPUT_DIRECTORY=${work}/bin$<0:>")
 run("${CMAKE_COMMAND}" --build "${work}/build" --config "${config}")
 run("${work}/bin/consumer")
+execute_process(COMMAND "${work}/bin/readme" WORKING_DIRECTORY "${CMAKE_CURRENT_LIST_DIR}/../.." COMMAND_ERROR_IS_FATAL ANY)
 set(models "${CMAKE_CURRENT_LIST_DIR}/../../models")
 run("${work}/bin/allocations" 40 "${models}/puma/puma_car.xml" "${models}/hand/hand_bottle.xml"
     "${models}/figure/figure_bench.xml")
+find_program(pkg_config pkg-config)
+if(pkg_config)
+  file(GLOB_RECURSE found "${work}/moved/*/mjcf_pdg.pc")
+  get_filename_component(folder "${found}" DIRECTORY)
+  set(ENV{PKG_CONFIG_PATH} "${folder}:$ENV{PKG_CONFIG_PATH}")
+  execute_process(COMMAND "${pkg_config}" --cflags --libs mjcf_pdg OUTPUT_VARIABLE arguments COMMAND_ERROR_IS_FATAL ANY)
+  separate_arguments(arguments UNIX_COMMAND "${arguments} ${flags}")
+  run("${compiler}" -std=c++20 "-I${work}/build" "${CMAKE_CURRENT_LIST_DIR}/main.cc" "${CMAKE_CURRENT_LIST_DIR}/follow.cc"
+      ${arguments} -o "${work}/by_pkg_config")
+  run("${work}/by_pkg_config")
+endif()
 if(library)
   run("${CMAKE_COMMAND}" -D "library=${work}/moved/${library}" -D "headers=${work}/moved/include/mjcf_pdg"
       -P "${CMAKE_CURRENT_LIST_DIR}/exports.cmake")

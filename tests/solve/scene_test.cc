@@ -248,6 +248,24 @@ TEST_F(SceneTest, ConfigurationsAreCheckedForSizeNumbersAndQuaternions) {
   }
 }
 
+TEST_F(SceneTest, AModelThatHoldsNoNumberIsRefusedByFieldAndElement) {
+  const ModelPtr model = LoadModel(R"(<mujoco><worldbody><body><joint name="turn"/>
+      <geom name="a" size=".1"/><geom name="b" size=".1"/></body></worldbody></mujoco>)");
+  const auto message = [&] { return ErrorOf([&] { Scene::FromModel(model.get()); }); };
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), -std::numeric_limits<double>::infinity()}) {
+    for (const auto& [value, words] :
+         {std::pair(model->body_mass + 1, "the mass of body #1 is not usable"),
+          std::pair(model->jnt_axis + 2, "the axis of joint 'turn' is not usable"),
+          std::pair(model->geom_size + 5, "the size of geom 'b' is not usable")}) {
+      const mjtNum good = std::exchange(*value, bad);
+      EXPECT_EQ(message(), words);
+      *value = good;
+    }
+  }
+  Scene::FromModel(model.get());  // the model is as it was: no Error
+}
+
 TEST_F(SceneTest, KeyframesAndNamesComeFromTheModel) {
   const Scene scene = Scene::FromString(R"(<mujoco><worldbody><body><joint type="slide"/>
       <joint name="t"/><geom size=".1"/><geom name="g" size=".1"/></body></worldbody><keyframe>

@@ -1,0 +1,22 @@
+# The target docs_api: the reference of the public headers as HTML, by Doxygen where it is installed, in BUILD/api/html.
+if(NOT PROJECT_IS_TOP_LEVEL)
+  return()
+endif()
+find_package(Doxygen QUIET)
+if(NOT DOXYGEN_FOUND)
+  return()
+endif()
+set(DOXYGEN_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/api")
+set(DOXYGEN_PROJECT_NAME mjcf_pdg)
+set(DOXYGEN_STRIP_FROM_PATH "${PROJECT_SOURCE_DIR}/include")
+set(DOXYGEN_STRIP_FROM_INC_PATH "${PROJECT_SOURCE_DIR}/include")
+# Our comments are plain //: behind a declaration they are about it, else about what follows. Tags of
+# MJCF in them are no HTML.
+set(DOXYGEN_INPUT_FILTER "sed -E -e '\\|^ *//|s|<(/?[a-z])|\\\\<\\1|g' -e 's|^( *)// ?|\\1/// |' -e 's|([;,{}].*[^ /]) +// |\\1  ///< |' -e 's|([;,{}]) +// |\\1  ///< |'")
+set(DOXYGEN_EXTRACT_ALL YES)
+set(DOXYGEN_PREDEFINED MJCF_PDG_API=)
+set(DOXYGEN_MACRO_EXPANSION YES)
+set(DOXYGEN_EXPAND_ONLY_PREDEF YES)
+set(DOXYGEN_WARN_IF_UNDOCUMENTED NO)
+set(DOXYGEN_QUIET YES)
+doxygen_add_docs(docs_api "${PROJECT_SOURCE_DIR}/include" COMMENT "Writing the API reference")
