@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "bound/lower_bound.h"
 #include "mjcf_pdg/scene.h"
 #include "mjcf_pdg/types.h"
 #include "problem/workspace.h"
@@ -39,7 +40,8 @@ struct SolverCore {
 
   const Scene scene;
   const Options options;
-  Workspace work;  // of the whole scene
+  Workspace work;    // of the whole scene
+  LowerBound bound;  // likewise, for those who follow an answer instead of searching (track/)
   Verifier verifier;
   Reporter reporter;
   Budget budget;

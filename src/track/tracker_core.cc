@@ -134,7 +134,7 @@ void TrackerCore::Bound(Result& result) {
   const std::vector<NearPair>& overlaps = work.OverlapsAtInput();
   core.reporter.Overlaps(overlaps, result);
   const int cells = PlanFor(core.options.effort).bound_cells;
-  result.sigma_lower_bound = bound.Sigma(work, overlaps, cells);
+  result.sigma_lower_bound = core.bound.Sigma(work, overlaps, cells);
 }
 
 // The problem of this tick's command; what is frozen is where the command says.

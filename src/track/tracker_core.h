@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "base/tuning.h"
-#include "bound/lower_bound.h"
 #include "mjcf_pdg/tracker.h"
 #include "solve/solver_core.h"
 #include "track/approach.h"
@@ -69,7 +68,6 @@ struct TrackerCore {
   const Pace pace;
   SolverCore core;  // solves in the first tick, and where nothing that is followed is free
   Workspace& work;
-  LowerBound bound;
   Follower follower;
   Elsewhere elsewhere;
   Approach approach;

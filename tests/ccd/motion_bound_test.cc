@@ -300,7 +300,7 @@ TEST_F(SeparationTest, TheWitnessNormalOfACloseePairProvesItsDistance) {
   int proven = 0;
   for (const Scene& scene : Scenes(rng)) {
     Line line(scene);
-    const Separation separation(line.tables);
+    Separation separation(line.tables);
     for (int trial = 0; trial < 100; ++trial) {
       line.Set(RandomConfiguration(scene, rng), line.dq);
       line.Pose(0.0);
@@ -333,7 +333,7 @@ TEST_F(SeparationTest, NoSafeStepCrossesItsFloor) {
   int steps = 0, whole = 0;
   for (const Scene& scene : Scenes(rng)) {
     Line line(scene);
-    const Separation separation(line.tables);
+    Separation separation(line.tables);
     for (int trial = 0; trial < 200; ++trial) {
       line.Set(RandomConfiguration(scene, rng), RandomTangent(line, rng));
       line.Pose(0.0);
@@ -368,7 +368,7 @@ TEST_F(SeparationTest, AStepIsMostOfTheLongestSafeOne) {
   int steps = 0, long_enough = 0;
   for (const Scene& scene : Scenes(rng)) {
     Line line(scene);
-    const Separation separation(line.tables);
+    Separation separation(line.tables);
     for (int trial = 0; trial < 200; ++trial) {
       // Fast motions, so that steps are a small part of the horizon.
       const double speed = std::pow(10.0, rng.Uniform(0.0, 2.5));
