@@ -80,44 +80,55 @@ MovableTrees::MovableTrees(const SceneTables& scene)
 
 Island::Island(const SceneTables& scene, const MovableTrees& all, std::vector<int> of_trees)
     : trees(std::move(of_trees)) {
-  const mjModel& m = *scene.model;
-  const auto has = [this](int tree) {
-    return tree >= 0 && std::binary_search(trees.begin(), trees.end(), tree);
-  };
   tables.owner = scene.owner;
   tables.model = scene.model;
   tables.query_model = scene.query_model;
   tables.size = scene.size;
-  tables.root_body =
-      scene.root_body >= 0 && has(all.OfBody(scene.root_body)) ? scene.root_body : -1;
   tables.body_spheres = scene.body_spheres;
   tables.support = scene.support;
   tables.exact = scene.exact;
   tables.convex = scene.convex;
   tables.bvhs = scene.bvhs;
   tables.tree_units = scene.tree_units;
+  if (scene.root_body >= 0 && Has(all.OfBody(scene.root_body))) tables.root_body = scene.root_body;
+  tables.held_equalities = scene.held_equalities;
+  for (std::size_t e = 0; e < tables.held_equalities.size(); ++e) {
+    const std::vector<int>& joined = all.OfEquality(static_cast<int>(e));
+    tables.held_equalities[e] &=
+        std::any_of(joined.begin(), joined.end(), [this](int tree) { return Has(tree); });
+  }
+  FillJoints(scene, all);
+  FillPairs(scene, all);
+}
 
+bool Island::Has(int tree) const {
+  return tree >= 0 && std::binary_search(trees.begin(), trees.end(), tree);
+}
+
+void Island::FillJoints(const SceneTables& scene, const MovableTrees& all) {
+  const mjModel& m = *scene.model;
   tables.column_of_dof.assign(m.nv, -1);
   for (JointEntry joint : scene.joints) {
-    if (!has(all.OfJoint(joint))) continue;
+    if (!Has(all.OfJoint(joint))) continue;
     joint.col = tables.n;
     for (int k = 0; k < joint.ndof; ++k) tables.column_of_dof[joint.vadr + k] = tables.n++;
     tables.joints.push_back(joint);
   }
   tables.body_moves.assign(m.nbody, 0);
-  tables.moving_trees.assign(m.ntree, 0);
+  std::vector<char>& moving = tables.moving_trees;
+  moving.assign(m.ntree, 0);
   for (int body = 1; body < m.nbody; ++body) {
-    if (has(all.OfBody(body))) {
-      tables.body_moves[body] = tables.moving_trees[m.body_treeid[body]] = 1;
+    if (Has(all.OfBody(body))) {
+      tables.body_moves[body] = moving[m.body_treeid[body]] = 1;
     } else if (scene.body_moves[body]) {
       tables.outside_mass += m.body_mass[body];
     }
   }
-
   // Where no tree sleeps, MuJoCo's lists of what is awake do not count.
-  const std::vector<char>& moving = tables.moving_trees;
-  if (std::find(moving.begin(), moving.end(), 0) == moving.end()) tables.moving_trees.clear();
+  if (std::find(moving.begin(), moving.end(), 0) == moving.end()) moving.clear();
+}
 
+void Island::FillPairs(const SceneTables& scene, const MovableTrees& all) {
   std::vector<int> body_pairs;
   for (const int tree : trees) {
     const std::vector<int>& of_tree = all.BodyPairsOf(tree);
@@ -127,7 +138,7 @@ Island::Island(const SceneTables& scene, const MovableTrees& all, std::vector<in
   body_pairs.erase(std::unique(body_pairs.begin(), body_pairs.end()), body_pairs.end());
   for (const int k : body_pairs) {
     BodyPair bodies = scene.body_pairs[k];
-    const bool both = has(all.OfBody(bodies.body1)) && has(all.OfBody(bodies.body2));
+    const bool both = Has(all.OfBody(bodies.body1)) && Has(all.OfBody(bodies.body2));
     const int begin = static_cast<int>(tables.pairs.size());
     for (int pair = bodies.begin; pair < bodies.end; ++pair) {
       tables.pairs.push_back(scene.pairs[pair]);
@@ -140,12 +151,6 @@ Island::Island(const SceneTables& scene, const MovableTrees& all, std::vector<in
     bodies.begin = begin;
     bodies.end = static_cast<int>(tables.pairs.size());
     tables.body_pairs.push_back(bodies);
-  }
-
-  tables.held_equalities = scene.held_equalities;
-  for (int e = 0; e < m.neq; ++e) {
-    const std::vector<int> joined = all.OfEquality(e);
-    tables.held_equalities[e] &= std::any_of(joined.begin(), joined.end(), has);
   }
 }
 

@@ -43,6 +43,11 @@ struct Island {
   // island are left out. Sizes and masses are still those of the scene.
   SceneTables tables;
   std::vector<int> scene_pairs;  // per kept pair of `tables`: its index in the scene's
+
+ private:
+  bool Has(int tree) const;
+  void FillJoints(const SceneTables& scene, const MovableTrees& all);
+  void FillPairs(const SceneTables& scene, const MovableTrees& all);
 };
 
 }  // namespace mjcf_pdg

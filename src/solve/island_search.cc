@@ -231,8 +231,11 @@ void IslandSearch::Keep(Group& group, const VectorXd& q, Component start, bool f
   group.start = start;
 }
 
-// The trees that an island touches or overlaps at q join its group. Returns whether there are some.
-bool IslandSearch::UniteTouched(std::size_t of, Workspace& work, const VectorXd& q) {
+// Calls join(tree1, tree2), which says whether it has united anything, for the movable trees (-1:
+// what nothing moves) of each pair that touches or overlaps at q. Returns whether something is
+// united.
+template <typename Join>
+bool IslandSearch::UniteWhereTouching(Workspace& work, const VectorXd& q, const Join& join) {
   const Problem& problem = work.problem();
   const double touching = tune::kTouching * problem.tolerances.user;
   bool united = false;
@@ -240,35 +243,36 @@ bool IslandSearch::UniteTouched(std::size_t of, Workspace& work, const VectorXd&
   for (const NearPair& near : work.finder.Find(problem.clearance + touching, Depths::kSkipped)) {
     if (near.distance > problem.required[near.pair] + touching) continue;
     const KeptPair& pair = problem.tables.pairs[near.pair];
-    for (const int tree : {trees_.OfGeom(pair.geom1), trees_.OfGeom(pair.geom2)}) {
+    united |= join(trees_.OfGeom(pair.geom1), trees_.OfGeom(pair.geom2));
+  }
+  if (united) UniteEqualities();
+  return united;
+}
+
+// The trees that an island touches or overlaps at q join its group. Returns whether there are some.
+bool IslandSearch::UniteTouched(std::size_t of, Workspace& work, const VectorXd& q) {
+  return UniteWhereTouching(work, q, [&](int tree1, int tree2) {
+    bool united = false;
+    for (const int tree : {tree1, tree2}) {
       if (tree < 0 || group_of_[tree] == static_cast<int>(of)) continue;
       Unite(of, tree);
       united = true;
     }
-  }
-  if (united) UniteEqualities();
-  return united;
+    return united;
+  });
 }
 
 // Where answers of different groups touch, those groups are united. Returns whether some are.
 bool IslandSearch::UniteTouching() {
   if (!Several() || work_.Spent()) return false;
   Compose();
-  const Problem& problem = work_.problem();
-  const double touching = tune::kTouching * problem.tolerances.user;
-  bool united = false;
-  work_.finder.Pose(composed_);
-  for (const NearPair& near : work_.finder.Find(problem.clearance + touching, Depths::kSkipped)) {
-    if (near.distance > problem.required[near.pair] + touching) continue;
-    const KeptPair& pair = problem.tables.pairs[near.pair];
-    const int tree1 = trees_.OfGeom(pair.geom1), tree2 = trees_.OfGeom(pair.geom2);
-    if (tree1 < 0 || tree2 < 0) continue;
+  return UniteWhereTouching(work_, composed_, [&](int tree1, int tree2) {
+    if (tree1 < 0 || tree2 < 0) return false;
     const int group1 = group_of_[tree1], group2 = group_of_[tree2];
-    if (group1 < 0 || group2 < 0 || group1 == group2) continue;
+    if (group1 < 0 || group2 < 0 || group1 == group2) return false;
     Unite(static_cast<std::size_t>(group1), tree2);
-    united = true;
-  }
-  return united;
+    return true;
+  });
 }
 
 // All answers side by side.

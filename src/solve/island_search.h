@@ -86,6 +86,8 @@ class IslandSearch {
   void SearchAndAccept(Part& part, const Input& input, Group& group);
   void Keep(Group& group, const VectorXd& q, Component start, bool free);
   void LetTouchedJoin(Part& part, const Outcome& found, Group& group);
+  template <typename Join>
+  bool UniteWhereTouching(Workspace& work, const VectorXd& q, const Join& join);
   bool UniteTouched(std::size_t of, Workspace& work, const VectorXd& q);
   bool UniteTouching();
   void Compose();
