@@ -103,6 +103,7 @@ def run_on_ray(plan: Plan, worker: type[RepairShard] = RepairShard) -> None:
     numbers = missing_shards(plan)
     if not numbers:
         return
+    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # Ray would tell its makers
     if not ray.is_initialized():  # the cluster of RAY_ADDRESS, or else one of this machine's cores
         ray.init(include_dashboard=False, log_to_driver=False, logging_level=logging.ERROR)
     logging.getLogger("ray.data").setLevel(logging.WARNING)

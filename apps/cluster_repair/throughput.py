@@ -108,6 +108,7 @@ def main() -> None:
     model = mujoco.MjModel.from_xml_path(str(MODEL))
     rows = sample_grasps(model, arguments.rows)
     cores = len(os.sched_getaffinity(0))
+    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
     ray.init(num_cpus=cores, include_dashboard=False, log_to_driver=False)
     compare(model, rows[:250], cores)  # the first of Ray's workers take longest to start
     for round_ in range(arguments.rounds):

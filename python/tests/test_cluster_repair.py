@@ -41,6 +41,7 @@ class Dies(cluster_repair.RepairShard):
 model, rows, out = sys.argv[1:]
 plan = cluster_repair.make_plan(argparse.Namespace(
     model=model, rows=rows, out=out, rows_per_shard=%d, options='{"effort": "fast"}'))
+os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
 ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False)
 print(len(cluster_repair.repair(plan, Dies)))
 """ % PER_SHARD
