@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "collide/convex/support_points.h"
+
 namespace mjcf_pdg {
 namespace {
 
@@ -69,8 +71,8 @@ bool PartedConstraints::Begin(const VectorXd& q, const std::vector<NearPair>& ne
     const KeptPair& pair = all_.pairs[one.pair];
     if (!pair.moves) continue;
     const bool plane = all_.model->geom_type[pair.geom1] == mjGEOM_PLANE;
-    const bool known = !one.local && pair.has_distance && HasPieces(all_, pair.geom2) &&
-                       (plane || HasPieces(all_, pair.geom1));
+    const bool known = !one.local && pair.has_distance && all_.support->Knows(pair.geom2) &&
+                       (plane || all_.support->Knows(pair.geom1));
     if (known) AppendPlane(one);
     smooth = smooth && known;
   }

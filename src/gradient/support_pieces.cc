@@ -106,20 +106,6 @@ SupportValue Evaluate(const SupportPiece& piece, const Vector3d& u_G) {
   return value;
 }
 
-bool HasPieces(const SceneTables& tables, int geom) {
-  switch (tables.model->geom_type[geom]) {
-    case mjGEOM_SPHERE:
-    case mjGEOM_CAPSULE:
-    case mjGEOM_ELLIPSOID:
-    case mjGEOM_CYLINDER:
-    case mjGEOM_BOX:
-    case mjGEOM_MESH:
-      return true;
-    default:
-      return false;
-  }
-}
-
 void FindPieces(const SceneTables& tables, int geom, const Vector3d& u_G, double slab,
                 std::vector<SupportPiece>& pieces) {
   pieces.clear();

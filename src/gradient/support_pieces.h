@@ -35,12 +35,9 @@ struct SupportValue {
 };
 SupportValue Evaluate(const SupportPiece& piece, const Vector3d& u_G);
 
-// True for the geom types that have pieces: spheres, capsules, ellipsoids, cylinders, boxes, and
-// meshes, which count as their convex hulls.
-bool HasPieces(const SceneTables& tables, int geom);
-
-// Replaces `pieces` by those of the geom that reach within `slab` [m] of the farthest along the
-// unit vector u_G; of a finely cut mesh only the nearest 32.
+// Replaces `pieces` by those of the geom, which must have support points (SupportPoints::Knows),
+// that reach within `slab` [m] of the farthest along the unit vector u_G; of a finely cut mesh only
+// the nearest 32.
 void FindPieces(const SceneTables& tables, int geom, const Vector3d& u_G, double slab,
                 std::vector<SupportPiece>& pieces);
 

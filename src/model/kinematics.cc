@@ -66,16 +66,15 @@ double BallAngle(const double* quat) {
   return 2.0 * std::atan2(vector, std::abs(quat[0]));
 }
 
+double LimitExcess(const JointEntry& joint, const VectorXd& q) {
+  if (!joint.limited) return 0.0;
+  if (joint.type == mjJNT_BALL) return std::max(0.0, BallAngle(q.data() + joint.qadr) - joint.hi);
+  return std::max({0.0, joint.lo - q[joint.qadr], q[joint.qadr] - joint.hi});
+}
+
 double LimitExcess(const SceneTables& tables, const VectorXd& q) {
   double excess = 0.0;
-  for (const JointEntry& joint : tables.joints) {
-    if (!joint.limited) continue;
-    if (joint.type == mjJNT_BALL) {
-      excess = std::max(excess, BallAngle(q.data() + joint.qadr) - joint.hi);
-    } else {
-      excess = std::max({excess, joint.lo - q[joint.qadr], q[joint.qadr] - joint.hi});
-    }
-  }
+  for (const JointEntry& joint : tables.joints) excess = std::max(excess, LimitExcess(joint, q));
   return excess;
 }
 

@@ -40,9 +40,10 @@ inline VectorXd Normalized(const SceneTables& tables, const VectorXd& q) {
   return WithMovable(tables, q, q);
 }
 
-// The largest violation of a movable joint's limits at q [rad or m]; 0 if all hold. The quaternions
-// of limited balls need not be normalized.
+// The largest violation of a movable joint's limits at q [rad or m], or that of one joint; 0 if all
+// hold. The quaternions of limited balls need not be normalized.
 double LimitExcess(const SceneTables& tables, const VectorXd& q);
+double LimitExcess(const JointEntry& joint, const VectorXd& q);
 
 // Moves every limited movable joint of q to the nearest value in its range. A ball keeps its axis
 // of rotation.

@@ -13,12 +13,6 @@ namespace tune = tuning::islands;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-bool IsOutside(const JointEntry& joint, const VectorXd& q) {
-  if (!joint.limited) return false;
-  if (joint.type == mjJNT_BALL) return BallAngle(q.data() + joint.qadr) > joint.hi;
-  return q[joint.qadr] < joint.lo || q[joint.qadr] > joint.hi;
-}
-
 }  // namespace
 
 IslandSearch::Part::Part(const Workspace& scene, const MovableTrees& trees, std::vector<int> of,
@@ -46,14 +40,12 @@ void IslandSearch::Seed(const std::vector<NearPair>& overlaps) {
     if (tree1 >= 0 && tree2 >= 0) Unite(GroupOf(tree1), tree2);
   }
   for (const JointEntry& joint : problem.tables.joints) {
-    if (IsOutside(joint, problem.q_in)) GroupOf(trees_.OfJoint(joint));
+    if (LimitExcess(joint, problem.q_in) > 0.0) GroupOf(trees_.OfJoint(joint));
   }
-  const bool violated = work_.equality.Violation(problem.q_in) > kEqualityTolerance;
-  for (std::size_t e = 0; e < problem.tables.held_equalities.size(); ++e) {
-    if (!problem.tables.held_equalities[e]) continue;
-    const std::vector<int>& joined = trees_.OfEquality(static_cast<int>(e));
-    for (const int tree : joined) {
-      if (violated) GroupOf(tree);
+  if (work_.equality.Violation(problem.q_in) > kEqualityTolerance) {
+    for (std::size_t e = 0; e < problem.tables.held_equalities.size(); ++e) {
+      if (!problem.tables.held_equalities[e]) continue;
+      for (const int tree : trees_.OfEquality(static_cast<int>(e))) GroupOf(tree);
     }
   }
   UniteEqualities();
@@ -123,15 +115,19 @@ IslandSearch::Part& IslandSearch::PartOf(const std::vector<int>& trees) {
   return made;
 }
 
+// A group that is to be solved; null: none.
+IslandSearch::Group* IslandSearch::Pending() {
+  for (Group& group : Groups()) {
+    if (group.pending) return &group;
+  }
+  return nullptr;
+}
+
 bool IslandSearch::Run(const Input& input) {
   outcome_.Clear();
   Seed(input.overlaps);
-  const auto is_pending = [](const Group& group) { return group.pending; };
   do {
-    for (auto group = Groups().begin();
-         (group = std::find_if(group, Groups().end(), is_pending)) != Groups().end();) {
-      Solve(*group, input);
-    }
+    while (Group* group = Pending()) Solve(*group, input);
   } while (UniteTouching());
   Compose();
   bool free = true;
@@ -148,10 +144,11 @@ bool IslandSearch::Run(const Input& input) {
 }
 
 void IslandSearch::Solve(Group& group, const Input& input) {
+  group.pending = false;
+  if (group.free && work_.Spent()) return;
   Part& part = PartOf(group.trees);
   const std::int64_t queries = part.stages.Queries(), verified = verifier_.queries();
   const std::int64_t lcp_steps = part.stages.strategy->lcp_steps();
-  group.pending = false;
   BeginPart(part, input);
   if (group.blocked || !group.free || Helps(part, group)) SearchAndAccept(part, input, group);
   queries_ += part.stages.Queries() - queries;

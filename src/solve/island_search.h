@@ -79,6 +79,7 @@ class IslandSearch {
   bool Several() const;
   void Unite(std::size_t a, int tree);
   void UniteEqualities();
+  Group* Pending();
   Part& PartOf(const std::vector<int>& trees);
   void Solve(Group& group, const Input& input);
   void BeginPart(Part& part, const Input& input);

@@ -1,5 +1,5 @@
-// Bodies here are clouds of points with masses, so that σ can be checked as what it means: the mean
-// squared displacement of mass, of one joint's motion at a time or of all together.
+// Bodies here are clouds of points with masses (tests/support/point_masses.h), so that σ can be
+// checked as what it means.
 #include "mjcf_pdg/object_norm.h"
 
 #include <gmock/gmock.h>
@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "model/kinematics.h"
+#include "tests/support/point_masses.h"
 #include "tests/support/test_support.h"
 
 namespace mjcf_pdg::test {
@@ -16,140 +17,6 @@ class ObjectNormTest : public MujocoTest {
  protected:
   Random rng_{31};
 };
-
-// Fills in @points (four of random mass), @pose, @pos and @axis at random.
-std::string PointMassXml(const std::string& pattern, Random& rng) {
-  std::string text;
-  for (std::size_t at = 0; at < pattern.size();) {
-    if (pattern.compare(at, 7, "@points") == 0) {
-      for (int i = 0; i < 4; ++i) {
-        const double mass = rng.Uniform(0.2, 2.0);
-        const Vector3d pos = rng.InBox(0.3);
-        text += "<geom size='2e-5' contype='0' conaffinity='0' mass='" + Join(&mass, 1) +
-                "' user='" + Join(&mass, 1) + "' pos='" + Join(pos.data(), 3) + "'/>";
-      }
-      at += 7;
-    } else if (pattern.compare(at, 5, "@pose") == 0) {
-      const Eigen::Quaterniond quat = rng.UnitQuat();
-      const Vector3d pos = rng.InBox(0.4);
-      const double wxyz[4] = {quat.w(), quat.x(), quat.y(), quat.z()};
-      text += "pos='" + Join(pos.data(), 3) + "' quat='" + Join(wxyz, 4) + "'";
-      at += 5;
-    } else if (pattern.compare(at, 5, "@axis") == 0) {
-      const Vector3d axis = rng.UnitVector(), pos = rng.InBox(0.2);
-      text += "axis='" + Join(axis.data(), 3) + "' pos='" + Join(pos.data(), 3) + "'";
-      at += 5;
-    } else {
-      text += pattern[at++];
-    }
-  }
-  return "<mujoco><size nuser_geom='1'/><worldbody>" + text + "</worldbody></mujoco>";
-}
-
-// All joint kinds, several joints per body, branches, two trees on a shared static stand, a weld.
-constexpr char kForest[] = R"(
-    <body name="base" @pose><freejoint name="free"/>@points
-      <body name="torso" @pose><joint name="waist" @axis/>@points
-        <body name="left" @pose><joint name="shoulder" type="ball" @axis/>@points
-          <body name="hand" @pose><joint name="wrist" @axis/><joint name="palm" type="slide" @axis/>
-          @points</body></body>
-        <body name="plate" @pose>@points</body>
-        <body name="right" @pose><joint name="lift" type="slide" @axis/>@points</body></body></body>
-    <body name="stand" @pose>@points
-      <body name="one" @pose><joint name="turn" @axis/>@points
-        <body name="tip" @pose><joint name="ball" type="ball" @axis/>@points</body></body>
-      <body name="two" @pose><joint name="x" type="slide" @axis/>
-        <joint name="y" type="slide" @axis/><joint name="yaw" @axis/>@points
-        <body name="mast" @pose><joint name="tilt" @axis/>@points</body></body></body>)";
-
-// The mass points of a model at configurations.
-class Points {
- public:
-  explicit Points(const Scene& scene) : scene_(scene), d_(mj_makeData(scene.model())) {}
-
-  Eigen::Matrix3Xd At(const VectorXd& q) {
-    mju_copy(d_->qpos, q.data(), scene_.nq());
-    mj_kinematics(scene_.model(), d_.get());
-    return Eigen::Map<Eigen::Matrix3Xd>(d_->geom_xpos, 3, scene_.model()->ngeom);
-  }
-  Eigen::Isometry3d Pose(const VectorXd& q, int body) {
-    At(q);
-    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-    pose.linear() = AsMatrix(d_->xmat + 9 * body);
-    pose.translation() = AsVector(d_->xpos + 3 * body);
-    return pose;
-  }
-  int body(int point) const { return scene_.model()->geom_bodyid[point]; }
-  bool InSubtree(int point, int top) const {
-    int b = body(point);
-    while (b > top) b = scene_.model()->body_parentid[b];
-    return b == top;
-  }
-  double mass(int point) const {
-    return scene_.tables().body_moves[body(point)] ? scene_.model()->geom_user[point] : 0.0;
-  }
-  double MeanSquare(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to) const {
-    double sum = 0.0, total = 0.0;
-    for (int i = 0; i < from.cols(); ++i) {
-      sum += mass(i) * (from.col(i) - to.col(i)).squaredNorm();
-      total += mass(i);
-    }
-    return sum / total;
-  }
-
- private:
-  const Scene& scene_;
-  DataPtr d_;
-};
-
-// q_in with one joint's entries from q.
-VectorXd OneJointMoved(const JointEntry& joint, const VectorXd& q_in, const VectorXd& q) {
-  const int entries = joint.type == mjJNT_FREE ? 7 : joint.type == mjJNT_BALL ? 4 : 1;
-  VectorXd moved = q_in;
-  moved.segment(joint.qadr, entries) = q.segment(joint.qadr, entries);
-  return moved;
-}
-
-double SequentialByPoints(const Scene& scene, const VectorXd& q_in, const VectorXd& q) {
-  Points points(scene);
-  const Eigen::Matrix3Xd at_in = points.At(q_in);
-  double sigma = 0.0;
-  for (const JointEntry& joint : scene.tables().joints) {
-    sigma += points.MeanSquare(at_in, points.At(OneJointMoved(joint, q_in, q)));
-  }
-  return sigma;
-}
-
-// Another root link: its pose carries all of its tree (top body `top`); a joint on the way to it
-// moves the rest of the tree the other way.
-double RootByPoints(const Scene& scene, int root, int top, const VectorXd& q_in,
-                    const VectorXd& q) {
-  Points points(scene);
-  const Eigen::Matrix3Xd at_in = points.At(q_in);
-  Eigen::Matrix3Xd moved = at_in;
-  const Eigen::Isometry3d carried = points.Pose(q, root) * points.Pose(q_in, root).inverse();
-  for (int i = 0; i < moved.cols(); ++i) {
-    if (points.InSubtree(i, top)) moved.col(i) = carried * at_in.col(i);
-  }
-  double sigma = points.MeanSquare(at_in, moved);
-  for (const JointEntry& joint : scene.tables().joints) {
-    if (joint.body == top) continue;
-    const VectorXd one = OneJointMoved(joint, q_in, q);
-    int on_path = root;
-    while (on_path > joint.body) on_path = scene.model()->body_parentid[on_path];
-    moved = points.At(one);
-    if (on_path == joint.body) {
-      const Eigen::Isometry3d turned =
-          points.Pose(q_in, joint.body) * points.Pose(one, joint.body).inverse();
-      for (int i = 0; i < moved.cols(); ++i) {
-        const bool other_side = points.InSubtree(i, top) && !points.InSubtree(i, joint.body);
-        moved.col(i) = other_side ? Vector3d(turned * at_in.col(i)) : Vector3d(at_in.col(i));
-      }
-    }
-    sigma += points.MeanSquare(at_in, moved);
-  }
-  return sigma;
-}
 
 double Sigma(const Scene& scene, const VectorXd& q_in, const VectorXd& q,
              Metric metric = Metric::kSequential) {
