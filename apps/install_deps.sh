@@ -11,7 +11,7 @@ packages=(
   python3-venv python3-dev                         # the Python package and its tests
   libfcl-dev                                       # triangle meshes
   libeigen3-dev libassimp-dev zlib1g-dev           # zlib: Debian's assimp needs it to link, but does not depend on it
-  libcli11-dev nlohmann-json3-dev
+  libcli11-dev nlohmann-json3-dev libboost-dev     # Boost: progress bars
   libgtest-dev libgmock-dev
   libcgal-dev                                      # tests and benches only: a second opinion on meshes
   libegl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libpng-dev  # pictures without a screen
@@ -27,7 +27,7 @@ if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
   cat >&2 <<'END'
 install_deps: this is not a Debian or Ubuntu system, so please install by hand:
   a C++20 compiler, CMake 3.22 or newer, make, python3 with pip, venv and headers (or set MuJoCo_ROOT to an unpacked MuJoCo 4.0.x);
-  with headers: Eigen 3.4, FCL 0.7, assimp 5.2, zlib, CLI11 2.1, nlohmann-json 3.9; for tests GoogleTest 1.11 with
+  with headers: Eigen 3.4, FCL 0.7, assimp 5.2, zlib, CLI11 2.1, nlohmann-json 3.9, Boost 1.74; for tests GoogleTest 1.11 with
   GMock, CGAL 5.4;
   for pictures: EGL and libpng with headers, and Mesa's EGL with its software driver (llvmpipe).
 Then run this again with MJCF_PDG_SKIP_DEPS=1.

@@ -256,6 +256,7 @@ void SolveRun::SolveModel(const std::string& model) {
   const Scene scene = LoadScene(arguments_.scene);
   RowSource rows(scene, arguments_.which);
   index_ = left_ ? left_->Skip(several_ ? model : "", rows, table_) : 0;
+  if (left_ && left_->telling()) CheckSolvesAlike(*left_->telling(), scene, arguments_.options);
   BeginFiles(index_, scene.nq());
   progress_ = std::make_unique<Progress>("solving", rows.size(), index_);
   try {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "apps/audit/mjcf_text.h"
+#include "apps/audit/reset_pose.h"
 #include "apps/input/configurations.h"
 #include "apps/input/qpos_file.h"
 #include "apps/input/text_file.h"
@@ -20,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What a model may be reset to whose qpos0 penetrates.
+// What a model may be reset to whose qpos0 penetrates and has to stay.
 constexpr char kDefaultKey[] = "qpos0_pdg";
 
 // Where keyframe `key` of the model stands among the <key> tags of the text; null: nowhere. The
@@ -71,6 +72,7 @@ std::unique_ptr<mjModel, void (*)(mjModel*)> Excluding(const std::string& model,
 struct Mending {
   std::vector<std::pair<TextSpan, std::vector<double>>> keys;
   std::vector<std::string> contact, keyframe;
+  std::vector<double> begin;      // where the model is to begin instead of qpos0; empty: there
   std::vector<std::string> left;  // what stays wrong, and why
 };
 
@@ -96,7 +98,6 @@ void MendKeys(const Scene& scene, const Audit& audit, const std::string& text,
   const mjModel& model = *scene.model();
   Solver solver(scene, options);
   const std::vector<TextSpan> tags = FindTags(text, "key");
-  std::string default_key;
   for (const AuditedKey& key : audit.keys) {
     if (!key.Wrong()) continue;
     const auto leave = [&](const std::string& why) {
@@ -108,7 +109,7 @@ void MendKeys(const Scene& scene, const Audit& audit, const std::string& text,
     } else if (result.status == Status::kUnsolved) {
       leave(result.reason);
     } else if (key.key < 0) {
-      default_key = WithQpos(std::string("<key name=\"") + kDefaultKey + "\"/>", result.q);
+      mending.begin = result.q;
     } else if (const TextSpan* tag = FindKey(text, tags, key, static_cast<int>(model.nkey))) {
       mending.keys.emplace_back(*tag, result.q);
     } else if (IsOnlyCounted(text, tags, key.key)) {
@@ -116,9 +117,6 @@ void MendKeys(const Scene& scene, const Audit& audit, const std::string& text,
     } else {
       leave("no <key> of the model's text is its");
     }
-  }
-  if (!default_key.empty() && mj_name2id(&model, mjOBJ_KEY, kDefaultKey) < 0) {
-    mending.keyframe.push_back(default_key);
   }
   std::sort(mending.keys.begin(), mending.keys.end(),
             [](const auto& a, const auto& b) { return a.first.begin > b.first.begin; });
@@ -145,6 +143,25 @@ std::string Applied(std::string text, const Mending& mending) {
     text.replace(tag.begin, tag.length, WithQpos(tag.Of(text), q));
   }
   return text;
+}
+
+// The model begins where it is free: at its own qpos0, if MJCF can say that, else at a keyframe.
+std::string BeginningFree(std::string text, const ResetPose& pose, std::vector<std::string>& left) {
+  const fs::path folder = fs::absolute(pose.path).parent_path();
+  const std::string whole = WithIncludesOf(text, "body", folder);
+  if (std::optional<std::string> moved = WithResetPose(whole, pose)) return *moved;
+  left.push_back(std::string("qpos0 stays: other places of bodies would change more than that; "
+                             "keyframe ") +
+                 kDefaultKey + " is free");
+  const std::vector<TextSpan> tags = FindTags(text, "key");
+  for (const TextSpan& tag : tags) {
+    const std::string written = tag.Of(text);
+    const std::optional<TextSpan> name = FindAttribute(written, "name");
+    if (name && name->Of(written) == kDefaultKey) return text;
+  }
+  Mending mending;
+  mending.keyframe.push_back(WithQpos(std::string("<key name=\"") + kDefaultKey + "\"/>", pose.q));
+  return Applied(std::move(text), mending);
 }
 
 }  // namespace
@@ -182,7 +199,13 @@ MendedModel Mended(const std::string& model, const Audit& audit, const MendOptio
     const Scene scene = Scene::FromModel(excluding.get(), options.scene);
     MendKeys(scene, audit, text, options.solve, mending);
   }
-  return {Applied(std::move(text), mending), mending.left};
+  text = Applied(std::move(text), mending);
+  if (!mending.begin.empty()) {
+    const bool degrees = ParseSpec(model)->compiler.degree != 0;
+    const ResetPose pose{options.target, mending.begin, degrees, options.scene, options.solve};
+    text = BeginningFree(std::move(text), pose, mending.left);
+  }
+  return {std::move(text), std::move(mending.left)};
 }
 
 }  // namespace mjcf_pdg::app

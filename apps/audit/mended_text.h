@@ -25,8 +25,8 @@ struct MendedModel {
 
 // The MJCF of `model` with <exclude> lines for permanent overlaps and, in keyframes that are wrong,
 // a qpos that is not. Where such keyframes stand in included files, the text of
-// these takes the place of their <include>. A model whose qpos0 is wrong gets a keyframe
-// "qpos0_pdg", at which it is not: qpos0 itself follows from where its bodies stand. Throws Error
+// these takes the place of their <include>. A model whose qpos0 is wrong gets bodies that stand
+// elsewhere (WithResetPose), or, where that is not possible, a keyframe "qpos0_pdg". Throws Error
 // if the model is no text, or if it would have to be written to another folder (paths in it are
 // relative).
 MendedModel Mended(const std::string& model, const Audit& audit, const MendOptions& options);

@@ -1,8 +1,9 @@
-// A progress bar on stderr, shown if stderr is a terminal and there is more than one step.
+// A progress bar on stderr (Boost.Timer's), shown if stderr is a terminal and it is known that
+// there is more than one step.
 #ifndef MJCF_PDG_APPS_CONSOLE_PROGRESS_H_
 #define MJCF_PDG_APPS_CONSOLE_PROGRESS_H_
 
-#include <chrono>
+#include <boost/timer/progress_display.hpp>
 #include <cstddef>
 #include <mutex>
 #include <optional>
@@ -12,23 +13,17 @@ namespace mjcf_pdg::app {
 
 class Progress {
  public:
-  // `total` rows, where that is known, of which `done` are done.
-  Progress(std::string label, std::optional<std::size_t> total, std::size_t done = 0);
-  ~Progress();  // wipes the bar
+  // `total` steps, where that is known, of which `done` are done.
+  Progress(const std::string& label, std::optional<std::size_t> total, std::size_t done = 0);
+  ~Progress();  // a bar that is not full is left behind in a line of its own
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
   void Step();  // one more step is done; thread-safe
 
  private:
-  void Draw();
-
-  const std::string label_;
-  const std::optional<std::size_t> total_;
-  const bool shown_;
   std::mutex mutex_;
-  std::size_t done_;
-  std::chrono::steady_clock::time_point last_draw_;
+  std::optional<boost::timer::progress_display> bar_;
 };
 
 }  // namespace mjcf_pdg::app

@@ -42,7 +42,7 @@ class RowSource {
 
   // False after the last one.
   bool Next(Configuration& row);
-  // How many there are, where that is known before they are read.
+  // How many there are, as far as that is known before they are read (see QposFile::size).
   std::optional<std::size_t> size() const;
 
  private:

@@ -108,7 +108,16 @@ QposFile::QposFile(const std::string& path, std::size_t width)
 
 std::optional<std::size_t> QposFile::size() const {
   if (npy_) return npy_->rows();
-  return std::nullopt;
+  std::error_code ec;
+  if (!fs::is_regular_file(what_, ec)) return std::nullopt;
+  std::ifstream file(what_, std::ios::binary);
+  std::vector<char> piece(std::size_t{1} << 16);
+  std::size_t lines = 0;
+  do {
+    file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+    lines += static_cast<std::size_t>(std::count(piece.data(), piece.data() + file.gcount(), '\n'));
+  } while (file);
+  return lines;
 }
 
 bool QposFile::Next(std::vector<double>& row, std::string& origin) {

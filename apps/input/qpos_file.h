@@ -27,7 +27,8 @@ class QposFile {
   // so, for a bad row, and if there is none at all.
   bool Next(std::vector<double>& row, std::string& origin);
 
-  // How many rows there are, where the file says so.
+  // How many rows there are: of a .npy as its header says, of a text on disk as many as it has line
+  // breaks (comments count), of a stream unknown.
   std::optional<std::size_t> size() const;
 
  private:

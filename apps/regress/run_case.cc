@@ -95,7 +95,7 @@ void RunRows(const Suite& suite, const SuiteCase& one, const std::vector<GoldenR
       } while (!names.insert(row.label).second);
       return true;
     };
-    progress.reset();  // wiped before the next one is drawn
+    progress.reset();  // ends its line before the next one is drawn
     if (how.progress) progress = std::make_unique<Progress>("solving rows", named.size());
     SolveRows(scene, {one.options, how.threads}, next, tell);
   }

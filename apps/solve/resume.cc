@@ -1,5 +1,6 @@
 #include "apps/solve/resume.h"
 
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <system_error>
@@ -35,6 +36,7 @@ void LeftRows::ReadLine() {
 
 std::size_t LeftRows::Skip(const std::string& model, RowSource& rows, SolveTable& table) {
   std::size_t skipped = 0;
+  telling_.reset();
   Configuration row;
   for (; !line_.empty(); ReadLine()) {
     const std::string origin = path_ + " line " + std::to_string(line_number_);
@@ -46,10 +48,28 @@ std::size_t LeftRows::Skip(const std::string& model, RowSource& rows, SolveTable
       throw Error(origin + ": is of another configuration than " + row.label);
     }
     table.Count(status);
+    if (!telling_ || status != Status::kAlreadyFree) telling_ = {{model, skipped}, row, line_};
     bytes_ += line_.size() + 1;
     ++skipped;
   }
   return skipped;
+}
+
+void CheckSolvesAlike(const LeftRow& left, const Scene& scene, const Options& options) {
+  if (std::isfinite(options.time_limit)) return;
+  Solver solver(scene, options);
+  solver.SetMocap(left.row.mocap_pos, left.row.mocap_quat);
+  const Result result = solver.Solve(left.row.q);
+  const auto comparable = [](const std::string& line) {
+    nlohmann::json fields = nlohmann::json::parse(line);
+    fields.erase("time_us");
+    return fields;
+  };
+  if (comparable(SolveJson(scene, left.name, left.row, result)) != comparable(left.line)) {
+    throw Error("--resume: " + left.row.label +
+                " is solved otherwise than the earlier run did: the options, the model or the "
+                "version of this program are not the same");
+  }
 }
 
 std::size_t QposBytes(const std::string& path, std::size_t rows, int width) {

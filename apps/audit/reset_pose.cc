@@ -1,0 +1,260 @@
+#include "apps/audit/reset_pose.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <numbers>
+#include <utility>
+
+#include "apps/audit/mjcf_text.h"
+#include "base/random.h"
+
+namespace mjcf_pdg::app {
+namespace {
+
+using ModelPtr = std::unique_ptr<mjModel, void (*)(mjModel*)>;
+using DataPtr = std::unique_ptr<mjData, void (*)(mjData*)>;
+
+// Of lengths relative to the model's extent, of quaternions, and of angles [rad].
+constexpr double kSame = 1e-9;
+
+std::string Number(double x) {
+  std::array<char, 32> digits;
+  return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), x).ptr};
+}
+
+std::string Numbers(const mjtNum* x, int n) {
+  std::string text;
+  for (int k = 0; k < n; ++k) text += (k > 0 ? " " : "") + Number(x[k]);
+  return text;
+}
+
+void RemoveAttribute(const std::string& name, std::string& tag) {
+  const std::optional<TextSpan> value = FindAttribute(tag, name);
+  if (!value) return;
+  const std::size_t written = tag.rfind(name, value->begin);
+  const std::size_t begin = tag.find_last_not_of(" \t\r\n", written - 1) + 1;
+  tag.erase(begin, value->end() + 1 - begin);
+}
+
+void SetAttribute(const std::string& name, const std::string& value, std::string& tag) {
+  if (const std::optional<TextSpan> old = FindAttribute(tag, name)) {
+    tag.replace(old->begin, old->length, value);
+    return;
+  }
+  const std::size_t end = tag.find_last_not_of("/> \t\r\n") + 1;
+  tag.insert(end, " " + name + "=\"" + value + "\"");
+}
+
+DataPtr At(const mjModel& model, const mjtNum* q) {
+  DataPtr data(mj_makeData(&model), mj_deleteData);
+  mju_copy(data->qpos, q, static_cast<int>(model.nq));
+  mj_kinematics(&model, data.get());
+  return data;
+}
+
+// Numbers of a joint in qpos.
+int Width(const mjModel& model, int joint) {
+  constexpr std::array kWidth{7, 4, 1, 1};  // of mjJNT_FREE, BALL, SLIDE, HINGE
+  return kWidth[static_cast<std::size_t>(model.jnt_type[joint])];
+}
+
+bool Moves(const mjModel& model, const std::vector<double>& to, int joint) {
+  const double* q = to.data() + model.jnt_qposadr[joint];
+  return !std::equal(q, q + Width(model, joint), model.qpos0 + model.jnt_qposadr[joint]);
+}
+
+// Tags of a text. They are replaced from the last one on, so that the places of those before stay.
+class TagEditor {
+ public:
+  explicit TagEditor(const std::string& text)
+      : text_(text), bodies_(FindTags(text, "body")), joints_(FindTags(text, "joint")) {}
+
+  // The opening tag of a body, by its place among those of the text; -1: nowhere. Bodies are
+  // numbered as they stand in the text, unless some come from elsewhere: then names tell.
+  int FindBody(const mjModel& model, int body) const {
+    if (static_cast<int>(bodies_.size()) == model.nbody - 1) return body - 1;
+    const std::string name = Escaped(mj_id2name(&model, mjOBJ_BODY, body));
+    int found = -1;
+    for (std::size_t k = 0; k < bodies_.size(); ++k) {
+      const std::string tag = bodies_[k].Of(text_);
+      const std::optional<TextSpan> value = FindAttribute(tag, "name");
+      if (!value || value->Of(tag) != name) continue;
+      if (found >= 0) return -1;
+      found = static_cast<int>(k);
+    }
+    return found;
+  }
+
+  // The `index`-th <joint> between the body's tag and the next body's.
+  std::optional<TextSpan> Joint(int body, int index) const {
+    const auto k = static_cast<std::size_t>(body);
+    const std::size_t end = k + 1 < bodies_.size() ? bodies_[k + 1].begin : text_.size();
+    for (const TextSpan& joint : joints_) {
+      if (joint.begin < bodies_[k].begin || joint.begin > end) continue;
+      if (index-- == 0) return joint;
+    }
+    return std::nullopt;
+  }
+
+  TextSpan Body(int body) const { return bodies_[static_cast<std::size_t>(body)]; }
+  std::string TextOf(const TextSpan& tag) const { return tag.Of(text_); }
+  void Replace(const TextSpan& tag, std::string by) { changes_.emplace_back(tag, std::move(by)); }
+
+  std::string Changed() {
+    std::sort(changes_.begin(), changes_.end(),
+              [](const auto& a, const auto& b) { return a.first.begin > b.first.begin; });
+    std::string text = text_;
+    for (const auto& [tag, by] : changes_) text.replace(tag.begin, tag.length, by);
+    return text;
+  }
+
+ private:
+  const std::string& text_;
+  const std::vector<TextSpan> bodies_, joints_;
+  std::vector<std::pair<TextSpan, std::string>> changes_;
+};
+
+// A body's tag with the pose, relative to its parent, that it has in `data`.
+std::string WithPose(std::string tag, const mjModel& model, const mjData& data, int body) {
+  const int parent = model.body_parentid[body];
+  mjtNum inverse[4], difference[3], position[3], quaternion[4];
+  mju_negQuat(inverse, data.xquat + 4 * parent);
+  mju_sub3(difference, data.xpos + 3 * body, data.xpos + 3 * parent);
+  mju_rotVecQuat(position, difference, inverse);
+  mju_mulQuat(quaternion, inverse, data.xquat + 4 * body);
+  for (const char* other : {"axisangle", "xyaxes", "zaxis", "euler"}) RemoveAttribute(other, tag);
+  SetAttribute("pos", Numbers(position, 3), tag);
+  SetAttribute("quat", Numbers(quaternion, 4), tag);
+  return tag;
+}
+
+// False where a tag is not found, or a ball joint would have to begin elsewhere.
+bool MoveBody(const mjModel& model, const ResetPose& pose, int body, TagEditor& editor) {
+  const int place = editor.FindBody(model, body);
+  bool moves = false;
+  for (int k = 0; k < model.body_jntnum[body]; ++k) {
+    const int joint = model.body_jntadr[body] + k, type = model.jnt_type[joint];
+    if (!Moves(model, pose.q, joint)) continue;
+    moves = true;
+    if (place < 0 || type == mjJNT_BALL) return false;
+    if (type == mjJNT_FREE) continue;
+    const std::optional<TextSpan> span = editor.Joint(place, k);
+    if (!span) return false;
+    const double ref = pose.q[static_cast<std::size_t>(model.jnt_qposadr[joint])];
+    const bool degrees = pose.degrees && type == mjJNT_HINGE;
+    std::string tag = editor.TextOf(*span);
+    SetAttribute("ref", Number(degrees ? ref * 180.0 / std::numbers::pi : ref), tag);
+    editor.Replace(*span, tag);
+  }
+  if (!moves) return true;
+  const TextSpan span = editor.Body(place);
+  const DataPtr data = At(model, pose.q.data());
+  editor.Replace(span, WithPose(editor.TextOf(span), model, *data, body));
+  return true;
+}
+
+ModelPtr Compiled(const std::string& text, const std::string& path) {
+  mjVFS vfs;
+  mj_defaultVFS(&vfs);
+  ModelPtr model(nullptr, mj_deleteModel);
+  std::array<char, 1000> error;
+  if (mj_addBufferVFS(&vfs, path.c_str(), text.data(), static_cast<int>(text.size())) == 0) {
+    model.reset(mj_loadXML(path.c_str(), &vfs, error.data(), static_cast<int>(error.size())));
+  }
+  mj_deleteVFS(&vfs);
+  return model;
+}
+
+bool Near(const mjtNum* a, const mjtNum* b, mjtSize n, double tolerance) {
+  for (mjtSize k = 0; k < n; ++k) {
+    if (!(std::abs(a[k] - b[k]) <= tolerance)) return false;
+  }
+  return true;
+}
+
+bool SameQuaternions(const mjtNum* a, const mjtNum* b, mjtSize n) {
+  for (mjtSize k = 0; k < n; ++k) {
+    if (!(1.0 - std::abs(mju_dot(a + 4 * k, b + 4 * k, 4)) <= kSame)) return false;
+  }
+  return true;
+}
+
+// Every body stands where it did, at q.
+bool SamePoses(const mjModel& a, const mjModel& b, const mjtNum* q) {
+  const DataPtr in_a = At(a, q), in_b = At(b, q);
+  double farthest = a.stat.extent;
+  for (int k = 0; k < 3 * a.nbody; ++k) farthest = std::max(farthest, std::abs(in_a->xpos[k]));
+  return Near(in_a->xpos, in_b->xpos, 3 * a.nbody, kSame * farthest) &&
+         SameQuaternions(in_a->xquat, in_b->xquat, a.nbody);
+}
+
+// What follows from qpos0 and means something: equality constraints, and the rest of springs. A
+// coupling of joints is about their distance from qpos0, that of tendons from their length there.
+bool SameRules(const mjModel& a, const mjModel& b) {
+  if (!Near(a.eq_data, b.eq_data, a.neq * mjNEQDATA, kSame) ||
+      !Near(a.tendon_lengthspring, b.tendon_lengthspring, 2 * a.ntendon, kSame)) {
+    return false;
+  }
+  for (int k = 0; k < a.neq; ++k) {
+    for (const int id : {a.eq_obj1id[k], a.eq_obj2id[k]}) {
+      const bool moved =
+          id >= 0 && ((a.eq_type[k] == mjEQ_JOINT &&
+                       a.qpos0[a.jnt_qposadr[id]] != b.qpos0[b.jnt_qposadr[id]]) ||
+                      (a.eq_type[k] == mjEQ_TENDON &&
+                       std::abs(a.tendon_length0[id] - b.tendon_length0[id]) > kSame));
+      if (moved) return false;
+    }
+  }
+  for (int joint = 0; joint < a.njnt; ++joint) {
+    const mjtNum* poly = a.jnt_stiffnesspoly + mjNPOLY * joint;
+    const bool springs = a.jnt_stiffness[joint] != 0.0 ||
+                         std::any_of(poly, poly + mjNPOLY, [](mjtNum k) { return k != 0.0; });
+    const int at = a.jnt_qposadr[joint];
+    if (springs && !Near(a.qpos_spring + at, b.qpos_spring + at, Width(a, joint), kSame)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+bool IsSameModel(const mjModel& before, const mjModel& after) {
+  if (before.nq != after.nq || before.nbody != after.nbody || before.nkey != after.nkey ||
+      before.neq != after.neq || before.ntendon != after.ntendon ||
+      !Near(before.key_qpos, after.key_qpos, before.nkey * before.nq, kSame) ||
+      !SameRules(before, after)) {
+    return false;
+  }
+  Random random(1);
+  std::vector<double> q(before.qpos0, before.qpos0 + before.nq);
+  for (int sample = 0; sample < 5; ++sample) {  // a pose that is right at a few is right
+    if (!SamePoses(before, after, q.data())) return false;
+    for (double& x : q) x += 2.0 * random.Uniform() - 1.0;
+    mj_normalizeQuat(&before, q.data());
+  }
+  return true;
+}
+
+}  // namespace
+
+std::optional<std::string> WithResetPose(const std::string& text, const ResetPose& pose) {
+  const ModelPtr before = Compiled(text, pose.path);
+  if (!before) return std::nullopt;
+  TagEditor editor(text);
+  for (int body = 1; body < before->nbody; ++body) {
+    if (!MoveBody(*before, pose, body, editor)) return std::nullopt;
+  }
+  std::string moved = editor.Changed();
+  const ModelPtr after = Compiled(moved, pose.path);
+  if (!after || !IsSameModel(*before, *after)) return std::nullopt;
+  const Scene scene = Scene::FromModel(after.get(), pose.scene);
+  if (!Verify(scene, scene.DefaultQpos(), pose.solve).free) return std::nullopt;
+  return moved;
+}
+
+}  // namespace mjcf_pdg::app
