@@ -65,6 +65,13 @@ def test_another_mujoco_is_an_import_error_that_names_both(version):
     assert error == f"ImportError: mjcf_pdg was built for MuJoCo 4.0.x, but the package mujoco is {version}"
 
 
+def test_fcl_is_the_one_that_came_along():
+    code = "import mjcf_pdg; print(*{l.split()[-1] for l in open('/proc/self/maps') if 'libfcl' in l})"
+    fcl = pathlib.Path(run(code).stdout.strip())
+    assert fcl.parent == pathlib.Path(mjcf_pdg.__file__).with_name("bundled")
+    assert sorted(f.name for f in (fcl.parent / "licences").iterdir())
+
+
 def test_a_second_libmujoco_is_not_loaded(tmp_path):
     loaded = pathlib.Path(mujoco._structs.__file__).with_name(f"libmujoco.so.{mujoco.mj_versionString()}")
     shutil.copy(loaded, tmp_path)
