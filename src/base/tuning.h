@@ -191,6 +191,11 @@ inline constexpr int kBlocked = 100;
 
 // Scenes of several trees (solve/island_search.cc).
 namespace islands {
+// A scene of no more movable trees than this is solved as a whole: to make and solve islands then
+// costs as much (two boxes that overlap among 8: 0.50 ms against 0.48) or more (a hand of four
+// fingers and a cube: 0.93 ms a pose against 0.79), and islands that are met for the first time
+// take memory [trees].
+inline constexpr int kFew = 8;
 // A tree nearer to an island's answer than this touches it [tolerance]: as for contact hops.
 inline constexpr double kTouching = starts::kHoppable;
 // A larger island is solved where a descent in it lowers σ below this share of what it was [1].

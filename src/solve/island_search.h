@@ -1,4 +1,4 @@
-// Solves a scene of several kinematic trees island by island (model/island.h).
+// Solves a scene of many kinematic trees island by island (model/island.h).
 //
 // Trees that overlap at q_in form an island; so do trees that only leave their limits or violate
 // equality constraints. Each island is solved by itself. Trees that its answer touches join it, and

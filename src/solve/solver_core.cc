@@ -6,6 +6,7 @@
 #include <chrono>
 #include <string>
 
+#include "base/tuning.h"
 #include "equality/held.h"
 #include "solve/options.h"
 #include "solve/rest.h"
@@ -35,7 +36,7 @@ const Options& Checked(const Scene& scene, const Options& options) {
 // paper's.
 bool SolvesIslands(const Scene& scene, const Options& options) {
   return options.method == Method::kAuto && !options.trajectory &&
-         MovableTrees(scene.tables()).count() > 1;
+         MovableTrees(scene.tables()).count() > tuning::islands::kFew;
 }
 
 }  // namespace
@@ -46,7 +47,8 @@ SolverCore::SolverCore(const Scene& s, const Options& o)
       work(scene.tables(), options),
       verifier(scene.verifier_model(), options, options.report_distances_to),
       reporter(work, verifier),
-      budget{.queries = 0, .seconds = options.time_limit} {
+      budget{.queries = 0, .seconds = options.time_limit},
+      bystanders_(scene.tables()) {
   if (SolvesIslands(scene, options)) {
     islands_ = std::make_unique<IslandSearch>(work, verifier);
   } else {
@@ -115,7 +117,20 @@ bool SolverCore::SearchWhole(const std::vector<NearPair>& overlaps, int distance
   if (frozen_ || !whole_->acceptance.Accept(*outcome_, given)) return false;
   q_ = whole_->acceptance.q();
   start_ = whole_->acceptance.start();
+  LeaveBystanders(overlaps);
   return true;
+}
+
+// A start that moved everything may have left others where they need not be: σ is a sum over trees.
+void SolverCore::LeaveBystanders(const std::vector<NearPair>& overlaps) {
+  if (options.method == Method::kPaper || options.trajectory) return;
+  left_ = q_;
+  if (!bystanders_.PutBack(work.problem(), overlaps, q_in_, left_)) return;
+  if (verifier.IsFree(left_, q_in_)) {
+    q_ = left_;
+  } else {
+    verifier.IsFree(q_, q_in_);  // whose last words the report tells
+  }
 }
 
 bool SolverCore::SearchIslands(const std::vector<NearPair>& overlaps, Result& result) {

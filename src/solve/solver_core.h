@@ -12,6 +12,7 @@
 #include "mjcf_pdg/scene.h"
 #include "mjcf_pdg/types.h"
 #include "problem/workspace.h"
+#include "problem/bystanders.h"
 #include "solve/island_search.h"
 #include "solve/report.h"
 #include "solve/stages.h"
@@ -53,17 +54,20 @@ struct SolverCore {
   bool SearchWhole(const std::vector<NearPair>& overlaps, int distances, Result& result);
   bool SearchIslands(const std::vector<NearPair>& overlaps, Result& result);
   const VectorXd* Hint();
+  void LeaveBystanders(const std::vector<NearPair>& overlaps);
   void Remember(const Result& result);
 
   // One of the two is null: a scene is solved as a whole or island by island.
   std::unique_ptr<Stages> whole_;
   std::unique_ptr<IslandSearch> islands_;
+  Bystanders bystanders_;
 
   // The present solve.
   std::vector<double> q_in_;  // as the user gave it
   VectorXd at_rest_;          // per kept pair, see DistancesAtRest
   VectorXd q_hint_;           // the hint with what is frozen as in q_in
   std::vector<double> q_;     // the answer
+  std::vector<double> left_;  // the answer without what need not have moved
   Component start_ = Component::kNone;
   Outcome* outcome_ = nullptr;  // null: nothing was searched
   bool frozen_ = false;         // pairs overlap that no movable joint can part

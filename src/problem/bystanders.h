@@ -1,0 +1,30 @@
+// Trees that a solve of the whole scene has moved although nothing was wrong with them. A scene
+// that is solved island by island has none.
+#ifndef MJCF_PDG_SRC_PROBLEM_BYSTANDERS_H_
+#define MJCF_PDG_SRC_PROBLEM_BYSTANDERS_H_
+
+#include <vector>
+
+#include "collide/contacts.h"
+#include "model/island.h"
+#include "problem/problem.h"
+
+namespace mjcf_pdg {
+
+class Bystanders {
+ public:
+  explicit Bystanders(const SceneTables& scene) : trees_(scene), wrong_(trees_.count()) {}
+
+  // Puts trees that neither overlap at q_in nor are outside their limits back to `q_in` (nq, as the
+  // user gave it) in `q`. Returns whether that changes q: whether it is still free is not known.
+  bool PutBack(const Problem& problem, const std::vector<NearPair>& overlaps,
+               const std::vector<double>& q_in, std::vector<double>& q);
+
+ private:
+  const MovableTrees trees_;
+  std::vector<char> wrong_;
+};
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_PROBLEM_BYSTANDERS_H_
