@@ -7,10 +7,6 @@
 namespace mjcf_pdg::verify {
 namespace {
 
-Matrix3d Rotation(const mjData& d, int geom) {
-  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(d.geom_xmat + 9 * geom);
-}
-
 Eigen::Map<const Vector3d> Origin(const mjData& d, int geom) {
   return VectorAt(d.geom_xpos + 3 * geom);
 }
@@ -37,7 +33,7 @@ double PosedPair::BoxBound() const {
   Vector3d center[2], half[2];
   for (int k = 0; k < 2; ++k) {
     const mjtNum* box = model.unblinded.geom_aabb + 6 * geom[k];
-    R[k] = Rotation(data, geom[k]);
+    R[k] = GeomRotation(data, geom[k]);
     center[k] = Origin(data, geom[k]) + R[k] * VectorAt(box);
     half[k] = VectorAt(box + 3);
   }
@@ -51,22 +47,22 @@ double PosedPair::BoxBound() const {
 }
 
 ConvexPair PosedPair::Shapes() const {
-  const Matrix3d R1 = Rotation(data, pair.geom1);
+  const Matrix3d R1 = GeomRotation(data, pair.geom1);
   return {model.shapes[pair.geom1], model.shapes[pair.geom2],
-          R1.transpose() * Rotation(data, pair.geom2),
+          R1.transpose() * GeomRotation(data, pair.geom2),
           R1.transpose() * (Origin(data, pair.geom2) - Origin(data, pair.geom1))};
 }
 
 Reading PosedPair::ToWorld(const Certificate& found) const {
-  const Matrix3d R1 = Rotation(data, pair.geom1);
+  const Matrix3d R1 = GeomRotation(data, pair.geom1);
   const Vector3d origin = Origin(data, pair.geom1);
   return {found.gap, R1 * found.n, origin + R1 * found.p1, origin + R1 * found.p2};
 }
 
 Reading PosedPair::AgainstPlane() const {
   const ConvexShape& shape = model.shapes[pair.geom2];
-  const Vector3d n_W = Rotation(data, pair.geom1).col(2);
-  const Matrix3d R = Rotation(data, pair.geom2);
+  const Vector3d n_W = GeomRotation(data, pair.geom1).col(2);
+  const Matrix3d R = GeomRotation(data, pair.geom2);
   const Vector3d lowest_W =
       Origin(data, pair.geom2) + R * shape.Support(-(R.transpose() * n_W)) - shape.radius * n_W;
   const double distance = n_W.dot(lowest_W - Origin(data, pair.geom1));

@@ -50,6 +50,11 @@ inline Eigen::Map<const Vector3d> VectorAt(const mjtNum* p) {
   return Eigen::Map<const Vector3d>(p);
 }
 
+// World from geom.
+inline Matrix3d GeomRotation(const mjData& d, int geom) {
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(d.geom_xmat + 9 * geom);
+}
+
 }  // namespace mjcf_pdg::verify
 
 #endif  // MJCF_PDG_SRC_VERIFY_POSED_PAIR_H_

@@ -1,5 +1,6 @@
 #include "verify/sweep.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -42,25 +43,52 @@ int Sweep::PairOf(int geom1, int geom2) const {
   return it != end && it->geom == high ? it->pair : -1;
 }
 
+void Sweep::Place(const mjData& data, double reach) {
+  Eigen::AlignedBox3d centers;
+  for (Swept& swept : swept_) {
+    swept.center_W = VectorAt(data.geom_xpos + 3 * swept.geom);
+    centers.extend(swept.center_W);
+  }
+  int axis = 0;
+  centers.sizes().maxCoeff(&axis);
+  for (Swept& swept : swept_) {
+    swept.radius = model_.shapes[swept.geom].extent + 0.5 * reach;
+    const double low = swept.center_W[axis] - swept.radius;
+    const double high = swept.center_W[axis] + swept.radius;
+    // What is not a number is near everything.
+    swept.low = std::isnan(low) ? -mjMAXVAL : low;
+    swept.high = std::isnan(high) ? mjMAXVAL : high;
+  }
+}
+
+// Few are sorted by insertion: the order of the last call is nearly right.
+void Sweep::Sort() {
+  constexpr std::size_t kFew = 64;
+  if (swept_.size() > kFew) {
+    std::sort(swept_.begin(), swept_.end(),
+              [](const Swept& a, const Swept& b) { return a.low < b.low; });
+    return;
+  }
+  for (std::size_t i = 1; i < swept_.size(); ++i) {
+    if (swept_[i - 1].low <= swept_[i].low) continue;
+    const Swept moved = swept_[i];
+    std::size_t k = i;
+    for (; k > 0 && swept_[k - 1].low > moved.low; --k) swept_[k] = swept_[k - 1];
+    swept_[k] = moved;
+  }
+}
+
 const std::vector<int>& Sweep::Near(const mjData& data, double reach) {
   near_ = with_plane_;
-  for (Swept& swept : swept_) {
-    const double x = data.geom_xpos[3 * swept.geom];
-    const double half = model_.shapes[swept.geom].extent + 0.5 * reach;
-    // What is not a number is near everything.
-    swept.low = std::isnan(x - half) ? -mjMAXVAL : x - half;
-    swept.high = std::isnan(x + half) ? mjMAXVAL : x + half;
-  }
-  std::sort(swept_.begin(), swept_.end(),
-            [](const Swept& a, const Swept& b) { return a.low < b.low; });
+  Place(data, reach);
+  Sort();
   for (std::size_t i = 0; i < swept_.size(); ++i) {
-    for (std::size_t k = i + 1; k < swept_.size() && swept_[k].low <= swept_[i].high; ++k) {
-      const int geom1 = swept_[i].geom, geom2 = swept_[k].geom;
-      const double nearest = model_.shapes[geom1].extent + model_.shapes[geom2].extent + reach;
-      const Vector3d between =
-          VectorAt(data.geom_xpos + 3 * geom2) - VectorAt(data.geom_xpos + 3 * geom1);
-      if (between.squaredNorm() > nearest * nearest) continue;
-      const int pair = PairOf(geom1, geom2);
+    const Swept& one = swept_[i];
+    for (std::size_t k = i + 1; k < swept_.size() && swept_[k].low <= one.high; ++k) {
+      const Swept& other = swept_[k];
+      const double nearest = one.radius + other.radius;
+      if ((other.center_W - one.center_W).squaredNorm() > nearest * nearest) continue;
+      const int pair = PairOf(one.geom, other.geom);
       if (pair >= 0) near_.push_back(pair);
     }
   }

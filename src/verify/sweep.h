@@ -1,5 +1,6 @@
-// The verifier's broad phase: which pairs may be nearer than a given distance. A sweep along the x
-// axis over bounding spheres spares scenes of many bodies the look at every pair.
+// The verifier's broad phase: which pairs may be nearer than a given distance. A sweep over
+// bounding spheres, along the axis on which they are spread widest, spares scenes of many bodies
+// the look at every pair.
 #ifndef MJCF_PDG_SRC_VERIFY_SWEEP_H_
 #define MJCF_PDG_SRC_VERIFY_SWEEP_H_
 
@@ -22,13 +23,17 @@ class Sweep {
   const std::vector<int>& Near(const mjData& data, double reach);
 
  private:
+  // The bounding sphere of a geom, with half of the reach around it [m].
   struct Swept {
     int geom = 0;
-    double low = 0.0, high = 0.0;  // of the sphere along x, with half of the reach around it [m]
+    double radius = 0.0, low = 0.0, high = 0.0;  // `low` and `high`: its ends along the axis
+    Vector3d center_W = Vector3d::Zero();
   };
   struct Partner {
     int geom = 0, pair = 0;
   };
+  void Place(const mjData& data, double reach);
+  void Sort();
   // The pair of two geoms; -1: none.
   int PairOf(int geom1, int geom2) const;
 

@@ -17,10 +17,6 @@ constexpr double kShorter = 1e-6;
 // Planes that are asked for the way out of one prism, and how often a way may lead into others.
 constexpr int kMostPlanes = 40, kMostRounds = 8;
 
-Matrix3d Rotation(const mjData& d, int geom) {
-  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(d.geom_xmat + 9 * geom);
-}
-
 Vector3d UpwardNormal(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   return (b - a).cross(c - a).normalized();
 }
@@ -34,9 +30,9 @@ TerrainPair::TerrainPair(const PosedPair& posed) : shape_(posed.model.shapes[pos
   heights_ = m.hfield_data + m.hfield_adr[field];
   rows_ = m.hfield_nrow[field];
   cols_ = m.hfield_ncol[field];
-  R_field_ = Rotation(posed.data, posed.pair.geom1);
+  R_field_ = GeomRotation(posed.data, posed.pair.geom1);
   field_W_ = VectorAt(posed.data.geom_xpos + 3 * posed.pair.geom1);
-  R_ = R_field_.transpose() * Rotation(posed.data, posed.pair.geom2);
+  R_ = R_field_.transpose() * GeomRotation(posed.data, posed.pair.geom2);
   const Vector3d origin_W = VectorAt(posed.data.geom_xpos + 3 * posed.pair.geom2);
   origin_ = R_field_.transpose() * (origin_W - field_W_);
   rounding_ = std::numeric_limits<double>::epsilon() * 64.0 *

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "verify/constraints.h"
+#include "verify/convex/direction_search.h"
 #include "verify/terrain_pair.h"
 
 namespace mjcf_pdg {
@@ -223,7 +224,8 @@ Proof Verifier::Judge(int index) const {
 }
 
 // True if Judge says kPlane. Cheaper proofs come first: bounding spheres, oriented boxes, the plane
-// of an earlier call, and a plane from one minimum-norm search.
+// of an earlier call, a plane from one minimum-norm search, and, where cores overlap by less than
+// they may, one from a climb.
 bool Verifier::KeepsApart(int index) {
   const PosedPair posed = Posed(index);
   const double needed = required_[index] - tolerance_;
@@ -233,15 +235,26 @@ bool Verifier::KeepsApart(int index) {
   }
   const ConvexPair placed = posed.Shapes();
   const double clearly = needed + kClear * placed.size() + placed.radii();
-  Vector3d& n = plane_[index];
+  Vector3d& n = plane_[index];  // in the frame of the first shape; zero: none is known
   if (n.squaredNorm() > 0.0 && placed.CoreGap(n) >= clearly) return true;
   verify::MinimumNormQuestion question;
   question.start = n.squaredNorm() > 0.0 ? n : placed.between;
   if (!(question.start.squaredNorm() > 0.0)) question.start = Vector3d::UnitX();
   question.enough = clearly;
   const verify::MinimumNorm found = verify::FindMinimumNorm(placed, question);
-  n = found.n;
-  return found.lower >= clearly || Judge(index) == Proof::kPlane;
+  if (found.holds_origin && clearly < 0.0) {
+    const verify::CoreGap top =
+        verify::Climb(placed, question.start.normalized(), verify::kRoundingOfSize);
+    n = top.n;
+    if (top.gap >= clearly) return true;
+  } else {
+    n = found.n;
+    if (found.lower >= clearly) return true;
+  }
+  const Certificate decided = posed.Decide(needed);
+  if (decided.proof != Proof::kPlane) return false;
+  n = verify::GeomRotation(*data_, posed.pair.geom1).transpose() * decided.n;
+  return true;
 }
 
 bool Verifier::IsFree(std::span<const double> q, std::span<const double> q_in) {
