@@ -69,7 +69,9 @@ if(MJCF_PDG_BUILD_TESTS)
       set_target_properties(idle_plugin PROPERTIES LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/test_plugins$<0:>")
       add_dependencies(mjcf_pdg_tests idle_plugin)
       set_source_files_properties(tests/apps/cli_plugins_test.cc PROPERTIES COMPILE_DEFINITIONS
-        "MJCF_PDG_TEST_PLUGIN_DIR=\"$<TARGET_FILE_DIR:idle_plugin>\";MJCF_PDG_MUJOCO_PLUGIN_DIR=\"$<TARGET_FILE_DIR:mujoco::mujoco>/plugin\"")
+        "MJCF_PDG_TEST_PLUGIN_DIR=\"$<TARGET_FILE_DIR:idle_plugin>\"")
+      set_property(SOURCE tests/apps/cli_plugins_test.cc tests/solve/sdf_test.cc APPEND PROPERTY COMPILE_DEFINITIONS
+        "MJCF_PDG_MUJOCO_PLUGIN_DIR=\"$<TARGET_FILE_DIR:mujoco::mujoco>/plugin\"")
       if(render)  # What is drawn is read again.
         target_compile_definitions(mjcf_pdg_tests PRIVATE MJCF_PDG_TESTS_HAVE_PNG)
         target_link_libraries(mjcf_pdg_tests PRIVATE PNG::PNG)

@@ -271,6 +271,7 @@ bool Verifier::IsFree(std::span<const double> q, std::span<const double> q_in) {
   }
   AskCollision();
   CheckContacts();
+  CheckFields();
   FindDisputes();
   return !findings_.arena_full &&
          std::none_of(findings_.pairs.begin(), findings_.pairs.end(), [this](const Finding& f) {
@@ -294,6 +295,7 @@ const Verdict& Verifier::Check(std::span<const double> q, std::span<const double
   AskCollision();
   verdict_.min_distance = clearance_ + range_;
   CheckContacts();
+  CheckFields();
   CheckPairs(depths);
   verdict_.limit_excess = verify::CheckLimits(model_, q, findings_.limits);
   verdict_.equality_residual =

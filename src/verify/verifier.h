@@ -132,6 +132,7 @@ class Verifier {
 
   void CheckPairs(verify::Depths depths);
   void CheckContacts();
+  void CheckFields();
   void Report(int pair, const verify::Reading& reading, verify::Proof proof);
   void FillViolations();
   void FindDisputes();
