@@ -9,12 +9,14 @@ namespace {
 
 // Corners along the longest side of the box, and the most starts from them and features of a pair.
 constexpr int kCorners = 9;
-constexpr std::size_t kMostStarts = 12, kMostFeatures = 8;
+constexpr std::size_t kMostStarts = 8, kMostFeatures = 8;
 // Steepest slope that a start is allowed for: MuJoCo's own plugins have up to 2 (nuts).
 constexpr double kSteepest = 2.0;
 // A descent: steps, and the trust radius at which it ends [size of the box].
 constexpr int kSteps = 60;
-constexpr double kLeastRadius = 1e-9;
+constexpr double kLeastRadius = 1e-8;
+// Normals count as parallel or opposite if their difference or sum is shorter.
+constexpr double kParallel = 1e-9;
 
 // The axis-aligned box of a geom in the world; of a plane everything.
 Eigen::AlignedBox3d BoxOf(const PosedModel& posed, int geom) {
@@ -35,28 +37,17 @@ struct Values {
   double Larger() const { return std::max(f1, f2); }
 };
 
-// The step within `radius` after which the larger of f1 + n1·s and f2 + n2·s is least: along
-// λ n1 + (1 - λ) n2 with the λ that is worst for it, which is sought by thirds.
-Vector3d BestStep(const Values& at, const Vector3d& n1, const Vector3d& n2, double radius) {
-  const auto promised = [&](double share) {
-    return share * at.f1 + (1.0 - share) * at.f2 -
-           radius * (share * n1 + (1.0 - share) * n2).norm();
-  };
-  double low = 0.0, high = 1.0;
-  for (int k = 0; k < 40; ++k) {
-    const double left = low + (high - low) / 3.0, right = high - (high - low) / 3.0;
-    (promised(left) < promised(right) ? low : high) =
-        promised(left) < promised(right) ? left : right;
+// A step that makes both equal, as they are linearized, and goes by `radius` down the valley where
+// they are: along n1 + n2, which is normal to n1 - n2.
+Vector3d Step(const Values& at, const Vector3d& n1, const Vector3d& n2, double radius) {
+  const Vector3d across = n1 - n2, along = n1 + n2;
+  const double steep = across.norm(), falls = along.norm();
+  Vector3d step = Vector3d::Zero();
+  if (steep > kParallel) {
+    step -= std::clamp((at.f1 - at.f2) / steep, -radius, radius) / steep * across;
   }
-  const double share = 0.5 * (low + high);
-  const Vector3d along = share * n1 + (1.0 - share) * n2;
-  const double length = along.norm();
-  // Opposite normals: only the difference of the two can go.
-  if (length < 1e-6) {
-    const double half = std::clamp(0.5 * (at.f1 - at.f2), -radius, radius);
-    return -half * n1;
-  }
-  return -radius / length * along;
+  if (falls > kParallel) step -= radius / falls * along;
+  return step;
 }
 
 // From x down to a minimum of the larger of the two.
@@ -66,7 +57,7 @@ SignedGap Descend(const PosedField& field1, const PosedField& field2, Vector3d x
   Vector3d n1 = field1.Normal(x), n2 = field2.Normal(x);
   double radius = size / kCorners;
   for (int step = 0; step < kSteps && radius > kLeastRadius * size; ++step) {
-    const Vector3d to = x + BestStep(now, n1, n2, radius);
+    const Vector3d to = x + Step(now, n1, n2, radius);
     const Values there = values(to);
     if (there.Larger() < now.Larger()) {
       x = to;

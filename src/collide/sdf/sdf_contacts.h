@@ -4,7 +4,7 @@
 // Where max(f1, f2) has a minimum at x, the two are nearest (or overlap most) around x: f1 = f2
 // there and their gradients are opposite, so that f1 + f2 is the signed distance, and the gradient
 // of f1 the normal. The minima are sought from the points of a grid over the place where the geoms'
-// bounding boxes meet, by steps that are best for both functions linearized. Nothing is proven: a
+// bounding boxes meet, by steps along the valley in which the two are equal. Nothing is proven: a
 // feature that is finer than the grid may be missed.
 #ifndef MJCF_PDG_SRC_COLLIDE_SDF_SDF_CONTACTS_H_
 #define MJCF_PDG_SRC_COLLIDE_SDF_SDF_CONTACTS_H_
