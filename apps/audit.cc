@@ -11,6 +11,7 @@
 #include "apps/console/interrupt.h"
 #include "apps/console/progress.h"
 #include "apps/console/text.h"
+#include "apps/input/plugins.h"
 #include "apps/options.h"
 #include "apps/output/junit.h"
 #include "apps/output/output_files.h"
@@ -189,6 +190,7 @@ Verb AddAuditVerb(CLI::App& program) {
       "audit", "Report pairs that overlap always or by default, and keyframes that are wrong");
   auto arguments = std::make_shared<AuditArguments>();
   AddModels(*command, arguments->models);
+  AddPlugins(*command);
   AddExactMesh(*command, arguments->scene);
   AddModelRules(*command, arguments->scene);
   AddNumber(*command,

@@ -10,6 +10,7 @@
 #include "apps/console/progress.h"
 #include "apps/console/text.h"
 #include "apps/input/configurations.h"
+#include "apps/input/plugins.h"
 #include "apps/options.h"
 #include "apps/output/output_files.h"
 #include "apps/output/report.h"
@@ -96,6 +97,7 @@ Verb AddCheckVerb(CLI::App& program) {
       "check", "Report penetrating pairs and their depths, or how far a motion is free");
   auto arguments = std::make_shared<CheckArguments>();
   AddModels(*command, arguments->models);
+  AddPlugins(*command);
   AddWhich(*command, arguments->which);
   AddMotion(*command, *arguments);
   AddMovable(*command, arguments->scene);

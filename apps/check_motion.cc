@@ -79,10 +79,11 @@ int RunCheckMotion(const SceneArguments& scene_arguments, const EndsArguments& e
                    const Options& options, const std::string& json) {
   const Scene scene = LoadScene(scene_arguments);
   const Ends ends = ReadEnds(scene, ends_arguments);
-  if (!scene.HeldEqualities().empty()) {
+  const bool equalities = !scene.HeldEqualities().empty();
+  if (equalities || scene.HoldsTendonLimits()) {
     WriteWarning(
-        "the straight motion is checked for collisions and limits, and leaves the model's "
-        "equality constraints aside");
+        std::string("the straight motion is checked for collisions and joint limits, and leaves ") +
+        (equalities ? "the model's equality constraints" : "tendon limits") + " aside");
   }
   OutputFiles outputs;
   outputs.Add("--json", json, {scene_arguments.model});

@@ -7,6 +7,7 @@
 #include "apps/cli.h"
 #include "apps/console/text.h"
 #include "apps/input/configurations.h"
+#include "apps/input/plugins.h"
 #include "apps/options.h"
 #include "apps/output/output_files.h"
 #include "apps/output/report.h"
@@ -62,6 +63,7 @@ Verb AddNormVerb(CLI::App& program) {
       program.add_subcommand("norm", "Object norm between two configurations, per joint");
   auto arguments = std::make_shared<NormArguments>();
   AddModel(*command, arguments->scene);
+  AddPlugins(*command);
   for (CLI::Option* end : AddEnds(*command, arguments->ends)) end->required();
   AddRoot(*command, arguments->scene);
   AddArmature(*command, arguments->scene);

@@ -222,6 +222,9 @@ void AddModelRules(CLI::App& command, SceneArguments& arguments) {
                           "active equality constraints: hold all but those to mocap bodies, all, "
                           "or none",
                           arguments.options.equality);
+  AddChoice<bool>(command, "--tendon-limits", {{"ignore", false}, {"hold", true}},
+                  "length limits of tendons are no part of what is free, or held",
+                  arguments.options.hold_tendon_limits);
   AddChoice<bool>(command, "--flags", {{"all", false}, {"model", true}},
                   "contacts and limits that the model disables by <flag> count all the same, or "
                   "as the model says",

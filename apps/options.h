@@ -52,7 +52,7 @@ void AddArmature(CLI::App& command, SceneArguments& arguments);       // --armat
 // --exclude, --allow, --ignore-permanent
 void AddPairs(CLI::App& command, SceneArguments& arguments);
 void AddExactMesh(CLI::App& command, SceneArguments& arguments);  // --exact-mesh
-// What of the model counts: --equality, --flags, --flex
+// What of the model counts: --equality, --tendon-limits, --flags, --flex
 void AddModelRules(CLI::App& command, SceneArguments& arguments);
 // --clearance M|model
 void AddClearance(CLI::App& command, SceneArguments& arguments, Options& options);

@@ -11,6 +11,7 @@
 #include "apps/console/interrupt.h"
 #include "apps/console/progress.h"
 #include "apps/console/text.h"
+#include "apps/input/plugins.h"
 #include "apps/options.h"
 #include "apps/output/output_files.h"
 #include "apps/regress/discover.h"
@@ -162,6 +163,7 @@ Verb AddRegressVerb(CLI::App& program) {
       ->type_name("DIR");
   command->add_flag("--update", arguments->update,
                     "write the golden results (and DIR/pdg.json, with --discover)");
+  AddPlugins(*command);
   AddInteger(*command, {"--threads", "N", "rows solved at once", {.low = 1.0, .high = 1024.0}},
              arguments->threads);
   AddJson(*command, arguments->json);

@@ -14,6 +14,7 @@
 #include "apps/console/text.h"
 #include "apps/input/configurations.h"
 #include "apps/input/npy.h"
+#include "apps/input/plugins.h"
 #include "apps/input/qpos_file.h"
 #include "apps/options.h"
 #include "apps/output/output_files.h"
@@ -51,6 +52,7 @@ struct SolveArguments {
 
 void AddFlags(CLI::App& command, SolveArguments& arguments) {
   AddModels(command, arguments.models);
+  AddPlugins(command);
   AddWhich(command, arguments.which);
   command.add_flag("--trajectory", arguments.options.trajectory,
                    "rows are frames of one motion: one optimum is followed");

@@ -24,12 +24,19 @@ Warnings& CollectedWarnings() {
   return warnings;
 }
 
+// Where errors go instead of being thrown; null: they are thrown.
+thread_local std::vector<std::string>* collected_errors = nullptr;
+
 // Most warnings that are kept.
 constexpr std::size_t kMaxWarnings = 5;
 
 void HandleMessage(const mjLogMessage* message) {
   if (message->level < mjLOG_WARNING) return;
   const std::string text = OneLine(message->subject);
+  if (message->level >= mjLOG_ERROR && collected_errors) {
+    collected_errors->push_back(text);
+    return;
+  }
   if (message->level >= mjLOG_ERROR) throw std::runtime_error("MuJoCo: " + text);
   Warnings& warnings = CollectedWarnings();
   const std::lock_guard<std::mutex> lock(warnings.mutex);
@@ -53,6 +60,16 @@ std::vector<std::string> TakeMujocoWarnings() {
   Warnings& warnings = CollectedWarnings();
   const std::lock_guard<std::mutex> lock(warnings.mutex);
   return std::exchange(warnings.lines, {});
+}
+
+std::vector<std::string> MujocoErrorsDuring(const std::function<void()>& action) {
+  struct Collecting {
+    std::vector<std::string> errors;
+    Collecting() { collected_errors = &errors; }
+    ~Collecting() { collected_errors = nullptr; }
+  } collecting;
+  action();
+  return std::move(collecting.errors);
 }
 
 }  // namespace mjcf_pdg::app

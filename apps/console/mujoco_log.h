@@ -3,6 +3,7 @@
 #ifndef MJCF_PDG_APPS_CONSOLE_MUJOCO_LOG_H_
 #define MJCF_PDG_APPS_CONSOLE_MUJOCO_LOG_H_
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,11 @@ void InstallMujocoLog();
 // Returns the distinct warnings since the last call, at most five, one line each, in order of first
 // appearance.
 std::vector<std::string> TakeMujocoWarnings();
+
+// Calls `action` and returns MuJoCo's errors during it, one line each, instead of throwing them:
+// for what no exception may pass through, as the loading of a library. After an error MuJoCo goes
+// on.
+std::vector<std::string> MujocoErrorsDuring(const std::function<void()>& action);
 
 }  // namespace mjcf_pdg::app
 

@@ -93,6 +93,7 @@ std::string DepthIn(const Result& result) {
   if (result.status == Status::kAlreadyFree) return text;
   if (result.limit_excess_in > kLimitTolerance) text += " limits";
   if (result.equality_residual_in > kEqualityTolerance) text += " equality";
+  if (result.tendon_excess_in > kEqualityTolerance) text += " tendons";
   return text;
 }
 
@@ -182,6 +183,10 @@ std::string SolveJson(const Scene& scene, const RowName& name, const Configurati
     json["equality_residual_in"] = result.equality_residual_in;
     json["equality_residual"] = result.equality_residual;
   }
+  if (scene.HoldsTendonLimits()) {
+    json["tendon_excess_in"] = result.tendon_excess_in;
+    json["tendon_excess"] = result.tendon_excess;
+  }
   json["iterations"] = result.stats.iterations;
   json["collision_queries"] = result.stats.collision_queries;
   json["time_us"] = std::round(result.stats.seconds * 1e9) / 1e3;
@@ -243,6 +248,7 @@ std::string CheckJson(const Scene& scene, const RowName& name, const Configurati
   json["min_distance"] = verdict.min_distance;
   json["limit_excess"] = verdict.limit_excess;
   if (HoldsEqualities(scene)) json["equality_residual"] = verdict.equality_residual;
+  if (scene.HoldsTendonLimits()) json["tendon_excess"] = verdict.tendon_excess;
   json["contacts"] = ContactsJson(scene, verdict.contacts);
   if (HasMargins(*scene.model())) json["pushed_pairs"] = verdict.pushed_pairs;
   if (!scene.IgnoredPairs().empty()) json["ignored"] = IgnoredJson(scene);
@@ -282,8 +288,9 @@ void CheckTable::Add(const Scene& scene, const RowName& name, const Configuratio
                  Millimetres(verdict.min_distance), Short(verdict.limit_excess)});
   summary_.AddRow(std::move(cells));
   reasons_ += StillPushes(name, row, verdict.free ? verdict.pushed_pairs : 0);
-  // Overlaps are in the table of pairs already; the reason names the joints.
-  if (verdict.free || (overlaps > 0 && verdict.limit_excess <= 0.0)) return;
+  // Overlaps are in the table of pairs already; the reason names joints and tendons.
+  const bool outside = verdict.limit_excess > 0.0 || verdict.tendon_excess > kEqualityTolerance;
+  if (verdict.free || (overlaps > 0 && !outside)) return;
   reasons_ += ReasonLine(name, row, verdict.reason);
 }
 

@@ -83,6 +83,10 @@ void ReadOptions(const JsonPlace& place, SceneOptions& scene, Options& options) 
                                                   {"all", EqualityMode::kAll},
                                                   {"ignore", EqualityMode::kIgnore}});
        }},
+      {"tendon_limits",
+       [&](const JsonPlace& p) {
+         scene.hold_tendon_limits = p.Choice<bool>({{"ignore", false}, {"hold", true}});
+       }},
       {"flags",
        [&](const JsonPlace& p) {
          scene.model_flags = p.Choice<bool>({{"all", false}, {"model", true}});

@@ -45,7 +45,7 @@ struct Motion {
 class MJCF_PDG_API MotionChecker {
  public:
   // Of the options, tolerance, clearance, rest (of contacts at q0) and the mocap poses count.
-  // Equality constraints are ignored. Throws Error if an option is out of range.
+  // Equality constraints and tendon limits are ignored. Throws Error if an option is out of range.
   explicit MotionChecker(const Scene& scene, const Options& options = {});
   ~MotionChecker();
   MotionChecker(MotionChecker&&) noexcept;

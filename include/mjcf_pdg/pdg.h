@@ -106,13 +106,15 @@ struct Verdict {
   double min_distance = 0.0;       // as in Result, but cut off 1 m beyond the clearance [m]
   double limit_excess = 0.0;       // largest violation of a joint limit [rad or m]
   double equality_residual = 0.0;  // largest violation of a held equality constraint [m or rad]
+  double tendon_excess = 0.0;      // as in Result
   int pushed_pairs = 0;            // as in Result
   // Pairs that are nearer than the tolerance or than required, deepest first.
   std::vector<Contact> contacts;
   std::string reason;  // what is not free, in words; empty if all is free
 };
 
-// Decides whether q is free: joint limits hold within kLimitTolerance, and every kept pair keeps
+// Decides whether q is free: joint limits hold within kLimitTolerance, equality constraints and
+// tendon limits that are held within kEqualityTolerance, and every kept pair keeps
 // its required distance within `tolerance`. That is the clearance or, if it is larger, the margin
 // of SceneOptions::keep_margins (0 for pairs that no movable joint can separate), less the overlap
 // that the model or `options.rest` allows. A pair is decided by a certificate: a plane that

@@ -60,6 +60,8 @@ struct SceneOptions {
   bool exact_mesh = false;
   // Of the constraints that are active in the model, or in the mjData that is solved.
   EqualityMode equality = EqualityMode::kHold;
+  // The length limits of tendons are held, too: they are part of what is free.
+  bool hold_tendon_limits = false;
   // What the model disables by <flag> (contact, limit, constraint) does not count. If this is
   // false, contacts and limits count all the same, and Scene::Warnings says so.
   bool model_flags = false;
@@ -122,6 +124,7 @@ class MJCF_PDG_API Scene {
   // The equality constraints that are active in the model and held, each by its name (or "#id") and
   // kind.
   std::vector<std::string> HeldEqualities() const;
+  bool HoldsTendonLimits() const;  // the options hold the length limits of some tendon
 
  private:
   Scene(std::shared_ptr<const mjModel> owner, const mjModel& model, const SceneOptions& options);

@@ -66,7 +66,7 @@ enum class Cause {
   kBudget,       // the budget of queries or seconds ended the search before anything was free
   kPermanent,    // pairs overlap in every configuration that was tried, wherever the joints went
   kFrozen,       // pairs overlap that no movable joint can separate
-  kEquality,     // an equality constraint cannot be held
+  kEquality,     // an equality constraint or a held tendon limit cannot be held
   kNotVerified,  // the search calls a configuration free that the verifier does not
   kNotFound,     // the search ended without a free configuration
 };
@@ -82,7 +82,7 @@ struct Budget {
 
 // How far a joint may be outside its range in a configuration that is free [rad or m].
 inline constexpr double kLimitTolerance = 1e-6;
-// Equality constraints hold if none is violated by more than this [m or rad].
+// Equality constraints and tendon limits hold if none is violated by more than this [m or rad].
 inline constexpr double kEqualityTolerance = 1e-6;
 
 // What a solve, a verdict or a checked motion is asked for. A value out of range is an Error of the
@@ -151,6 +151,9 @@ struct Result {
   double limit_excess_in = 0.0;  // largest violation of a joint limit by q_in [rad or m]
   // The largest violations of a held equality constraint by q_in and by q [m or rad].
   double equality_residual_in = 0.0, equality_residual = 0.0;
+  // How far tendons are outside their ranges at q_in and at q, if SceneOptions::hold_tendon_limits
+  // [m; of a fixed tendon in units of its joints times their coefficients].
+  double tendon_excess_in = 0.0, tendon_excess = 0.0;
   bool certified = false;      // that q is free rests on signed distances (no SDF)
   std::string start;           // the start that won (name from Components in pdg.h); "none": q_in
   std::string reason;          // why it is unsolved, in words; else empty

@@ -104,6 +104,8 @@ nb::dict ToDict(const Scene& scene, std::vector<double> q_in, const Result& resu
   d["limit_excess_in"] = result.limit_excess_in;
   d["equality_residual_in"] = result.equality_residual_in;
   d["equality_residual"] = result.equality_residual;
+  d["tendon_excess_in"] = result.tendon_excess_in;
+  d["tendon_excess"] = result.tendon_excess;
   d["contacts_kept"] = result.contacts_kept;
   d["pushed_pairs"] = result.pushed_pairs;
   d["switched"] = result.switched;
@@ -127,6 +129,7 @@ nb::dict ToDict(const Scene& scene, const Verdict& verdict) {
   d["min_distance"] = verdict.min_distance;
   d["limit_excess"] = verdict.limit_excess;
   d["equality_residual"] = verdict.equality_residual;
+  d["tendon_excess"] = verdict.tendon_excess;
   d["pushed_pairs"] = verdict.pushed_pairs;
   d["contacts"] = ToList(scene, verdict.contacts);
   d["reason"] = Text(verdict.reason);

@@ -34,9 +34,9 @@ class Columns {
  public:
   Columns(std::size_t rows, std::size_t nq) : rows_(rows), nq_(nq) {
     q_.resize(rows * nq);
-    for (auto* column :
-         {&sigma_, &rms_, &sigma_lower_bound_, &depth_in_, &min_distance_, &limit_excess_in_,
-          &equality_residual_in_, &equality_residual_, &seconds_}) {
+    for (auto* column : {&sigma_, &rms_, &sigma_lower_bound_, &depth_in_, &min_distance_,
+                         &limit_excess_in_, &equality_residual_in_, &equality_residual_,
+                         &tendon_excess_in_, &tendon_excess_, &seconds_}) {
       column->resize(rows);
     }
     for (auto* column : {&iterations_, &queries_}) column->resize(rows);
@@ -56,6 +56,8 @@ class Columns {
     limit_excess_in_[row] = result.limit_excess_in;
     equality_residual_in_[row] = result.equality_residual_in;
     equality_residual_[row] = result.equality_residual;
+    tendon_excess_in_[row] = result.tendon_excess_in;
+    tendon_excess_[row] = result.tendon_excess;
     certified_[row] = result.certified;
     proven_[row] = IsProven(result);
     start_[row] = result.start;
@@ -79,6 +81,8 @@ class Columns {
     d["limit_excess_in"] = Array(std::move(limit_excess_in_));
     d["equality_residual_in"] = Array(std::move(equality_residual_in_));
     d["equality_residual"] = Array(std::move(equality_residual_));
+    d["tendon_excess_in"] = Array(std::move(tendon_excess_in_));
+    d["tendon_excess"] = Array(std::move(tendon_excess_));
     d["certified"] = Array(std::move(certified_)).attr("view")("bool");
     d["proven"] = Array(std::move(proven_)).attr("view")("bool");
     d["start"] = Texts(start_);
@@ -99,7 +103,8 @@ class Columns {
 
   std::size_t rows_, nq_;
   std::vector<double> q_, sigma_, rms_, sigma_lower_bound_, depth_in_, min_distance_,
-      limit_excess_in_, equality_residual_in_, equality_residual_, seconds_;
+      limit_excess_in_, equality_residual_in_, equality_residual_, tendon_excess_in_,
+      tendon_excess_, seconds_;
   std::vector<std::int64_t> iterations_, queries_;
   std::vector<std::uint8_t> certified_, proven_;  // std::vector<bool> has no array inside
   std::vector<std::string> status_, start_, cause_, reason_;

@@ -169,6 +169,10 @@ const Row kTable[] = {
     MJCF_PDG_ROW(allow, kVerify | kSolve, scene.allow),
     MJCF_PDG_ROW(ignore_permanent, kVerify | kSolve, scene.ignore_permanent),
     MJCF_PDG_ROW(equality, kVerify | kSolve, scene.equality),
+    {"tendon_limits", kVerify | kSolve,
+     [](const std::string& n, nb::handle v, Asked& a) {
+       Choose<bool>(n, v, {{"ignore", false}, {"hold", true}}, a.scene.hold_tendon_limits);
+     }},
     {"flags", kVerify | kSolve,
      [](const std::string& n, nb::handle v, Asked& a) {
        Choose<bool>(n, v, {{"all", false}, {"model", true}}, a.scene.model_flags);

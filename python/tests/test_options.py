@@ -196,3 +196,19 @@ def test_flexes_are_left_out_when_asked():
     with pytest.raises(ValueError, match="cloth"):
         mjcf_pdg.solve(model, model.qpos0)
     assert mjcf_pdg.solve(model, model.qpos0, flex="ignore").status == "solved"
+
+
+def test_tendon_limits_are_held_when_asked():
+    kite = mujoco.MjModel.from_xml_string("""<mujoco><worldbody><site name="a"/>
+      <body><joint type="slide" axis="1 0 0"/><geom size=".1"/><site name="b"/></body></worldbody>
+      <tendon><spatial limited="true" range="0 1"><site site="a"/><site site="b"/></spatial></tendon></mujoco>""")
+    assert mjcf_pdg.solve(kite, [1.5]).status == "already_free"
+    result = mjcf_pdg.solve(kite, [1.5], tendon_limits="hold")
+    assert result.status == "solved" and result.q == pytest.approx([1.0], abs=2e-6)
+    assert result.tendon_excess_in == pytest.approx(0.5) and result.tendon_excess <= 1e-6
+    rows = mjcf_pdg.solve(kite, [[1.5], [0.5]], tendon_limits="hold")
+    assert rows.tendon_excess_in == pytest.approx([0.5, 0.0])
+    verdict = mjcf_pdg.verify(kite, [1.5], tendon_limits="hold")
+    assert not verdict and verdict.tendon_excess == pytest.approx(0.5)
+    with pytest.raises(ValueError, match="tendon_limits"):
+        mjcf_pdg.solve(kite, [1.5], tendon_limits="some")

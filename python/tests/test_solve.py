@@ -187,3 +187,14 @@ def test_audit_finds_what_is_wrong(ball):
     assert [one["name"] for one in report["keyframes"]] == ["qpos0", "sunk"]
     assert report["keyframes"][1]["depth"] == pytest.approx(0.1)
     assert report["exclude"] == [] and report["never"] == 0
+
+
+def test_models_with_mujocos_own_plugins_are_solved():
+    # A ring 2 cm deep in the floor: a plugin, which mujoco loads when it is imported, has its SDF.
+    ring = mujoco.MjModel.from_xml_string("""<mujoco><extension><plugin plugin="mujoco.sdf.torus">
+      <instance name="ring"><config key="radius1" value=".35"/><config key="radius2" value=".15"/>
+      </instance></plugin></extension><asset><mesh name="ring"><plugin instance="ring"/></mesh></asset>
+      <worldbody><geom type="plane" size="2 2 1"/><body pos="0 0 .13"><joint type="slide" axis="0 0 1"/>
+      <geom type="sdf" mesh="ring"><plugin instance="ring"/></geom></body></worldbody></mujoco>""")
+    result = mjcf_pdg.solve(ring, [0.0])
+    assert result.status == "solved" and result.q == pytest.approx([0.02], abs=1e-3)

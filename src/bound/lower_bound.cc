@@ -27,6 +27,8 @@
 // the sphere: over a cap of angle ε about n0, n·v >= cos ε n0·v - sin ε |v⊥|,
 // γ <= γ(n0) + sin ε √λmax(G).
 //
+// Of a height field, A is a convex solid inside it (lower_bound_terrain.h).
+//
 // Pairs whose movers have nothing in common add up, since terms of S do; so do joints outside their
 // limits: the least σ_j with which the joint gets back inside.
 #include "bound/lower_bound.h"
@@ -86,12 +88,13 @@ LowerBound::LowerBound() {
   pool_.reserve(kOverlaps * kMoversPerOverlap);
   concerned_.reserve(kOverlaps * kMoversPerOverlap);
   used_.reserve(kOverlaps * kMoversPerOverlap);
+  inscribed_.reserve(16);
 }
 
 // Nothing if the pair proves nothing.
 void LowerBound::AddOverlap(const LowerBoundInput& in, const NearPair& near) {
   const KeptPair& kept = in.tables.pairs[near.pair];
-  if (!kept.has_distance || !kept.moves || near.local) return;  // convex geoms only
+  if (!kept.has_distance || !kept.moves || (near.local && !kept.terrain)) return;  // convex
   Overlap& added = overlaps_.emplace_back();
   PairProblem& pair = added.problem;
   pair.required = in.required[near.pair] - in.tolerance * (1.0 + kRounding);
@@ -120,9 +123,35 @@ void LowerBound::AddOverlap(const LowerBoundInput& in, const NearPair& near) {
     concerned_.insert(concerned_.end(), own.begin(), own.end());
   }
   added.movers.end = static_cast<int>(concerned_.size());
-  pair.geom[0].Fill(in.posed, *in.tables.support, kept.geom1);
   pair.geom[1].Fill(in.posed, *in.tables.support, kept.geom2);
+  if (kept.terrain) return ChooseInscribed(in, near, pair);
+  pair.geom[0].Fill(in.posed, *in.tables.support, kept.geom1);
   pair.hope = pair.plane ? pair.RootForPlane(in.budget) : pair.RootFor(near.n_W, 0.0);
+}
+
+// Of the convex solids inside the height field, the one that promises most, by the directions in
+// which it might be left for least: those of its top, of the contact, of its sides, and between.
+// Nothing is claimed by moment arms, since how deep the geom is in that solid is not known.
+void LowerBound::ChooseInscribed(const LowerBoundInput& in, const NearPair& near,
+                                 PairProblem& pair) {
+  const int field = in.tables.pairs[near.pair].geom1;
+  const Matrix3d R = AsMatrix(in.posed.data()->geom_xmat + 9 * field);
+  FindInscribed(in.posed, field, near, pair.needed, inscribed_);
+  pair.needed = pair.hope = 0.0;
+  const InscribedSolid* best = nullptr;
+  for (const InscribedSolid& solid : inscribed_) {
+    pair.geom[0].Fill(solid.corners_W);
+    double hope = std::min(pair.RootFor(solid.up_W, 0.0), pair.RootFor(near.n_W, 0.0));
+    for (int side = 0; side < 4 && hope > pair.hope; ++side) {
+      const Vector3d out = (side & 1 ? 1.0 : -1.0) * R.col(side / 2);
+      hope = std::min(hope, pair.RootFor(out, 0.0));
+      hope = std::min(hope, pair.RootFor((out + R.col(2)).normalized(), 0.0));
+    }
+    if (!(hope > pair.hope)) continue;
+    pair.hope = hope;
+    best = &solid;
+  }
+  if (best) pair.geom[0].Fill(best->corners_W);
 }
 
 // Pair by pair, the most promising first. Those that hardly raise the sum are passed over.
@@ -130,9 +159,11 @@ void LowerBound::ClaimOverlaps(const LowerBoundInput& in) {
   chains_.Fill(in);
   heap_.reserve(kFirstCells + in.max_cells + 3);
   for (std::vector<int>* path : {&path1_, &path2_}) path->reserve(in.norm.terms().size());
+  int before = -1;  // a height field's pair is there once for each of its features
   for (const NearPair& near : in.overlaps) {
     if (BoundIsLate(in.budget)) break;
-    AddOverlap(in, near);
+    if (near.pair != before) AddOverlap(in, near);
+    before = near.pair;
   }
   OrderFalling(
       static_cast<int>(overlaps_.size()), [this](int k) { return overlaps_[k].problem.hope; },

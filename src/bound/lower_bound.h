@@ -11,6 +11,7 @@
 #include "bound/lower_bound_chain.h"
 #include "bound/lower_bound_input.h"
 #include "bound/lower_bound_pair.h"
+#include "bound/lower_bound_terrain.h"
 #include "problem/workspace.h"
 
 namespace mjcf_pdg {
@@ -46,6 +47,7 @@ class LowerBound {
   };
 
   void AddOverlap(const LowerBoundInput& in, const NearPair& near);
+  void ChooseInscribed(const LowerBoundInput& in, const NearPair& near, PairProblem& pair);
   void ClaimOverlaps(const LowerBoundInput& in);
   void ClaimLimits(const LowerBoundInput& in);
   double SumOfDisjoint();
@@ -60,6 +62,7 @@ class LowerBound {
   std::vector<int> concerned_;      // movers, range after range
   std::vector<int> path1_, path2_;  // of the bodies of one pair
   std::vector<int> order_, used_;
+  std::vector<InscribedSolid> inscribed_;
   std::vector<DirectionCell> heap_;
 };
 

@@ -6,6 +6,13 @@
 namespace mjcf_pdg {
 
 Vector3d ConvexGeom::Support(const Vector3d& n) const {
+  if (!support) {
+    int farthest = 0;
+    for (int k = 1; k < num_points_; ++k) {
+      if (n.dot(points_G_[k]) > n.dot(points_G_[farthest])) farthest = k;
+    }
+    return points_G_[farthest];
+  }
   const Vector3d p = center + R * support->Support(geom, R.transpose() * n);
   return core_radius > 0.0 ? p + core_radius * n.normalized() : p;
 }
@@ -50,6 +57,17 @@ void ConvexGeom::Fill(const PosedModel& posed, const SupportPoints& support_poin
     default:
       throw std::logic_error("a geom of this type has no extreme points");
   }
+}
+
+void ConvexGeom::Fill(std::span<const Vector3d> corners_W) {
+  support = nullptr;
+  round = false;
+  core_radius = radius = 0.0;
+  center.setZero();
+  R.setIdentity();
+  hull_ = {};
+  num_points_ = 0;
+  for (const Vector3d& corner : corners_W) AddPoint(corner.x(), corner.y(), corner.z());
 }
 
 void ConvexGeom::AddCorners(const Vector3d& half) {

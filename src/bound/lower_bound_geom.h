@@ -16,7 +16,7 @@ namespace mjcf_pdg {
 
 // At q_in, in world axes.
 struct ConvexGeom {
-  const SupportPoints* support = nullptr;
+  const SupportPoints* support = nullptr;  // null: the hull of its points
   int geom = 0;
   double core_radius = 0.0;  // by which it exceeds its support points [m]
   Vector3d center;
@@ -25,6 +25,8 @@ struct ConvexGeom {
   double radius = 0.0;
   bool round = false;  // a cylinder or ellipsoid, whose points are not its own
 
+  // The hull of up to eight points.
+  void Fill(std::span<const Vector3d> corners_W);
   // Any geom with a signed distance; of a plane, nothing but center and R is of use.
   void Fill(const PosedModel& posed, const SupportPoints& support_points, int geom_id);
 

@@ -57,7 +57,7 @@ function(mjcf_pdg_fetch_mujoco result)
   set(${result} "${folder}/unpacked/mujoco" PARENT_SCOPE)
   file(MAKE_DIRECTORY "${folder}")
   file(LOCK "${folder}/lock" GUARD FUNCTION TIMEOUT 600)  # two builds may share the cache
-  if(EXISTS "${folder}/unpacked")
+  if(EXISTS "${folder}/unpacked/mujoco/plugin")  # a copy of before plugins were unpacked is replaced
     return()
   endif()
 
@@ -73,6 +73,7 @@ function(mjcf_pdg_fetch_mujoco result)
   # Renamed when complete, so an interrupted configure leaves nothing that looks finished.
   file(REMOVE_RECURSE "${folder}/partial")
   file(ARCHIVE_EXTRACT INPUT "${wheel}" DESTINATION "${folder}/partial"
-       PATTERNS "mujoco/include/*" "mujoco/libmujoco*" "*.dist-info/*")
+       PATTERNS "mujoco/include/*" "mujoco/libmujoco*" "mujoco/plugin/*.so" "*.dist-info/*")
+  file(REMOVE_RECURSE "${folder}/unpacked")
   file(RENAME "${folder}/partial" "${folder}/unpacked")
 endfunction()

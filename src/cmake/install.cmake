@@ -27,6 +27,10 @@ if(MuJoCo_LIBRARY)
   set(MJCF_PDG_INSTALLS_MUJOCO ON)
   install(FILES "${MuJoCo_LIBRARY}" DESTINATION "${private_dir}/mujoco" PERMISSIONS
           OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+  # Its plugins (SDF geoms, some sensors and actuators), from where the wheel or the release has them.
+  get_filename_component(mujoco_library_dir "${MuJoCo_LIBRARY}" DIRECTORY)
+  file(GLOB plugins "${mujoco_library_dir}/plugin/*.so" "${mujoco_library_dir}/../bin/mujoco_plugin/*.so")
+  install(PROGRAMS ${plugins} DESTINATION "${private_dir}/mujoco/plugin")
   install(DIRECTORY "${MuJoCo_INCLUDE_DIR}/mujoco" DESTINATION "${private_dir}/mujoco/include")
   file(GLOB licences "${MuJoCo_INCLUDE_DIR}/../LICENSE*" "${MuJoCo_INCLUDE_DIR}/../THIRD_PARTY_NOTICES*"
        "${MuJoCo_INCLUDE_DIR}/../../mujoco_core-${MuJoCo_VERSION}.dist-info/licenses/*")

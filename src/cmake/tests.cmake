@@ -63,6 +63,15 @@ if(MJCF_PDG_BUILD_TESTS)
       target_compile_definitions(mjcf_pdg_tests PRIVATE MJCF_PDG_PROGRAM="$<TARGET_FILE:mjcf-pdg>")
       set_source_files_properties(tests/apps/cli_manual_test.cc PROPERTIES
                                   COMPILE_DEFINITIONS "MJCF_PDG_MANUAL_DIR=\"${manual_dir}\"")
+      # A plugin of somebody's own, and MuJoCo's.
+      add_library(idle_plugin MODULE tests/apps/plugin/idle_plugin.cc)
+      target_link_libraries(idle_plugin PRIVATE mujoco::mujoco)
+      set_target_properties(idle_plugin PROPERTIES LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/test_plugins$<0:>")
+      add_dependencies(mjcf_pdg_tests idle_plugin)
+      set_source_files_properties(tests/apps/cli_plugins_test.cc PROPERTIES COMPILE_DEFINITIONS
+        "MJCF_PDG_TEST_PLUGIN_DIR=\"$<TARGET_FILE_DIR:idle_plugin>\"")
+      set_property(SOURCE tests/apps/cli_plugins_test.cc tests/solve/sdf_test.cc APPEND PROPERTY COMPILE_DEFINITIONS
+        "MJCF_PDG_MUJOCO_PLUGIN_DIR=\"$<TARGET_FILE_DIR:mujoco::mujoco>/plugin\"")
       if(render)  # What is drawn is read again.
         target_compile_definitions(mjcf_pdg_tests PRIVATE MJCF_PDG_TESTS_HAVE_PNG)
         target_link_libraries(mjcf_pdg_tests PRIVATE PNG::PNG)

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "collide/convex/capsule_box.h"
+#include "collide/sdf/sdf_contacts.h"
 #include "collide/terrain/terrain_contacts.h"
 
 namespace mjcf_pdg {
@@ -50,6 +51,7 @@ ContactFinder::ContactFinder(const SceneTables& tables, double clearance)
       posed_(&model_, tables.moving_trees),
       exact_(tables, clearance),
       terrain_(std::make_unique<TerrainContacts>(tables)),
+      sdf_(std::make_unique<SdfContacts>(tables)),
       convex_(tables),
       centers_W_(tables.body_spheres.size()) {
   near_.reserve(tables.pairs.size());
@@ -203,6 +205,7 @@ bool ContactFinder::GeomGap(int pair, double cutoff, SignedGap& gap) {
   return true;
 }
 
+// By the geoms' own functions, and as mj_collision sees them: what is free is free for both.
 void ContactFinder::FindContactOnly(double margin) {
   model_.opt.enableflags |= mjENBL_OVERRIDE;
   model_.opt.o_margin = margin;
@@ -215,6 +218,7 @@ void ContactFinder::FindContactOnly(double margin) {
   for (int pair = 0; pair < static_cast<int>(tables_.pairs.size()); ++pair) {
     const KeptPair& kept = tables_.pairs[pair];
     if (kept.has_distance) continue;
+    AppendFields(pair, margin);
     for (int c = 0; c < d.ncon; ++c) {
       const mjContact& contact = d.contact[c];
       if (!same(kept, contact) || contact.dist >= margin) continue;
@@ -226,6 +230,16 @@ void ContactFinder::FindContactOnly(double margin) {
       near.p2_W = AsVector(contact.pos) + 0.5 * contact.dist * near.n_W;
       near_.push_back(near);
     }
+  }
+}
+
+void ContactFinder::AppendFields(int pair, double margin) {
+  const KeptPair& kept = tables_.pairs[pair];
+  if (DistanceBound(pair) > margin || !BoundsNear(kept, margin)) return;
+  features_.clear();
+  sdf_->Features(posed_, pair, margin, features_);
+  for (const SignedGap& gap : features_) {
+    near_.push_back({pair, gap.distance, gap.p1, gap.p2, gap.n, true, false});
   }
 }
 

@@ -8,8 +8,8 @@
 // (a mesh collides as its triangles) by exact_contacts.h. Where an exact pair overlaps and the
 // penetration depth of its convex hulls is at most twice the depth that the triangles tell, the
 // hulls' depth and normal are reported: that translation is certain to separate the meshes. Pairs
-// with a height field are measured by terrain_contacts.h. Pairs with an SDF have no signed
-// distance; their contacts come from mj_collision.
+// with a height field are measured by terrain_contacts.h. Pairs with an SDF have no proven
+// distance: sdf_contacts.h looks for the places where they are near, and mj_collision does.
 #ifndef MJCF_PDG_SRC_COLLIDE_CONTACTS_H_
 #define MJCF_PDG_SRC_COLLIDE_CONTACTS_H_
 
@@ -24,18 +24,20 @@
 namespace mjcf_pdg {
 
 class TerrainContacts;
+class SdfContacts;
 
 // A kept pair that is nearer than the margin, in the world frame W. Pairs of convex geoms appear
-// once; contact-only pairs (SDF) once per MuJoCo contact, exact pairs and those with a height field
-// once per feature (exact_contacts.h, terrain_contacts.h), the deepest or nearest first.
+// once; exact pairs and those with a height field once per feature (exact_contacts.h,
+// terrain_contacts.h), the deepest or nearest first; contact-only pairs (SDF) once per feature
+// (sdf_contacts.h) and then once per MuJoCo contact.
 struct NearPair {
   int pair = 0;  // index into SceneTables::pairs
-  // Signed distance [m], of contact-only pairs MuJoCo's contact.dist; -infinity: the geoms overlap,
-  // and the depth was not asked for.
+  // Signed distance [m], of MuJoCo's contacts contact.dist; -infinity: the geoms overlap, and the
+  // depth was not asked for.
   double distance = 0.0;
   Vector3d p1_W, p2_W;  // witness points on geom 1 and geom 2 [m]
   Vector3d n_W;         // unit, from geom 1 to geom 2; distance = n · (p2 - p1)
-  // True for exact pairs and those with a height field: the plane through the witness points
+  // True for exact pairs and those with a height field or SDF: the plane through the witness points
   // separates the two surfaces only near these points, `distance` proves nothing about the rest of
   // the geoms, and for an overlap n is only a likely direction to separate them.
   bool local = false;
@@ -103,8 +105,9 @@ class ContactFinder {
   // The signed distance of the pair's geoms, meshes as their convex hulls, in W. Returns false if
   // it is not below `cutoff` [m]; `gap` may be overwritten even then.
   bool GeomGap(int pair, double cutoff, SignedGap& gap);
-  // Appends to near_ the contacts of contact-only pairs, as mj_collision finds them.
+  // Appends to near_ what is near of contact-only pairs; the second of one, by its functions.
   void FindContactOnly(double margin);
+  void AppendFields(int pair, double margin);
   // First broad phase: false if the bodies' bounding spheres prove a distance above `margin` [m].
   bool BodiesNear(const BodyPair& bodies, double margin) const;
   void MoveCenters();
@@ -115,6 +118,7 @@ class ContactFinder {
   PosedModel posed_;
   ExactContacts exact_;
   const std::unique_ptr<TerrainContacts> terrain_;
+  const std::unique_ptr<SdfContacts> sdf_;
   ConvexDistance convex_;
   std::vector<SignedGap> features_;
   std::vector<NearPair> near_;

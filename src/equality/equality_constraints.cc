@@ -24,9 +24,9 @@ mjModel WithEqualitiesAlone(const mjModel& query_model) {
 }  // namespace
 
 EqualityConstraints::EqualityConstraints(const SceneTables& tables)
-    : tables_(tables), model_(WithEqualitiesAlone(tables.query_model)) {
+    : tables_(tables), model_(WithEqualitiesAlone(tables.query_model)), tendon_limits_(tables) {
   const std::vector<char>& held = tables.held_equalities;
-  if (std::find(held.begin(), held.end(), 1) == held.end()) return;
+  if (std::find(held.begin(), held.end(), 1) == held.end() && !tendon_limits_.any()) return;
   posed_ = std::make_unique<PosedModel>(&model_);
   weight_.resize(tables.n);
   for (const JointEntry& joint : tables.joints) {
@@ -44,13 +44,15 @@ void EqualityConstraints::SetMocap(const MocapPoses& poses) {
 void EqualityConstraints::SetActive(std::span<const mjtBool> active) {
   if (!posed_) return;
   const mjModel& m = *tables_.model;
-  any_ = has_tendons_ = false;
+  equalities_ = false;
+  tendons_ = tendon_limits_.any();
   for (int e = 0; e < m.neq; ++e) {
     const bool on = (active.empty() ? m.eq_active0[e] : active[e]) && tables_.held_equalities[e];
     posed_->data()->eq_active[e] = on;
-    any_ |= on;
-    has_tendons_ |= on && m.eq_type[e] == mjEQ_TENDON;
+    equalities_ |= on;
+    tendons_ |= on && m.eq_type[e] == mjEQ_TENDON;
   }
+  any_ = equalities_ || tendon_limits_.any();
 }
 
 std::span<const mjtBool> EqualityConstraints::active() const {
@@ -62,9 +64,10 @@ void EqualityConstraints::Linearize(const VectorXd& q) {
   if (!any_) return;
   posed_->Pose(q);
   mjData* d = posed_->data();
-  if (has_tendons_) mj_tendon(&model_, d);
-  mj_makeConstraint(&model_, d);
-  const int rows = d->ne;
+  if (tendons_) mj_tendon(&model_, d);
+  tendon_limits_.Linearize(*d);
+  if (equalities_) mj_makeConstraint(&model_, d);
+  const int rows = equalities_ ? d->ne : 0;
   residual_.resize(rows);
   jacobian_.resize(rows, tables_.n);
   const int nv = static_cast<int>(model_.nv);
@@ -93,20 +96,42 @@ void EqualityConstraints::ScaleRows() {
   }
 }
 
+double EqualityConstraints::Largest() const {
+  const double residual = residual_.size() ? residual_.lpNorm<Eigen::Infinity>() : 0.0;
+  return std::max(residual, tendon_limits_.Excess());
+}
+
+void EqualityConstraints::CollectBroken() {
+  const VectorXd& slack = tendon_limits_.slack();
+  const Eigen::Index equalities = residual_.size();
+  const Eigen::Index exceeded = (slack.array() < 0.0).count();
+  broken_.resize(equalities + exceeded);
+  broken_jacobian_.resize(equalities + exceeded, tables_.n);
+  broken_.head(equalities) = residual_;
+  broken_jacobian_.topRows(equalities) = jacobian_;
+  Eigen::Index row = equalities;
+  for (Eigen::Index k = 0; k < slack.size(); ++k) {
+    if (!(slack[k] < 0.0)) continue;
+    broken_[row] = slack[k];
+    broken_jacobian_.row(row++) = tendon_limits_.jacobian().row(k);
+  }
+}
+
 double EqualityConstraints::Violation(const VectorXd& q) {
   if (!any_) return 0.0;
   Linearize(q);
   return Largest();
 }
 
-// Sets step_ to the least change that makes the linearized residual zero, without joints that are
-// at a limit and would leave it. Returns false if nothing can change.
+// Sets step_ to the least change that mends what is broken, as it is linearized, without joints
+// that are at a limit and would leave it. Returns false if nothing can change.
 bool EqualityConstraints::Correct(const VectorXd& q) {
+  CollectBroken();
   VectorXd weight = weight_;
   for (std::size_t round = 0; round <= tables_.joints.size(); ++round) {
     solver_.setThreshold(tune::kRank);
-    solver_.compute(jacobian_ * weight.asDiagonal());
-    step_ = solver_.solve(-residual_);
+    solver_.compute(broken_jacobian_ * weight.asDiagonal());
+    step_ = solver_.solve(-broken_);
     step_ = weight.cwiseProduct(step_).eval();
     bool blocked = false;
     for (const JointEntry& joint : tables_.joints) {

@@ -1,6 +1,6 @@
 // The equality constraints e(q) = 0 that are held while solving: joint and tendon couplings,
-// connects and welds. Residuals and Jacobians are those of MuJoCo (mj_makeConstraint), so that what
-// is held here is what a simulation holds.
+// connects and welds; and with them the limits of tendons that are held. Residuals and Jacobians
+// are those of MuJoCo (mj_makeConstraint), so that what is held here is what a simulation holds.
 //
 // Not in the source, whose models are trees of joints.
 #ifndef MJCF_PDG_SRC_EQUALITY_EQUALITY_CONSTRAINTS_H_
@@ -10,11 +10,13 @@
 #include <span>
 #include <vector>
 
+#include "equality/tendon_limits.h"
 #include "model/kinematics.h"
 
 namespace mjcf_pdg {
 
-// One per thread. Costs nothing where the scene holds no equality constraint.
+// One per thread. Costs nothing where the scene holds neither an equality constraint nor a tendon
+// limit.
 class EqualityConstraints {
  public:
   explicit EqualityConstraints(const SceneTables& tables);
@@ -27,32 +29,38 @@ class EqualityConstraints {
   void SetActive(std::span<const mjtBool> active);
   std::span<const mjtBool> active() const;  // those that are held
 
-  bool any() const { return any_; }  // some constraint is held
+  bool any() const { return any_; }  // some constraint is held, or some tendon limit
 
-  // Evaluates the constraints at q (nq entries): residual() and jacobian().
+  // Evaluates the constraints at q (nq entries): residual(), jacobian() and tendon_limits().
   void Linearize(const VectorXd& q);
   const VectorXd& residual() const { return residual_; }  // k entries [m or rad]
   const MatrixXd& jacobian() const { return jacobian_; }  // k × n, of residual() by dq
 
-  // The largest residual at q; 0 if none is held [m or rad].
+  const TendonLimits& tendon_limits() const { return tendon_limits_; }
+
+  // The largest residual, or excess of a tendon limit, at q; 0 if none is held [m or rad].
   double Violation(const VectorXd& q);
 
-  // Brings q, which is inside its limits, onto the constraints by Gauss-Newton steps that change
-  // it least (a rotation counts as the arc at the scene's size) and stay inside limits. Returns
-  // whether they hold then; if not, q is as near as it came.
+  // Brings q, which is inside its limits, onto the constraints and inside the tendon limits by
+  // Gauss-Newton steps that change it least (a rotation counts as the arc at the scene's size) and
+  // stay inside limits. Returns whether they hold then; if not, q is as near as it came.
   bool Project(VectorXd& q);
 
  private:
-  double Largest() const { return residual_.size() ? residual_.lpNorm<Eigen::Infinity>() : 0.0; }
+  double Largest() const;
   void ScaleRows();
+  void CollectBroken();
   bool Correct(const VectorXd& q);
 
   const SceneTables& tables_;
   mjModel model_;                      // with equality rows alone
   std::unique_ptr<PosedModel> posed_;  // null if no constraint is ever held
-  bool any_ = false, has_tendons_ = false;
-  VectorXd residual_, step_;
+  TendonLimits tendon_limits_;
+  bool any_ = false, equalities_ = false, tendons_ = false;  // equalities_: some is held; tendons_:
+  VectorXd residual_, step_;                                 // mj_tendon is needed
   MatrixXd jacobian_;
+  VectorXd broken_;  // the residuals, and tendon limits that are exceeded as if they were residuals
+  MatrixXd broken_jacobian_;
   VectorXd weight_;  // per dof: the inverse of what a unit of it counts
   Eigen::CompleteOrthogonalDecomposition<MatrixXd> solver_;
 };

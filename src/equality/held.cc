@@ -40,4 +40,12 @@ std::vector<char> HeldEqualities(const mjModel& m, EqualityMode mode) {
   return held;
 }
 
+std::vector<char> HeldTendons(const mjModel& m, const SceneOptions& options) {
+  const int disabled = m.opt.disableflags & (mjDSBL_LIMIT | mjDSBL_CONSTRAINT);
+  const bool hold = options.hold_tendon_limits && !(options.model_flags && disabled);
+  std::vector<char> held(m.ntendon, 0);
+  for (int t = 0; t < m.ntendon; ++t) held[t] = hold && m.tendon_limited[t];
+  return held;
+}
+
 }  // namespace mjcf_pdg

@@ -15,6 +15,10 @@ namespace mjcf_pdg {
 // question, which the model or a mjData answers.
 std::vector<char> HeldEqualities(const mjModel& m, EqualityMode mode);
 
+// By tendon: its length limits are held, as the options ask. One whose limits the model disables by
+// <flag> is not, if the options honour that.
+std::vector<char> HeldTendons(const mjModel& m, const SceneOptions& options);
+
 // For messages: its kind and its name or "#id".
 std::string DescribeEquality(const mjModel& m, int equality);
 

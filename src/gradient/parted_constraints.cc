@@ -109,6 +109,10 @@ void PartedConstraints::ChooseRows(const VectorXd& q) {
   equality_.Linearize(q);
   const int equalities = equality_.any() ? static_cast<int>(equality_.residual().size()) : 0;
   for (int k = 0; k < equalities; ++k) rows_.push_back({Kind::kEquality, (1LL << 60) + k, k, 0});
+  const TendonLimits& tendons = equality_.tendon_limits();
+  for (int k = 0; k < tendons.slack().size(); ++k) {
+    if (tendons.scale()[k] > 0.0) rows_.push_back({Kind::kTendon, (1LL << 61) + k, k, 0});
+  }
   posed_.Pose(q);
   for (std::size_t p = 0; p < planes_.size(); ++p) ChooseRowsOf(static_cast<int>(p));
 }
@@ -141,6 +145,10 @@ void PartedConstraints::Evaluate(const VectorXd& q, const VectorXd* lambda) {
     if (row.kind == Kind::kEquality) {
       values_.gap[k] = equality_.residual()[row.of];
       values_.C.row(k) = equality_.jacobian().row(row.of);
+    } else if (row.kind == Kind::kTendon) {
+      const TendonLimits& tendons = equality_.tendon_limits();
+      values_.gap[k] = tendons.scale()[row.of] * tendons.slack()[row.of];
+      values_.C.row(k) = tendons.scale()[row.of] * tendons.jacobian().row(row.of);
     } else if (row.IsPiece()) {
       EvaluatePiece(row, k);
     } else {

@@ -1,5 +1,5 @@
-// The constraints of the nearest free configuration as smooth functions: joint limits, equality
-// constraints, and that a plane parts the two geoms of each near pair.
+// The constraints of the nearest free configuration as smooth functions: limits of joints and
+// tendons, equality constraints, and that a plane parts the two geoms of each near pair.
 //
 // The distance of two convex geoms has kinks wherever the nearest features change, and a vertex
 // that lies on an edge has no normal. "A plane parts them" has neither. With n and c the plane's
@@ -48,10 +48,10 @@ struct PartingPlane {
 
 // What a row is about. Rows of the same key are the same constraint.
 struct ConstraintRow {
-  enum class Kind { kLowerLimit, kUpperLimit, kEquality, kGeom1, kGeom2 };
+  enum class Kind { kLowerLimit, kUpperLimit, kTendon, kEquality, kGeom1, kGeom2 };
   Kind kind = Kind::kLowerLimit;
   std::int64_t key = 0;
-  int of = 0;     // its joint (of `all`), residual or plane
+  int of = 0;     // its joint (of `all`), tendon limit, residual or plane
   int piece = 0;  // of kGeom1 and kGeom2: of pieces1 or pieces2
 
   bool IsPiece() const { return kind == Kind::kGeom1 || kind == Kind::kGeom2; }

@@ -6,28 +6,30 @@
 namespace mjcf_pdg {
 namespace {
 
+// Appends the bodies that a tendon runs along.
+void AddBodiesOfTendon(const mjModel& m, int tendon, std::vector<int>& bodies) {
+  for (int k = 0; k < m.tendon_num[tendon]; ++k) {
+    const int wrap = m.tendon_adr[tendon] + k, object = m.wrap_objid[wrap];
+    switch (m.wrap_type[wrap]) {
+      case mjWRAP_JOINT:
+        bodies.push_back(m.jnt_bodyid[object]);
+        break;
+      case mjWRAP_SITE:
+        bodies.push_back(m.site_bodyid[object]);
+        break;
+      case mjWRAP_SPHERE:
+      case mjWRAP_CYLINDER:
+        bodies.push_back(m.geom_bodyid[object]);
+        break;
+      default:
+        break;
+    }
+  }
+}
+
 // The bodies that an equality constraint refers to, and those that its tendons run along.
 std::vector<int> BodiesOfEquality(const mjModel& m, int equality) {
   std::vector<int> bodies;
-  const auto add_tendon = [&](int tendon) {
-    for (int k = 0; k < m.tendon_num[tendon]; ++k) {
-      const int wrap = m.tendon_adr[tendon] + k, object = m.wrap_objid[wrap];
-      switch (m.wrap_type[wrap]) {
-        case mjWRAP_JOINT:
-          bodies.push_back(m.jnt_bodyid[object]);
-          break;
-        case mjWRAP_SITE:
-          bodies.push_back(m.site_bodyid[object]);
-          break;
-        case mjWRAP_SPHERE:
-        case mjWRAP_CYLINDER:
-          bodies.push_back(m.geom_bodyid[object]);
-          break;
-        default:
-          break;
-      }
-    }
-  };
   for (const int object : {m.eq_obj1id[equality], m.eq_obj2id[equality]}) {
     if (object < 0) continue;
     switch (m.eq_type[equality]) {
@@ -35,7 +37,7 @@ std::vector<int> BodiesOfEquality(const mjModel& m, int equality) {
         bodies.push_back(m.jnt_bodyid[object]);
         break;
       case mjEQ_TENDON:
-        add_tendon(object);
+        AddBodiesOfTendon(m, object, bodies);
         break;
       case mjEQ_CONNECT:
       case mjEQ_WELD:
@@ -60,14 +62,11 @@ MovableTrees::MovableTrees(const SceneTables& scene)
     if (tree < 0) tree = count_++;
     of_body_[body] = tree;
   }
-  of_equality_.resize(m.neq);
-  for (int e = 0; e < m.neq; ++e) {
-    std::vector<int>& trees = of_equality_[e];
-    for (const int body : BodiesOfEquality(m, e)) {
-      if (of_body_[body] >= 0) trees.push_back(of_body_[body]);
-    }
-    std::sort(trees.begin(), trees.end());
-    trees.erase(std::unique(trees.begin(), trees.end()), trees.end());
+  for (int e = 0; e < m.neq; ++e) of_equality_.push_back(TreesOf(BodiesOfEquality(m, e)));
+  for (int t = 0; t < m.ntendon; ++t) {
+    std::vector<int> bodies;
+    AddBodiesOfTendon(m, t, bodies);
+    of_tendon_.push_back(TreesOf(bodies));
   }
   body_pairs_.resize(count_);
   for (int k = 0; k < static_cast<int>(scene.body_pairs.size()); ++k) {
@@ -76,6 +75,16 @@ MovableTrees::MovableTrees(const SceneTables& scene)
     if (tree1 >= 0) body_pairs_[tree1].push_back(k);
     if (tree2 >= 0 && tree2 != tree1) body_pairs_[tree2].push_back(k);
   }
+}
+
+std::vector<int> MovableTrees::TreesOf(const std::vector<int>& bodies) const {
+  std::vector<int> trees;
+  for (const int body : bodies) {
+    if (of_body_[body] >= 0) trees.push_back(of_body_[body]);
+  }
+  std::sort(trees.begin(), trees.end());
+  trees.erase(std::unique(trees.begin(), trees.end()), trees.end());
+  return trees;
 }
 
 Island::Island(const SceneTables& scene, const MovableTrees& all, std::vector<int> of_trees)
@@ -91,11 +100,16 @@ Island::Island(const SceneTables& scene, const MovableTrees& all, std::vector<in
   tables.bvhs = scene.bvhs;
   tables.tree_units = scene.tree_units;
   if (scene.root_body >= 0 && Has(all.OfBody(scene.root_body))) tables.root_body = scene.root_body;
+  const auto concerns = [this](const std::vector<int>& joined) {
+    return std::any_of(joined.begin(), joined.end(), [this](int tree) { return Has(tree); });
+  };
   tables.held_equalities = scene.held_equalities;
   for (std::size_t e = 0; e < tables.held_equalities.size(); ++e) {
-    const std::vector<int>& joined = all.OfEquality(static_cast<int>(e));
-    tables.held_equalities[e] &=
-        std::any_of(joined.begin(), joined.end(), [this](int tree) { return Has(tree); });
+    tables.held_equalities[e] &= concerns(all.OfEquality(static_cast<int>(e)));
+  }
+  tables.held_tendons = scene.held_tendons;
+  for (std::size_t t = 0; t < tables.held_tendons.size(); ++t) {
+    tables.held_tendons[t] &= concerns(all.OfTendon(static_cast<int>(t)));
   }
   FillJoints(scene, all);
   FillPairs(scene, all);

@@ -22,16 +22,20 @@ class MovableTrees {
   int OfBody(int body) const { return of_body_[body]; }
   int OfGeom(int geom) const { return of_body_[model_->geom_bodyid[geom]]; }
   int OfJoint(const JointEntry& joint) const { return of_body_[joint.body]; }
-  // The trees that an equality constraint of the model joins, ascending.
+  // The trees that an equality constraint of the model joins, or that a tendon runs along,
+  // ascending.
   const std::vector<int>& OfEquality(int equality) const { return of_equality_[equality]; }
+  const std::vector<int>& OfTendon(int tendon) const { return of_tendon_[tendon]; }
   // SceneTables::body_pairs that concern the tree, ascending.
   const std::vector<int>& BodyPairsOf(int tree) const { return body_pairs_[tree]; }
 
  private:
+  std::vector<int> TreesOf(const std::vector<int>& bodies) const;
+
   const mjModel* model_;
   int count_ = 0;
   std::vector<int> of_body_;
-  std::vector<std::vector<int>> of_equality_, body_pairs_;
+  std::vector<std::vector<int>> of_equality_, of_tendon_, body_pairs_;
 };
 
 struct Island {

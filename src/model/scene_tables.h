@@ -105,6 +105,7 @@ struct SceneTables {
   double tree_units = 1.0;  // the unit of length of `bvhs`: tree units per metre (triangle_bvh.h)
   // By equality constraint of the model: it is held while it is active (equality/held.h).
   std::vector<char> held_equalities;
+  std::vector<char> held_tendons;  // by tendon of the model: its length limits are held
   // Pairs of geoms (ascending) that do not count although MuJoCo's filters keep them, because the
   // options exclude them or, in `ignored`, because they overlap permanently. Both are sorted.
   std::vector<std::array<int, 2>> excluded, ignored;

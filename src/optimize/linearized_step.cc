@@ -13,7 +13,9 @@ namespace tune = tuning::step;
 // Rooms for the most rows there can be, so that no later step needs more.
 LinearizedStep::LinearizedStep(Workspace& work) : problem_(work.problem()), work_(work) {
   const SceneTables& tables = problem_.tables;
-  const int n = tables.n, limits = 2 * static_cast<int>(tables.joints.size());
+  const auto tendons = std::count(tables.held_tendons.begin(), tables.held_tendons.end(), 1);
+  const int n = tables.n;
+  const int limits = 2 * static_cast<int>(tables.joints.size()) + 2 * static_cast<int>(tendons);
   const int rows = tune::kContacts * (1 + WitnessMemory::kPerPair) + limits;
   rows_.Reserve(rows, n);
   lcp_.Reserve(n, rows);
@@ -41,8 +43,19 @@ void LinearizedStep::Linearize(const VectorXd& q, const std::vector<NearPair>& n
   contact_rows_ = rows_.m;
   AppendLimitRows(tables, q, {tune::kLimitReach, tune::kSlideReach * problem_.size, problem_.size},
                   rows_);
-  work_.norm.Linearize(q, r_, J_);
   work_.equality.Linearize(q);
+  AppendTendonRows();
+  work_.norm.Linearize(q, r_, J_);
+}
+
+// Those of tendon limits that are as near as limits of turning joints.
+void LinearizedStep::AppendTendonRows() {
+  const TendonLimits& limits = work_.equality.tendon_limits();
+  for (Eigen::Index k = 0; k < limits.slack().size(); ++k) {
+    const double scale = limits.scale()[k], gap = scale * limits.slack()[k];
+    if (!(scale > 0.0) || gap >= tune::kLimitReach * problem_.size) continue;
+    rows_.C.row(rows_.Append(gap)) = scale * limits.jacobian().row(k);
+  }
 }
 
 // The row of the pair's witness points, then those of witness points that it had at earlier steps.

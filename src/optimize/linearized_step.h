@@ -4,7 +4,7 @@
 // Source: Tang & Kim, Sec. 5.3: minimize ½‖r + J dq‖² subject to C dq + gap >= 0 (Eq. 24-30).
 // Differs from it:
 //   1. Rows are elastic: a contact that cannot be held costs `penalty` per metre, so that contacts
-//      in conflict have an answer. Joint limits are far stiffer.
+//      in conflict have an answer. Limits of joints and tendons are far stiffer.
 //   2. Witness points of earlier steps add rows (witness_memory.h).
 //   3. Equality constraints hold exactly: the step is sought in the null space of their Jacobian.
 //   4. Levenberg-Marquardt damping, and a trust radius in the units of the object norm.
@@ -67,6 +67,7 @@ class LinearizedStep {
 
  private:
   void AppendContactRows(const NearPair& near, const RowOptions& options);
+  void AppendTendonRows();
   void AddDamping(double damping);
   void SolveLcp(const StepOptions& options);
   void HoldEqualities(Eigen::Ref<MatrixXd> G, Eigen::Ref<VectorXd> b);
@@ -77,7 +78,8 @@ class LinearizedStep {
   Workspace& work_;
   WitnessMemory memory_;
   ContactRows rows_;
-  int contact_rows_ = 0;  // rows_ begins with these; the rows after them are joint limits
+  int contact_rows_ =
+      0;  // rows_ begins with these; the rows after them are limits of joints and tendons
   ActiveSetLcp lcp_;
   std::int64_t lcp_steps_ = 0;
   double sigma_ = 0.0, violation_ = 0.0, uncut_sigma_ = 0.0;

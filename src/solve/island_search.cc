@@ -26,6 +26,13 @@ IslandSearch::IslandSearch(Workspace& work, Verifier& verifier)
     : work_(work), verifier_(verifier), trees_(work.problem().tables) {
   outcome_.Reserve(static_cast<int>(work.problem().tables.model->nq));
   groups_.resize(trees_.count());
+  const SceneTables& tables = work.problem().tables;
+  for (std::size_t e = 0; e < tables.held_equalities.size(); ++e) {
+    if (tables.held_equalities[e]) held_.push_back(trees_.OfEquality(static_cast<int>(e)));
+  }
+  for (std::size_t t = 0; t < tables.held_tendons.size(); ++t) {
+    if (tables.held_tendons[t]) held_.push_back(trees_.OfTendon(static_cast<int>(t)));
+  }
 }
 
 void IslandSearch::Seed(const std::vector<NearPair>& overlaps) {
@@ -43,12 +50,11 @@ void IslandSearch::Seed(const std::vector<NearPair>& overlaps) {
     if (LimitExcess(joint, problem.q_in) > 0.0) GroupOf(trees_.OfJoint(joint));
   }
   if (work_.equality.Violation(problem.q_in) > kEqualityTolerance) {
-    for (std::size_t e = 0; e < problem.tables.held_equalities.size(); ++e) {
-      if (!problem.tables.held_equalities[e]) continue;
-      for (const int tree : trees_.OfEquality(static_cast<int>(e))) GroupOf(tree);
+    for (const std::vector<int>& joined : held_) {
+      for (const int tree : joined) GroupOf(tree);
     }
   }
-  UniteEqualities();
+  UniteHeld();
 }
 
 // The tree's group; a new one if it has none.
@@ -63,12 +69,9 @@ std::size_t IslandSearch::GroupOf(int tree) {
   return static_cast<std::size_t>(group_of_[tree]);
 }
 
-// Trees that equality constraints join move together.
-void IslandSearch::UniteEqualities() {
-  const std::vector<char>& held = work_.problem().tables.held_equalities;
-  for (std::size_t e = 0; e < held.size(); ++e) {
-    if (!held[e]) continue;
-    const std::vector<int>& joined = trees_.OfEquality(static_cast<int>(e));
+// Trees that equality constraints or limited tendons join move together.
+void IslandSearch::UniteHeld() {
+  for (const std::vector<int>& joined : held_) {
     for (const int tree : joined) {
       if (group_of_[tree] < 0) continue;
       for (const int other : joined) Unite(static_cast<std::size_t>(group_of_[tree]), other);
@@ -182,7 +185,8 @@ void IslandSearch::SearchAndAccept(Part& part, const Input& input, Group& group)
   outcome_.starts += found.starts;
   outcome_.iterations += found.iterations;
   if (Several()) {
-    verifier_.SetScope({part.island.tables.body_moves, part.island.tables.held_equalities});
+    const SceneTables& tables = part.island.tables;
+    verifier_.SetScope({tables.body_moves, tables.held_equalities, tables.held_tendons});
   }
   Acceptance& acceptance = part.stages.acceptance;
   acceptance.Begin(input.q_in);
@@ -242,7 +246,7 @@ bool IslandSearch::UniteWhereTouching(Workspace& work, const VectorXd& q, const 
     const KeptPair& pair = problem.tables.pairs[near.pair];
     united |= join(trees_.OfGeom(pair.geom1), trees_.OfGeom(pair.geom2));
   }
-  if (united) UniteEqualities();
+  if (united) UniteHeld();
   return united;
 }
 

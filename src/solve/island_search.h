@@ -1,11 +1,11 @@
 // Solves a scene of many kinematic trees island by island (model/island.h).
 //
 // Trees that overlap at q_in form an island; so do trees that only leave their limits or violate
-// equality constraints. Each island is solved by itself. Trees that its answer touches join it, and
-// if the answer comes nearer by pushing them aside, the larger island is solved, too. So it is if
-// some start ended in an overlap with other trees before it came as far as the answer. The nearer
-// answer counts. Answers of islands that touch each other are united in
-// the same way.
+// equality constraints or limited tendons. Each island is solved by itself. Trees that its answer
+// touches join it, and if the answer comes nearer by pushing them aside, the larger island is
+// solved, too. So it is if some start ended in an overlap with other trees before it came as far as
+// the answer. The nearer answer counts. Answers of islands that touch each other are united in the
+// same way.
 #ifndef MJCF_PDG_SRC_SOLVE_ISLAND_SEARCH_H_
 #define MJCF_PDG_SRC_SOLVE_ISLAND_SEARCH_H_
 
@@ -78,7 +78,7 @@ class IslandSearch {
   std::span<Group> Groups() { return std::span(groups_).first(num_groups_); }
   bool Several() const;
   void Unite(std::size_t a, int tree);
-  void UniteEqualities();
+  void UniteHeld();
   Group* Pending();
   Part& PartOf(const std::vector<int>& trees);
   void Solve(Group& group, const Input& input);
@@ -96,6 +96,7 @@ class IslandSearch {
   Workspace& work_;
   Verifier& verifier_;
   MovableTrees trees_;
+  std::vector<std::vector<int>> held_;  // trees that one held constraint or tendon joins, each
   std::vector<std::unique_ptr<Part>> parts_;
   std::size_t next_part_ = 0;  // the one to be replaced next
   std::int64_t queries_ = 0, lcp_steps_ = 0;

@@ -23,6 +23,19 @@ std::string OneLine(std::string text) {
   return text;
 }
 
+// MuJoCo's words, with what helps against a plugin that it does not know.
+std::string WithPlugins(const std::string& words) {
+  if (words.find("plugin ") == std::string::npos || words.find(" not found") == std::string::npos) {
+    return words;
+  }
+  std::string known;
+  for (int slot = 0; slot < mjp_pluginCount(); ++slot) {
+    known += (slot == 0 ? "" : ", ") + std::string(mjp_getPluginAtSlot(slot)->name);
+  }
+  return words + "; plugins that are loaded: " + (known.empty() ? "none" : known) +
+         " (more by --plugin-dir, in C++ by mj_loadPluginLibrary)";
+}
+
 // What follows the scheme and its slashes, of which one stays if `absolute`; empty if `name` does
 // not begin with the scheme.
 std::string AfterScheme(const std::string& name, const std::string& scheme, bool absolute) {
@@ -81,7 +94,7 @@ struct ModelDeleter {
 SpecPtr ParseModelFile(const std::string& path) {
   std::string error(kErrorSize, '\0');
   SpecPtr spec(mj_parse(path.c_str(), nullptr, nullptr, error.data(), kErrorSize));
-  if (!spec) throw Error(OneLine(error.c_str()));
+  if (!spec) throw Error(WithPlugins(OneLine(error.c_str())));
   ResolvePackages(path, spec.get());
   return spec;
 }
@@ -89,7 +102,7 @@ SpecPtr ParseModelFile(const std::string& path) {
 SpecPtr ParseModelText(const std::string& xml) {
   std::string error(kErrorSize, '\0');
   SpecPtr spec(mj_parseXMLString(xml.c_str(), nullptr, error.data(), kErrorSize));
-  if (!spec) throw Error(OneLine(error.c_str()));
+  if (!spec) throw Error(WithPlugins(OneLine(error.c_str())));
   return spec;
 }
 
@@ -106,7 +119,14 @@ std::shared_ptr<const mjModel> LoadModelFile(const std::string& path) {
     throw Error(std::string("not a binary model of MuJoCo ") + mj_versionString() +
                 ", which reads those of its own version alone: pass the XML that it is made of");
   }
-  return {loaded, ModelDeleter{}};
+  std::shared_ptr<const mjModel> model(loaded, ModelDeleter{});
+  // It has only the places in which plugins were registered where it was compiled: others may be
+  // there now.
+  if (model->nplugin > 0) {
+    throw Error(
+        "a binary model does not say which plugins it uses: pass the XML that it is made of");
+  }
+  return model;
 }
 
 }  // namespace mjcf_pdg

@@ -18,8 +18,8 @@ constexpr double kKeptContact = 1e-3;
 constexpr std::size_t kLongestStart = 32;
 
 // Whether a configuration that is not free is still worth going to from another one: it is no
-// deeper, and either less deep, or fewer pairs are too near, or equality constraints hold that did
-// not.
+// deeper, and either less deep, or fewer pairs are too near, or equality constraints and tendon
+// limits hold that did not.
 bool Improves(const Verdict& there, const Verdict& here, const Options& options) {
   const double tolerance = options.tolerance;
   if (there.min_distance < here.min_distance - tolerance) return false;
@@ -28,7 +28,9 @@ bool Improves(const Verdict& there, const Verdict& here, const Options& options)
       return contact.distance < options.clearance - options.tolerance;
     });
   };
-  const auto holds = [](const Verdict& v) { return v.equality_residual <= kEqualityTolerance; };
+  const auto holds = [](const Verdict& v) {
+    return std::max(v.equality_residual, v.tendon_excess) <= kEqualityTolerance;
+  };
   return there.min_distance > here.min_distance + tolerance || too_near(there) < too_near(here) ||
          (holds(there) && !holds(here));
 }
@@ -41,6 +43,7 @@ void Reporter::Clear(Result& result) {
   result.sigma = result.sigma_lower_bound = 0.0;
   result.depth_in = result.min_distance = result.limit_excess_in = 0.0;
   result.equality_residual_in = result.equality_residual = 0.0;
+  result.tendon_excess_in = result.tendon_excess = 0.0;
   result.certified = false;
   result.start.reserve(kLongestStart);
   result.start.clear();
@@ -55,6 +58,7 @@ void Reporter::Clear(Result& result) {
 bool Reporter::Input(const std::vector<double>& q_in, Result& result) {
   const bool free = Reports() ? MeasureInput(q_in, result) : verifier_.IsFree(q_in, q_in);
   result.equality_residual_in = verifier_.verdict().equality_residual;
+  result.tendon_excess_in = verifier_.verdict().tendon_excess;
   if (free) FillFree(q_in, result);
   return free;
 }
@@ -112,6 +116,7 @@ void Reporter::Answer(const Verdict& verdict, Result& result) const {
   result.min_distance = verdict.min_distance;
   result.certified = verdict.certified;
   result.equality_residual = verdict.equality_residual;
+  result.tendon_excess = verdict.tendon_excess;
   result.pushed_pairs = verdict.pushed_pairs;
   if (problem_.options.report_contacts) result.contacts = verdict.contacts;
 }
@@ -129,6 +134,7 @@ void Reporter::AnswerUnmeasured(Result& result) const {
   result.min_distance = problem_.options.clearance - problem_.options.tolerance;
   result.certified = verifier_.certified();
   result.equality_residual = verifier_.verdict().equality_residual;
+  result.tendon_excess = verifier_.verdict().tendon_excess;
 }
 
 void Reporter::Unsolved(const std::vector<double>& q_in, const Outcome* outcome, bool frozen,
@@ -171,7 +177,7 @@ void Reporter::SayWhy(const Outcome* outcome, bool frozen, const Verdict& verdic
   const bool spent = work_.Spent();
   if (frozen) {
     result.cause = Cause::kFrozen;
-  } else if (verdict.equality_residual > kEqualityTolerance) {
+  } else if (std::max(verdict.equality_residual, verdict.tendon_excess) > kEqualityTolerance) {
     result.cause = Cause::kEquality;
   } else if (!inseparable.empty()) {
     result.cause = Cause::kPermanent;

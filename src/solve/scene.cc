@@ -281,6 +281,7 @@ std::shared_ptr<const SceneTables> MakeTables(std::shared_ptr<const mjModel> own
   const bool equalities = !(options.model_flags && (model->opt.disableflags & mjDSBL_CONSTRAINT));
   const EqualityMode equality = equalities ? options.equality : EqualityMode::kIgnore;
   tables->held_equalities = HeldEqualities(*model, equality);
+  tables->held_tendons = HeldTendons(*model, options);
   WarnOfEqualities(equality, *tables);
   WarnOfFlags(options, *tables);
   WarnOfFlexes(*tables);
@@ -380,6 +381,11 @@ void Scene::CheckConfiguration(std::span<const double> q) const {
       throw Error("the quaternion of joint " + QuotedNameOrId(*m, mjOBJ_JOINT, j) + " is zero");
     }
   }
+}
+
+bool Scene::HoldsTendonLimits() const {
+  const std::vector<char>& held = tables_->held_tendons;
+  return std::find(held.begin(), held.end(), 1) != held.end();
 }
 
 std::vector<std::string> Scene::HeldEqualities() const {

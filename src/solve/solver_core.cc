@@ -29,6 +29,9 @@ const Options& Checked(const Scene& scene, const Options& options) {
   CheckOptions(options, *scene.model());
   const std::vector<std::string> equalities = scene.HeldEqualities();
   if (!equalities.empty()) CheckMethodHolds(options, equalities.front());
+  if (scene.HoldsTendonLimits() && options.method == Method::kPaper) {
+    throw Error("method paper cannot hold tendon limits: use method auto");
+  }
   return options;
 }
 

@@ -154,4 +154,29 @@ double CheckEqualities(const mjModel& m, const std::vector<char>& active, mjData
   return largest;
 }
 
+std::vector<char> TendonsToHold(const mjModel& m, const SceneOptions& options) {
+  std::vector<char> hold(m.ntendon, 0);
+  const int flags = options.model_flags ? mjDSBL_LIMIT | mjDSBL_CONSTRAINT : 0;
+  if (!options.hold_tendon_limits || (m.opt.disableflags & flags)) return hold;
+  std::copy(m.tendon_limited, m.tendon_limited + m.ntendon, hold.begin());
+  return hold;
+}
+
+double CheckTendons(const mjModel& m, const std::vector<char>& held, mjData& d,
+                    std::vector<TendonExcess>& outside) {
+  if (std::find(held.begin(), held.end(), 1) == held.end()) return 0.0;
+  mj_comPos(&m, &d);
+  mj_tendon(&m, &d);
+  double largest = 0.0;
+  for (int t = 0; t < m.ntendon; ++t) {
+    if (!held[t]) continue;
+    const double length = d.ten_length[t];
+    const double low = m.tendon_range[2 * t], high = m.tendon_range[2 * t + 1];
+    const double excess = std::max(low - length, length - high);
+    if (!(excess <= kResidualTolerance)) outside.push_back({t, length, excess});
+    largest = std::max(largest, excess);
+  }
+  return largest;
+}
+
 }  // namespace mjcf_pdg::verify

@@ -1,5 +1,5 @@
-// Which joint limits and equality constraints a configuration violates, by the verifier's own
-// formulas.
+// Which joint limits, equality constraints and tendon limits a configuration violates, by the
+// verifier's own formulas.
 #ifndef MJCF_PDG_SRC_VERIFY_CONSTRAINTS_H_
 #define MJCF_PDG_SRC_VERIFY_CONSTRAINTS_H_
 
@@ -29,6 +29,16 @@ std::vector<char> EqualitiesToHold(const mjModel& m, const SceneOptions& options
 // in m and of angles in rad.
 double CheckEqualities(const mjModel& m, const std::vector<char>& active, mjData& d,
                        std::vector<EqualityExcess>& violated);
+
+// By tendon of the model: its length limits count, as the options ask.
+std::vector<char> TendonsToHold(const mjModel& m, const SceneOptions& options);
+
+// Appends the tendons, of those with an entry in `held`, whose lengths at the pose of `d`, for
+// which mj_kinematics has run, are outside their ranges by more than the verifier's own
+// kEqualityTolerance. Runs mj_comPos and mj_tendon if there are some. Returns the largest excess,
+// at least 0.
+double CheckTendons(const mjModel& m, const std::vector<char>& held, mjData& d,
+                    std::vector<TendonExcess>& outside);
 
 }  // namespace mjcf_pdg::verify
 

@@ -51,12 +51,21 @@ std::string Describe(const mjModel& m, const EqualityExcess& excess) {
          " is violated by " + text;
 }
 
+std::string Describe(const mjModel& m, const TendonExcess& excess) {
+  char text[96];
+  std::snprintf(text, sizeof text, " has length %.4g, outside its range %.4g ... %.4g by %.3g",
+                excess.length, m.tendon_range[2 * excess.tendon],
+                m.tendon_range[2 * excess.tendon + 1], excess.excess);
+  return "tendon " + QuotedNameOrId(m, mjOBJ_TENDON, excess.tendon) + text;
+}
+
 }  // namespace
 
 void Findings::Clear() {
   pairs.clear();
   limits.clear();
   equalities.clear();
+  tendons.clear();
   arena_full = false;
 }
 
@@ -98,6 +107,7 @@ void WriteVerdict(const mjModel& m, Words words, Findings& findings, Verdict& ve
   }
   for (const LimitExcess& limit : findings.limits) add([&] { return Describe(m, limit); });
   for (const EqualityExcess& excess : findings.equalities) add([&] { return Describe(m, excess); });
+  for (const TendonExcess& excess : findings.tendons) add([&] { return Describe(m, excess); });
   if (count > kNamed && words == Words::kWritten) {
     verdict.reason += "; and " + std::to_string(count - kNamed) + " more";
   }

@@ -33,10 +33,18 @@ struct EqualityExcess {
   double residual = 0.0;  // [m or rad]
 };
 
+// A tendon whose length is outside its range [m; of a fixed tendon in units of its joints times
+// their coefficients].
+struct TendonExcess {
+  int tendon = 0;  // id in the model
+  double length = 0.0, excess = 0.0;
+};
+
 struct Findings {
   std::vector<Finding> pairs;
   std::vector<LimitExcess> limits;
   std::vector<EqualityExcess> equalities;
+  std::vector<TendonExcess> tendons;
   bool arena_full = false;  // MuJoCo dropped contacts for want of memory
 
   void Clear();

@@ -92,6 +92,8 @@ void Verifier::SetScope(const Scope& scope) {
   for (std::size_t e = 0; e < scope.equalities.size(); ++e) {
     active_in_scope_[e] &= scope.equalities[e];
   }
+  tendons_in_scope_ = shared_->tendons;
+  for (std::size_t t = 0; t < scope.tendons.size(); ++t) tendons_in_scope_[t] &= scope.tendons[t];
 }
 
 // The pairs are sorted by the lower and the higher id of their geoms.
@@ -268,7 +270,10 @@ bool Verifier::IsFree(std::span<const double> q, std::span<const double> q_in) {
   });
   verdict_.equality_residual =
       verify::CheckEqualities(model_, active_in_scope_, *data_, findings_.equalities);
+  verdict_.tendon_excess =
+      verify::CheckTendons(model_, tendons_in_scope_, *data_, findings_.tendons);
   if (!findings_.limits.empty() || !findings_.equalities.empty()) return false;
+  if (!findings_.tendons.empty()) return false;
   const auto& pairs = shared_->pairs;
   const auto concerns = [&](int k) { return InScope(pairs[k].geom1, pairs[k].geom2); };
   if (too_near_ >= 0 && concerns(too_near_) && !KeepsApart(too_near_)) return false;
@@ -279,6 +284,7 @@ bool Verifier::IsFree(std::span<const double> q, std::span<const double> q_in) {
   }
   AskCollision();
   CheckContacts();
+  CheckFields();
   FindDisputes();
   return !findings_.arena_full &&
          std::none_of(findings_.pairs.begin(), findings_.pairs.end(), [this](const Finding& f) {
@@ -302,10 +308,13 @@ const Verdict& Verifier::Check(std::span<const double> q, std::span<const double
   AskCollision();
   verdict_.min_distance = clearance_ + range_;
   CheckContacts();
+  CheckFields();
   CheckPairs(depths);
   verdict_.limit_excess = verify::CheckLimits(model_, q, findings_.limits);
   verdict_.equality_residual =
       verify::CheckEqualities(model_, active_, *data_, findings_.equalities);
+  verdict_.tendon_excess =
+      verify::CheckTendons(model_, shared_->tendons, *data_, findings_.tendons);
   FillViolations();
   FindDisputes();
   verify::WriteVerdict(model_, words, findings_, verdict_);
@@ -360,7 +369,7 @@ void Verifier::Report(int index, const Reading& reading, Proof proof) {
 void Verifier::FillViolations() {
   violations_.arena_full = findings_.arena_full;
   violations_.limits = !findings_.limits.empty();
-  violations_.equalities = !findings_.equalities.empty();
+  violations_.equalities = !findings_.equalities.empty() || !findings_.tendons.empty();
   for (const Finding& finding : findings_.pairs) {
     if (!finding.violates) continue;
     (finding.frozen ? violations_.frozen : violations_.separable) = true;

@@ -52,10 +52,11 @@ class Verifier {
   void SetActive(std::span<const mjtBool> active);
 
   // What IsFree asks about: pairs of which one geom at least belongs to a body with an entry in
-  // `bodies` (nbody), the limits of these bodies' joints, and the equality constraints with an
-  // entry in `equalities` (an entry for each of the model). Empty: everything.
+  // `bodies` (nbody), the limits of these bodies' joints, and the equality constraints and tendon
+  // limits with an entry in `equalities` and `tendons` (an entry for each of the model). Empty:
+  // everything.
   struct Scope {
-    std::span<const char> bodies, equalities;
+    std::span<const char> bodies, equalities, tendons;
   };
   // The arrays must live until the next SetScope.
   void SetScope(const Scope& scope);
@@ -80,7 +81,7 @@ class Verifier {
     bool separable = false;     // a pair that a movable joint can separate is too near
     bool frozen = false;        // a pair that no movable joint can separate is too near
     bool limits = false;        // a joint is outside its range
-    bool equalities = false;    // an equality constraint does not hold
+    bool equalities = false;    // an equality constraint or a tendon limit does not hold
     bool uncertified = false;   // no certificate was found for some pair, either way
     bool arena_full = false;    // MuJoCo dropped contacts for want of memory
   };
@@ -131,6 +132,7 @@ class Verifier {
 
   void CheckPairs(verify::Depths depths);
   void CheckContacts();
+  void CheckFields();
   void Report(int pair, const verify::Reading& reading, verify::Proof proof);
   void FillViolations();
   void FindDisputes();
@@ -157,7 +159,7 @@ class Verifier {
   std::vector<double> rest_q_in_;              // the q_in that required_ refers to; empty: none
   std::vector<std::pair<double, int>> order_;  // scratch: (bound of the distance [m], pair)
   std::vector<char> active_;                   // by equality constraint: held, and active
-  std::vector<char> active_in_scope_;
+  std::vector<char> active_in_scope_, tendons_in_scope_;
   Scope scope_;
   std::vector<int> contacts_of_other_pairs_;  // indices of MuJoCo's contacts between other geoms
   verify::Findings findings_;

@@ -4,12 +4,16 @@
 #include <algorithm>
 #include <utility>
 
+#include "verify/sdf_pair.h"
 #include "verify/verifier.h"
 
 namespace mjcf_pdg {
 
 using verify::CheckedPair;
 using verify::Finding;
+using verify::PosedPair;
+using verify::Proof;
+using verify::Reading;
 
 // Sets the margins and gaps of the private model to zero. MuJoCo detects contacts nearer than
 // margin + gap; the overlap that a negative sum allows is in CheckedPair::allowed. Geoms without
@@ -94,6 +98,28 @@ void Verifier::CheckContacts() {
     Finding finding;
     finding.contact.geom = {d.contact[c].geom[0], d.contact[c].geom[1]};
     report(d.contact[c], finding);
+  }
+}
+
+// Pairs with SDFs by their own functions, too: where MuJoCo's search finds no contact, there may be
+// one.
+void Verifier::CheckFields() {
+  if (!shared_->has_contact_only_pairs) return;
+  for (int k = 0; k < static_cast<int>(shared_->pairs.size()); ++k) {
+    const PosedPair posed = Posed(k);
+    if (!posed.pair.contact_only || posed.SphereBound() > required_[k] + tolerance_) continue;
+    const Reading found = verify::SdfPair(posed).Measure(required_[k] + tolerance_);
+    if (!(found.distance < required_[k] + tolerance_)) continue;
+    verdict_.min_distance = std::min(verdict_.min_distance, found.distance);
+    const bool violates = !(found.distance >= required_[k] - tolerance_);
+    const auto same = [&](const Finding& other) {
+      return other.contact.geom == std::array{posed.pair.geom1, posed.pair.geom2};
+    };
+    std::erase_if(findings_.pairs, [&](const Finding& other) {
+      return same(other) && other.contact.distance >= found.distance;
+    });
+    if (std::any_of(findings_.pairs.begin(), findings_.pairs.end(), same)) continue;
+    Report(k, found, violates ? Proof::kPoints : Proof::kPlane);
   }
 }
 

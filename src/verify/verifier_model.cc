@@ -187,6 +187,7 @@ VerifierModel::VerifierModel(std::shared_ptr<const mjModel> model_owner, const m
       pairs(verify::FindPairs(m, options, exact)),
       left_out(verify::PairsLeftOut(m, options, ignored)),
       equalities(verify::EqualitiesToHold(m, options)),
+      tendons(verify::TendonsToHold(m, options)),
       keeps_margins(options.keep_margins) {
   std::erase_if(pairs, [this](const CheckedPair& pair) {
     return left_out.contains(std::minmax(pair.geom1, pair.geom2));

@@ -31,6 +31,7 @@ struct VerifierModel {
   bool has_contact_only_pairs = false;
   verify::LeftOut left_out;      // pairs whose contacts do not count
   std::vector<char> equalities;  // by equality constraint: to be held while it is active
+  std::vector<char> tendons;     // by tendon: its length limits count
   bool keeps_margins = false;    // SceneOptions::keep_margins
   double largest_margin = 0.0;   // of any pair, 0 if none is positive [m]
   // By geom, of the geoms in `pairs`; those of planes and of geoms without signed distances have

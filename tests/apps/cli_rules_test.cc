@@ -43,6 +43,39 @@ TEST_F(CliRulesTest, EqualitiesAreHeldOrIgnored) {
   EXPECT_EQ(Run({"norm", "coupled.xml", "--from", "0 0", "--to", "0 1"}).exit_code, 0);
 }
 
+// A ball on a string of at most a metre.
+TEST_F(CliRulesTest, TendonLimitsAreHeldWhenAsked) {
+  Write("kite.xml", R"(<mujoco><worldbody><site name="a"/>
+    <body><joint type="slide" axis="1 0 0"/><geom size=".1"/><site name="b"/></body></worldbody>
+    <tendon><spatial name="string" limited="true" range="0 1"><site site="a"/><site site="b"/></spatial>
+    </tendon></mujoco>)");
+  const Arguments hold = {"--tendon-limits", "hold"};
+  const auto with = [&](Arguments arguments) {
+    arguments.insert(arguments.end(), hold.begin(), hold.end());
+    return arguments;
+  };
+  const nlohmann::json usual = SolveJson({"kite.xml", "--qpos", "1.5"})[0];
+  EXPECT_EQ(usual["status"], "already_free");
+  EXPECT_FALSE(usual.contains("tendon_excess"));
+  const nlohmann::json held = SolveJson(with({"kite.xml", "--qpos", "1.5"}))[0];
+  EXPECT_EQ(held["status"], "solved");
+  EXPECT_NEAR(held["qpos"][0].get<double>(), 1.0, 2e-6);
+  EXPECT_NEAR(held["tendon_excess_in"].get<double>(), 0.5, 1e-9);
+  EXPECT_LE(held["tendon_excess"].get<double>(), 1e-6);
+  EXPECT_NE(Run(with({"solve", "kite.xml", "--qpos", "1.5"})).out.find("tendons"),
+            std::string::npos);
+  EXPECT_EQ(Run({"check", "kite.xml", "--qpos", "1.5"}).exit_code, 0);
+  const Outcome check = Run(with({"check", "kite.xml", "--qpos", "1.5"}));
+  EXPECT_EQ(check.exit_code, 3);
+  EXPECT_NE(check.out.find("tendon 'string' has length 1.5"), std::string::npos) << check.out;
+  EXPECT_EQ(Run(with({"audit", "kite.xml"})).exit_code, 0);
+  const Outcome motion = Run(with({"check", "kite.xml", "--motion", "--from", "0", "--to", "3"}));
+  EXPECT_EQ(motion.exit_code, 0);
+  EXPECT_NE(motion.err.find("leaves tendon limits aside"), std::string::npos) << motion.err;
+  ExpectRefused(with({"solve", "kite.xml", "--method", "paper"}), "tendon limits");
+  ExpectRefused({"solve", "kite.xml", "--tendon-limits", "some"}, "--tendon-limits");
+}
+
 TEST_F(CliRulesTest, MarginsAreCountedOrKept) {
   Write("margin.xml", kMargin);
   EXPECT_EQ(SolveJson({"margin.xml", "--qpos", ".05"})[0]["pushed_pairs"], 1);

@@ -37,4 +37,5 @@ if(library)
 endif()
 if(program)
   run("${work}/moved/bin/${program}" --version)
+  run("${work}/moved/bin/${program}" check "${CMAKE_CURRENT_LIST_DIR}/ring.xml")  # an SDF geom, by MuJoCo's own plugin
 endif()

@@ -48,6 +48,10 @@ class Result:
     """The largest violation of a held equality constraint by q_in [m or rad]."""
     equality_residual: float
     """The same by q."""
+    tendon_excess_in: float
+    """How far a tendon is outside its range at q_in, with tendon_limits="hold" [m]."""
+    tendon_excess: float
+    """The same at q."""
     contacts_kept: int
     """Of the contacts at q_in, those whose geoms are still within 1 mm of each other at q."""
     pushed_pairs: int
@@ -108,6 +112,10 @@ class Results:
     """(n,) [m or rad]."""
     equality_residual: np.ndarray
     """(n,) [m or rad]."""
+    tendon_excess_in: np.ndarray
+    """(n,) [m]."""
+    tendon_excess: np.ndarray
+    """(n,) [m]."""
     certified: np.ndarray
     """(n,) of bool."""
     proven: np.ndarray
@@ -178,6 +186,8 @@ class Verdict:
     """The largest violation of a joint limit [rad or m]."""
     equality_residual: float
     """The largest violation of a held equality constraint [m or rad]."""
+    tendon_excess: float
+    """How far a tendon is outside its range, with tendon_limits="hold" [m]."""
     pushed_pairs: int
     """Pairs nearer than their margin in the model, on which MuJoCo pushes although they are apart."""
     contacts: list[Contact]

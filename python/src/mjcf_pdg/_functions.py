@@ -29,6 +29,7 @@ class VerifyOptions(_SceneOptions, total=False):
     allow: dict[str | tuple[str, str], float] | None
     ignore_permanent: bool
     equality: typing.Literal["hold", "all", "ignore"]
+    tendon_limits: typing.Literal["ignore", "hold"]
     flags: typing.Literal["all", "model"]
     flex: typing.Literal["refuse", "ignore"]
     exact_mesh: bool

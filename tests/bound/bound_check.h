@@ -1,0 +1,114 @@
+// A scene at an overlapping configuration, its lower bound, and free configurations to hold against
+// it.
+#ifndef MJCF_PDG_TESTS_BOUND_BOUND_CHECK_H_
+#define MJCF_PDG_TESTS_BOUND_BOUND_CHECK_H_
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "bound/lower_bound.h"
+#include "tests/support/test_support.h"
+#include "verify/verifier.h"
+
+namespace mjcf_pdg::test {
+
+inline constexpr double kTolerance = 1e-6;
+
+// A scene at q_in, and what the bound needs to know of it.
+struct AtStart {
+  AtStart(const Scene& s, const VectorXd& q, Metric m = Metric::kSequential,
+          const Options& user = {})
+      : scene(s),
+        metric(m),
+        options(user),
+        norm(s.tables(), m),
+        finder(s.tables()),
+        verifier(s.verifier_model(), user),
+        q_in(Normalized(s.tables(), q)) {
+    norm.SetReference(q_in);
+    finder.Pose(q_in);
+    const std::vector<KeptPair>& pairs = scene.tables().pairs;
+    required.resize(static_cast<Eigen::Index>(pairs.size()));
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      required[static_cast<Eigen::Index>(i)] =
+          (pairs[i].moves ? options.clearance : 0.0) - pairs[i].allowed;
+    }
+    near = finder.Find(options.clearance + 1e-3);
+  }
+
+  double Bound(int max_cells = 200) const {
+    return LowerBound().Sigma({scene.tables(), norm, finder.posed(), near, required, metric,
+                               options.tolerance, max_cells});
+  }
+  bool Free(const VectorXd& q) { return verifier.Check(ToVector(q)).free; }
+
+  Scene scene;
+  Metric metric;
+  Options options;
+  NormEvaluator norm;
+  ContactFinder finder;
+  Verifier verifier;
+  VectorXd q_in, required;
+  std::vector<NearPair> near;
+};
+
+// σ of a good free configuration: random ones, the best improved by random steps. Infinite if none.
+inline double SearchFree(AtStart& at, Random& rng) {
+  const SceneTables& tables = at.scene.tables();
+  double best = std::numeric_limits<double>::infinity();
+  VectorXd q_best, q = at.q_in;
+  auto consider = [&] {
+    ClampToLimits(tables, q);
+    const double sigma = at.norm.Sigma(q);
+    if (sigma >= best || !at.Free(q)) return false;
+    best = sigma;
+    q_best = q;
+    return true;
+  };
+  for (int i = 0; i < 200; ++i) {
+    Integrate(tables, at.q_in, std::pow(10.0, rng.Uniform(-3.0, 0.3)) * rng.Normals(tables.n), q);
+    consider();
+  }
+  if (!std::isfinite(best)) return best;
+  double step = 0.1;
+  for (int i = 0; i < 600; ++i) {
+    // A step towards q_in and a little aside.
+    VectorXd dq;
+    Difference(tables, q_best, at.q_in, dq);
+    dq = dq * rng.Uniform(0.0, 2.0 * step) + step * dq.norm() * rng.Normals(tables.n) / 3.0;
+    Integrate(tables, q_best, dq, q);
+    step = std::clamp(consider() ? 1.5 * step : 0.93 * step, 1e-4, 0.5);
+  }
+  return best;
+}
+
+// For random configurations of a scene: the bound holds, and is no trifle.
+struct Ratios {
+  std::vector<double> values;  // √(bound / σ of a free configuration)
+
+  void Try(const Scene& scene, Random& rng, Metric metric, double spread = 0.3) {
+    AtStart at(scene, RandomConfiguration(scene, rng, spread), metric);
+    if (at.Free(at.q_in)) return;
+    const double sigma = SearchFree(at, rng);
+    if (!std::isfinite(sigma)) return;
+    for (const int cells : {0, 60, 400}) {
+      const double bound = at.Bound(cells);
+      EXPECT_GE(bound, 0.0);
+      EXPECT_LE(bound, sigma) << "max_cells " << cells << ", q_in " << Join(at.q_in);
+    }
+    values.push_back(std::sqrt(at.Bound() / sigma));
+  }
+  double Median() {
+    if (values.empty()) return 0.0;
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
+  }
+};
+
+}  // namespace mjcf_pdg::test
+
+#endif  // MJCF_PDG_TESTS_BOUND_BOUND_CHECK_H_
