@@ -14,9 +14,10 @@ thread_local std::int64_t total = 0;
 std::int64_t AllocationCounter::Total() { return total; }
 
 bool AllocationCounter::Works() {
+  // The compiler knows that malloc itself counts nothing, and would not look again.
+  void* (*volatile take)(std::size_t) = std::malloc;
   const AllocationCounter counter;
-  void* volatile some = std::malloc(1);
-  std::free(some);
+  std::free(take(1));
   return counter.count() > 0;
 }
 
