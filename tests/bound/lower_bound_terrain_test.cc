@@ -115,12 +115,12 @@ TEST_F(LowerBoundTerrainTest, SolidsAreInsideTheField) {
 TEST_F(LowerBoundTerrainTest, HoldsForRandomGeomsOnWavesAndNoise) {
   Random rng(21);
   Ratios ratios;
-  for (int k = 0; k < 30; ++k) {
+  for (int k = 0; k < 16; ++k) {
     const Field field = k % 2 ? Waves() : NoisyField(15, 15, 1, 1, 0.1, rng);
     const Shape shape = RandomShape(ConvexTypes()[1 + rng.Index(6)], rng);
     ratios.Try(Scene::FromString(FieldXml(field, shape)), rng, Metric::kSequential, 0.15);
   }
-  EXPECT_GT(ratios.values.size(), 12u);
+  EXPECT_GT(ratios.values.size(), 8u);
   EXPECT_GT(ratios.Median(), 0.2);
 }
 
@@ -132,7 +132,7 @@ TEST_F(LowerBoundTerrainTest, HoldsForArmsAndMovingFields) {
   const std::string field = "<geom type='hfield' hfield='field'/>";
   Random rng(22);
   Ratios ratios;
-  for (int k = 0; k < 12; ++k) {
+  for (int k = 0; k < 8; ++k) {
     ratios.Try(Scene::FromString("<mujoco>" + assets + "<worldbody>" + field + R"(
         <body pos="0 0 .45"><joint axis="0 1 0"/><geom type="capsule" fromto="0 0 0 .3 0 0" size=".04"/>
         <body pos=".3 0 0"><joint axis="0 1 0"/><joint axis="0 0 1"/><geom type="capsule" fromto="0 0 0 .3 0 0" size=".04"/>
@@ -144,7 +144,7 @@ TEST_F(LowerBoundTerrainTest, HoldsForArmsAndMovingFields) {
         <geom type="capsule" size=".1 .2" pos=".2 .1 .3"/></worldbody></mujoco>)"),
                rng, Metric::kSequential, 0.1);
   }
-  EXPECT_GT(ratios.values.size(), 10u);
+  EXPECT_GT(ratios.values.size(), 6u);
   EXPECT_GT(ratios.Median(), 0.1);
 }
 

@@ -115,6 +115,26 @@ TEST_F(SdfTest, AnswersAreAsNearAsTheClosedForm) {
   EXPECT_GT(solved, 10);
 }
 
+// A ball that moves straight into the tube stops before it, if not certified.
+TEST_F(SdfTest, MotionsEndBeforeContact) {
+  const Scene scene = RingAndBall();
+  Random random(7);
+  int stopped = 0;
+  for (int k = 0; k < 60; ++k) {
+    const Vector3d p = Place(random);
+    const RingGap gap(scene, p);
+    if (!gap.Usual() || gap.distance < 0.02) continue;
+    const Motion motion = CheckMotion(scene, At(p), At(p - (gap.distance + 0.05) * gap.n_W));
+    ASSERT_EQ(motion.outcome, MotionOutcome::kContact) << k;
+    EXPECT_FALSE(motion.certified);
+    const RingGap end(scene, {motion.q[0], motion.q[1], motion.q[2]});
+    EXPECT_GE(end.distance, -1e-6);
+    EXPECT_LE(end.distance, 1e-3);
+    ++stopped;
+  }
+  EXPECT_GT(stopped, 3);
+}
+
 // The deepest of many random points of the box "box" in the SDF, by the plugin's function.
 double DeepestPoint(const Scene& scene, const Q& q, Random& random) {
   const mjModel& m = *scene.model();
