@@ -1,8 +1,4 @@
 // mjcf-pdg plan: what it writes, its exit codes, what it refuses.
-#include <chrono>
-#include <csignal>
-#include <thread>
-
 #include "tests/support/cli_test.h"
 
 namespace mjcf_pdg::test {
