@@ -12,32 +12,10 @@ constexpr double kUpToContact = 0.98;
 // Shorter steps do not count as progress [share of the step that the tree was to make].
 constexpr double kLeastProgress = 0.05;
 
-class Advancing : public Retraction {
- public:
-  explicit Advancing(const RetractionInput& input) : input_(input) {}
-
- protected:
-  // Appends the end of the free part of the motion. Returns false if that is no progress.
-  bool Advance(const VectorXd& from, const VectorXd& to, double least) {
-    const Motion& motion = input_.prover->Move(from, to);
-    const bool all = motion.outcome == MotionOutcome::kFree;
-    input_.space->Interpolate(from, to, all ? 1.0 : kUpToContact * motion.t, end_);
-    if (input_.space->Distance(end_, from) < least) return false;
-    chain_.push_back(end_);
-    return true;
-  }
-
-  RetractionInput input_;
-  std::vector<VectorXd> chain_;
-
- private:
-  VectorXd end_;
-};
-
-class ContactRetraction : public Advancing {
+class ContactRetraction : public Retraction {
  public:
   explicit ContactRetraction(const RetractionInput& input)
-      : Advancing(input),
+      : input_(input),
         tables_(input.scene.tables()),
         finder_(tables_, input.clearance),
         norm_(tables_, Metric::kSequential),
@@ -45,17 +23,19 @@ class ContactRetraction : public Advancing {
     finder_.SetMocap(mocap_);
   }
 
-  const std::vector<VectorXd>& Retract(const VectorXd& near, const VectorXd& blocked) override {
-    constexpr int kSlides = 8;  // most that are made; half of them end after three
+  const std::vector<VectorXd>& Retract(const VectorXd& near, const VectorXd& target) override {
+    constexpr int kSlides = 8;  // most that are made
     chain_.clear();
-    double left = input_.space->Distance(blocked, near);
+    double left = input_.space->Distance(target, near);
     const double least = kLeastProgress * left;
-    VectorXd at = near, target;
-    if (Advance(near, blocked, least)) at = chain_.back();
+    if (Advance(near, target, least)) return chain_;
+    VectorXd at = chain_.empty() ? near : chain_.back(), step;
     for (int k = 0; k < kSlides; ++k) {
-      Slide(at, blocked, target);
-      if (!Advance(at, target, least)) break;
-      const double now = input_.space->Distance(blocked, chain_.back());
+      Slide(at, target, step);
+      const std::size_t before = chain_.size();
+      Advance(at, step, least);
+      if (chain_.size() == before) break;
+      const double now = input_.space->Distance(target, chain_.back());
       if (now >= left) {
         chain_.pop_back();
         break;
@@ -69,6 +49,16 @@ class ContactRetraction : public Advancing {
   std::int64_t queries() const override { return finder_.queries(); }
 
  private:
+  // Appends the end of the free part of the motion if that is progress. Returns whether all is
+  // free.
+  bool Advance(const VectorXd& from, const VectorXd& to, double least) {
+    const Motion& motion = input_.prover->Move(from, to);
+    const bool all = motion.outcome == MotionOutcome::kFree;
+    input_.space->Interpolate(from, to, all ? 1.0 : kUpToContact * motion.t, end_);
+    if (input_.space->Distance(end_, from) >= least) chain_.push_back(end_);
+    return all;
+  }
+
   // The nearest configuration to `to` that keeps the clearance of the contacts as they are
   // linearized at q: min ½ ‖dq - (to ⊖ q)‖²_H subject to C dq + gap >= 0.
   void Slide(const VectorXd& q, const VectorXd& to, VectorXd& out) {
@@ -108,38 +98,35 @@ class ContactRetraction : public Advancing {
     dq_ += llt.matrixU().solve(G * lambda);
   }
 
+  const RetractionInput input_;
   const SceneTables& tables_;
   ContactFinder finder_;
   NormEvaluator norm_;
   const MocapPoses mocap_;
   ContactRows rows_;
   ActiveSetLcp lcp_;
-  VectorXd dq_, r_;
+  std::vector<VectorXd> chain_;
+  VectorXd end_, dq_, r_;
   MatrixXd J_, H_;
 };
 
-class PdgRetraction : public Advancing {
+class PdgRetraction : public Retraction {
  public:
   explicit PdgRetraction(const RetractionInput& input)
-      : Advancing(input), solver_(input.scene, SolverOptions(input)) {
+      : along_contact_(input), solver_(input.scene, SolverOptions(input)) {
     // Deep samples that need more are not worth it: a new sample costs less.
     constexpr int kQueries = 40;
     solver_.SetBudget({.queries = kQueries});
   }
 
   const std::vector<VectorXd>& Retract(const VectorXd& near, const VectorXd& blocked) override {
-    chain_.clear();
-    solver_.SetHint({near.data(), static_cast<std::size_t>(near.size())});
-    const Status status =
-        solver_.Solve({blocked.data(), static_cast<std::size_t>(blocked.size())}, result_);
+    solver_.SetHint(AsSpan(near));
+    const Status status = solver_.Solve(AsSpan(blocked), result_);
     queries_ += result_.stats.collision_queries;
-    if (status == Status::kUnsolved) return chain_;
-    const VectorXd q = ToEigen(result_.q);
-    Advance(near, q, kLeastProgress * input_.space->Distance(blocked, near));
-    return chain_;
+    return along_contact_.Retract(near, status == Status::kUnsolved ? blocked : ToEigen(result_.q));
   }
 
-  std::int64_t queries() const override { return queries_; }
+  std::int64_t queries() const override { return queries_ + along_contact_.queries(); }
 
  private:
   static Options SolverOptions(const RetractionInput& input) {
@@ -149,7 +136,11 @@ class PdgRetraction : public Advancing {
     options.report_lower_bound = false;
     return options;
   }
+  static std::span<const double> AsSpan(const VectorXd& q) {
+    return {q.data(), static_cast<std::size_t>(q.size())};
+  }
 
+  ContactRetraction along_contact_;
   Solver solver_;
   Result result_;
   std::int64_t queries_ = 0;

@@ -44,11 +44,12 @@ struct RetractionInput {
 // Differs from it: the distance is the object norm, and every slide is proven free by CCDg.
 std::unique_ptr<Retraction> MakeContactRetraction(const RetractionInput& input);
 
-// By generalized penetration depth: the nearest free configuration to the sample, found from the
-// nearest node.
+// By generalized penetration depth: to the nearest free configuration to the sample, found from the
+// nearest node, and gone to along the contact where the straight motion is not free.
 //
 // Source: Tang & Kim, Sec. 6.3. Differs from it: the sample is the end of the step that the tree
-// was to make, not the configuration that was drawn, which may lie far beyond it.
+// was to make, not the configuration that was drawn, which may lie far beyond it; and the tree is
+// joined to the retracted sample as the contact allows.
 std::unique_ptr<Retraction> MakePdgRetraction(const RetractionInput& input);
 
 }  // namespace mjcf_pdg
