@@ -161,6 +161,10 @@ if(MJCF_PDG_BUILD_BENCH AND bench_programs)
                           RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin$<0:>")
   endforeach()
 
+  if(plan)
+    target_link_libraries(plan_bench PRIVATE mjcf_pdg_plan)
+  endif()
+
   # Libraries beside our own code, in a folder that bench/library/fetch.sh made; those that are not there are left out.
   # By hand: their packages would bring other versions of Boost and assimp into this build.
   set(MJCF_PDG_BENCH_LIBRARIES "" CACHE PATH "Folder of bench/library/fetch.sh, for library_bench")
