@@ -11,6 +11,9 @@ Program MakeProgram() {
   app.require_subcommand(1);
   program.verbs = {AddSolveVerb(app), AddNormVerb(app),    AddCheckVerb(app),
                    AddAuditVerb(app), AddRegressVerb(app), AddImportVerb(app)};
+#ifdef MJCF_PDG_HAVE_PLAN
+  program.verbs.push_back(AddPlanVerb(app));
+#endif
   constexpr char kVersion[] = "mjcf-pdg " MJCF_PDG_VERSION;
   app.set_version_flag("--version", kVersion);
   for (Verb& verb : program.verbs) verb.command->set_version_flag("--version", kVersion);

@@ -43,13 +43,16 @@ def joint_qpos(joint, value=None):
 
 
 class Scene:
-    """`world` is the worldbody; bodies must be added depth first, which is the order of MuJoCo's qpos."""
+    """`world` is the worldbody; bodies must be added depth first, which is the order of MuJoCo's qpos.
 
-    def __init__(self, name, folder):
-        self.folder, self.name = folder, name
+    With `assets_of`, another generator's folder, the mesh files are those that are there already.
+    """
+
+    def __init__(self, name, folder, assets_of=None):
+        self.folder, self.name, self.assets_of = folder, name, assets_of
         self.meshes, self.triangles = {}, {}  # by mesh name; by geom name
         self.root = ET.Element("mujoco", model=name)
-        element(self.root, "compiler", angle="radian", autolimits="true", meshdir="assets")
+        element(self.root, "compiler", angle="radian", autolimits="true", meshdir=f"../{assets_of}/assets" if assets_of else "assets")
         element(self.root, "option", timestep=0.002, integrator="implicitfast")
         visual = element(self.root, "visual")
         element(visual, "global", offwidth=1920, offheight=1080)
@@ -68,12 +71,16 @@ class Scene:
                 rgb1=(0.78, 0.79, 0.80), rgb2=(0.72, 0.73, 0.75))
         element(self.asset, "material", name="floor", texture="tiles", texuniform="true",
                 texrepeat=(0.5 / tile, 0.5 / tile))
+        self.look(camera_pos, camera_xyaxes, look_at, extent)
+        element(self.world, "geom", name="floor", type="plane", size=(6 * extent, 6 * extent, 0.1), material="floor")
+
+    def look(self, camera_pos, camera_xyaxes, look_at, extent):
+        """Sun and camera alone."""
         element(self.root, "statistic", center=look_at, extent=extent)
         sun = (-0.9 * extent, -1.3 * extent, 4 * extent)
         element(self.world, "light", name="sun", type="spot", pos=sun, dir=[c - s for c, s in zip(look_at, sun)],
                 cutoff=60, exponent=1, diffuse=(0.6, 0.6, 0.57), specular=(0.25, 0.25, 0.25), castshadow="true")
         element(self.world, "camera", name="view", pos=camera_pos, xyaxes=camera_xyaxes, fovy=42)
-        element(self.world, "geom", name="floor", type="plane", size=(6 * extent, 6 * extent, 0.1), material="floor")
 
     def material(self, name, rgba, specular=0.4, shininess=0.5):
         element(self.asset, "material", name=name, rgba=rgba, specular=specular, shininess=shininess)
@@ -86,6 +93,13 @@ class Scene:
             element(self.asset, "mesh", name=name, file=f"{name}.obj")
         self.triangles[name] = len(mesh.faces)
         element(body, "geom", name=name, type="mesh", mesh=known or name, **attributes)
+
+    def supersphere(self, body, name, half_axes, roundness, resolution, **attributes):
+        """Adds a geom of one of MuJoCo's own meshes, for which there is no file; roundness 1 is an ellipsoid, 0 a box."""
+        element(self.asset, "mesh", name=name, builtin="supersphere", params=(resolution, roundness, roundness),
+                scale=half_axes)
+        self.triangles[name] = 2 * resolution * (resolution - 1)
+        element(body, "geom", name=name, type="mesh", mesh=name, **attributes)
 
     def count(self, body):
         """Links and mesh triangles of a body and all below it."""
@@ -103,12 +117,13 @@ class Scene:
         element(self.keyframe, "key", name=name, qpos=values.values(), **({"ctrl": targets} if targets else {}))
 
     def write(self, comment):
-        assets = self.folder / "assets"
-        assets.mkdir(exist_ok=True)
-        for old in assets.glob("*.obj"):
-            old.unlink()
-        for name, mesh in self.meshes.items():
-            write_obj(assets / f"{name}.obj", mesh)
+        if self.meshes and not self.assets_of:
+            assets = self.folder / "assets"
+            assets.mkdir(exist_ok=True)
+            for old in assets.glob("*.obj"):
+                old.unlink()
+            for name, mesh in self.meshes.items():
+                write_obj(assets / f"{name}.obj", mesh)
         if not len(self.actuator):
             self.root.remove(self.actuator)
         ET.indent(self.root)

@@ -80,7 +80,9 @@ TEST(LayersTest, NoIncludeGoesUp) {
 
 TEST(LayersTest, EveryFolderBelongsToATarget) {
   std::vector<std::string> listed = CMakeList("library_folders");
-  for (const std::string& folder : CMakeList("import_folders")) listed.push_back(folder);
+  for (const char* list : {"import_folders", "plan_folders"}) {
+    for (const std::string& folder : CMakeList(list)) listed.push_back(folder);
+  }
   std::set<std::string> found;
   for (const SourceFile& source : Sources()) found.insert(source.folder);
   EXPECT_THAT(listed, testing::UnorderedElementsAreArray(found));
@@ -104,6 +106,7 @@ TEST(LayersTest, LibrariesAreCalledFromTheirOwnFolders) {
       {"#include <fcl/", {"mesh", "collide/exact", "verify", "verify/exact"}},
       {"#include <assimp/", {"import"}},
       {"#include <nlohmann/", {"import"}},
+      {"#include <ompl/", {"plan"}},
   };
   for (const SourceFile& source : Sources()) {
     const std::string text = Contents(source.path);

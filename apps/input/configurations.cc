@@ -29,8 +29,8 @@ std::string ValidKeys(const std::vector<std::string>& names) {
 }
 
 // The index of a keyframe by its name or else its index. Names come first, so that a keyframe
-// called "2" can be asked for. Throws Error if there is none.
-int FindKey(const std::vector<std::string>& names, const std::string& wanted) {
+// called "2" can be asked for. -1 if there is none.
+int KeyIndex(const std::vector<std::string>& names, const std::string& wanted) {
   for (std::size_t k = 0; k < names.size(); ++k) {
     if (!wanted.empty() && names[k] == wanted) return static_cast<int>(k);
   }
@@ -38,7 +38,12 @@ int FindKey(const std::vector<std::string>& names, const std::string& wanted) {
   const char* const last = wanted.data() + wanted.size();
   const auto [end, ec] = std::from_chars(wanted.data(), last, index);
   const bool is_index = ec == std::errc() && end == last && index >= 0;
-  if (is_index && index < static_cast<int>(names.size())) return index;
+  return is_index && index < static_cast<int>(names.size()) ? index : -1;
+}
+
+// The same. Throws Error if there is none.
+int FindKey(const std::vector<std::string>& names, const std::string& wanted) {
+  if (const int key = KeyIndex(names, wanted); key >= 0) return key;
   throw Error("--key: no keyframe '" + wanted + "' (" + ValidKeys(names) + ")");
 }
 
@@ -154,6 +159,23 @@ bool RowSource::Next(Configuration& row) {
 
 std::optional<std::size_t> RowSource::size() const {
   return file_ ? file_->size() : listed_.size();
+}
+
+Configuration ReadConfiguration(const Scene& scene, const std::string& text,
+                                const std::string& flag) {
+  const std::vector<std::string> names = scene.KeyNames();
+  const bool named = std::find(names.begin(), names.end(), text) != names.end();
+  Configuration configuration;
+  if (const int key = KeyIndex(names, text); key >= 0 && (named || scene.nq() > 1)) {
+    configuration = FromKey(scene, names, key);
+  } else if (text.find_first_not_of("0123456789+-.eE, \t") != std::string::npos) {
+    throw Error(flag + ": no keyframe '" + text + "' (" + ValidKeys(names) + ")");
+  } else {
+    configuration.q = ParseNumbers(text, flag);
+    configuration.label = flag.substr(flag.find_first_not_of('-'));
+  }
+  CheckRow(scene, configuration.q, flag);
+  return configuration;
 }
 
 std::vector<CLI::Option*> AddEnds(CLI::App& command, EndsArguments& arguments) {

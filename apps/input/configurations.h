@@ -53,6 +53,11 @@ class RowSource {
   std::size_t next_ = 0;
 };
 
+// The configuration that a flag names: a keyframe's name, its index (if nq > 1), or nq numbers.
+// Throws Error, which names the flag, if it is none of these.
+Configuration ReadConfiguration(const Scene& scene, const std::string& text,
+                                const std::string& flag);
+
 // The two ends of a change of configuration, as text.
 struct EndsArguments {
   std::string from, to;  // nq numbers each

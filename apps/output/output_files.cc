@@ -179,8 +179,8 @@ void OutputFiles::Commit() {
     }
   }
   for (Output& output : outputs_) {
-    if (output.staged.empty()) continue;
     std::error_code ec;
+    if (output.staged.empty() || !fs::exists(output.staged, ec)) continue;
     fs::rename(output.staged, output.target, ec);
     if (ec) throw std::runtime_error(output.path + ": cannot be written: " + ec.message());
     output.staged.clear();

@@ -47,6 +47,7 @@ class OutputFiles {
   // Replaces the first bytes of a streamed file.
   void Overwrite(const std::string& path, const std::string& begin);
 
+  // Outputs without content are not written.
   void Commit();
 
  private:

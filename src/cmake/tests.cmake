@@ -1,6 +1,9 @@
 # Tests: every GoogleTest case, each public header alone, and a project that uses the installed package. Benchmarks.
 
 file(GLOB_RECURSE test_sources CONFIGURE_DEPENDS tests/*_test.cc)
+if(NOT plan)
+  list(FILTER test_sources EXCLUDE REGEX "/(plan/[a-z_]*|cli_plan)_test\\.cc$")
+endif()
 file(GLOB support_sources CONFIGURE_DEPENDS tests/support/*.cc)
 set(mesh_sources tests/support/mesh_shapes.cc tests/support/mesh_oracle.cc)
 list(TRANSFORM mesh_sources PREPEND "${PROJECT_SOURCE_DIR}/")
@@ -58,6 +61,9 @@ if(MJCF_PDG_BUILD_TESTS)
     add_executable(mjcf_pdg_tests ${test_sources})
     target_link_libraries(mjcf_pdg_tests PRIVATE mjcf_pdg_fuzz mjcf_pdg_test_support mjcf_pdg_mesh_import assimp::assimp
                           GTest::gtest_main)
+    if(plan)
+      target_link_libraries(mjcf_pdg_tests PRIVATE mjcf_pdg_plan)
+    endif()
     if(TARGET mjcf-pdg)
       add_dependencies(mjcf_pdg_tests mjcf-pdg)
       target_compile_definitions(mjcf_pdg_tests PRIVATE MJCF_PDG_PROGRAM="$<TARGET_FILE:mjcf-pdg>")
@@ -146,6 +152,9 @@ endif()
 set(bench_programs ${bench_sources})
 list(FILTER bench_programs INCLUDE REGEX "_bench\\.cc$")
 list(REMOVE_ITEM bench_sources ${bench_programs})
+if(NOT plan)
+  list(FILTER bench_programs EXCLUDE REGEX "/plan_bench\\.cc$")
+endif()
 if(MJCF_PDG_BUILD_BENCH AND bench_programs)
   find_package(CLI11 2.1 REQUIRED)
   find_package(nlohmann_json 3.9 REQUIRED)
@@ -160,6 +169,10 @@ if(MJCF_PDG_BUILD_BENCH AND bench_programs)
     set_target_properties(${program} PROPERTIES CXX_EXTENSIONS OFF
                           RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin$<0:>")
   endforeach()
+
+  if(plan)
+    target_link_libraries(plan_bench PRIVATE mjcf_pdg_plan)
+  endif()
 
   # Libraries beside our own code, in a folder that bench/library/fetch.sh made; those that are not there are left out.
   # By hand: their packages would bring other versions of Boost and assimp into this build.

@@ -1,0 +1,180 @@
+// mjcf-pdg plan: a collision-free path between two configurations.
+#include "plan/plan.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/cli.h"
+#include "apps/console/interrupt.h"
+#include "apps/console/progress.h"
+#include "apps/console/text.h"
+#include "apps/input/configurations.h"
+#include "apps/input/npy.h"
+#include "apps/input/qpos_file.h"
+#include "apps/options.h"
+#include "apps/output/output_files.h"
+#include "apps/output/repaired_mjcf.h"
+#include "apps/output/report.h"
+#include "apps/solve/scene_output.h"
+#include "plan/planners.h"
+
+namespace mjcf_pdg::app {
+namespace {
+
+struct PlanArguments {
+  SceneArguments scene;
+  std::string start, goal;
+  PlanOptions plan;
+  double time_limit_ms = 60e3;
+  unsigned long long seed = 0;
+  std::string json, out_qpos, out_mjcf;
+};
+
+nlohmann::ordered_json EndJson(const Result& end) {
+  return {{"status", StatusName(end.status)}, {"sigma", end.sigma}, {"qpos", end.q}};
+}
+
+std::string PlanJson(const PlanArguments& arguments, const Path& path) {
+  nlohmann::ordered_json json = {{"found", path.found},
+                                 {"certified", path.certified},
+                                 {"planner", arguments.plan.planner},
+                                 {"seed", arguments.seed},
+                                 {"time_us", path.seconds * 1e6},
+                                 {"nodes", path.nodes},
+                                 {"samples", path.samples},
+                                 {"collision_queries", path.collision_queries},
+                                 {"length", path.length},
+                                 {"start", EndJson(path.start)},
+                                 {"goal", EndJson(path.goal)},
+                                 {"path", path.q}};
+  if (!path.found) json["reason"] = path.reason;
+  return JsonLine(json);
+}
+
+std::string PlanText(const Path& path) {
+  const std::string cost = "nodes " + std::to_string(path.nodes) + ", samples " +
+                           std::to_string(path.samples) + ", collision queries " +
+                           std::to_string(path.collision_queries) + "\n";
+  if (!path.found) return "no path: " + path.reason + "\n" + cost;
+  return "path of " + std::to_string(path.q.size()) + " configurations, length " +
+         Short(path.length) + " m, " + (path.certified ? "proven free" : "free, not certified") +
+         "\n" + cost;
+}
+
+void WarnOfRepair(const std::string& end, const Result& result) {
+  if (result.status != Status::kSolved) return;
+  WriteWarning("the " + end + " is not free: the path has the nearest free configuration, rms " +
+               Short(std::sqrt(result.sigma) * 1e3) + " mm away");
+}
+
+std::string QposFileContent(const std::vector<std::vector<double>>& path, const std::string& name) {
+  std::string content = IsNpyFile(name) ? NpyHeader(path.size(), path.front().size()) : "";
+  for (const std::vector<double>& q : path) content += FormatQposRow(q, name);
+  return content;
+}
+
+// Each configuration of the path becomes a keyframe: path_pdg, path_pdg_2, ...
+void StageScene(const Scene& scene, const Configuration& start, const PlanArguments& arguments,
+                const Path& path, const SceneOutput& output, OutputFiles& outputs) {
+  std::vector<Configuration> rows(path.q.size(), start);
+  std::vector<Result> results(path.q.size());
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    rows[k].label = "path";
+    results[k].q = path.q[k];
+    results[k].status = Status::kSolved;
+  }
+  output.Stage(arguments.scene.model, {scene, rows, results}, outputs);
+}
+
+int RunPlan(PlanArguments& arguments) {
+  const Scene scene = LoadScene(arguments.scene);
+  const Configuration start = ReadConfiguration(scene, arguments.start, "--start");
+  const Configuration goal = ReadConfiguration(scene, arguments.goal, "--goal");
+  PlanOptions& plan = arguments.plan;
+  plan.options.seed = arguments.seed;
+  plan.options.time_limit = arguments.time_limit_ms / 1e3;
+  plan.options.mocap_pos = start.mocap_pos;
+  plan.options.mocap_quat = start.mocap_quat;
+
+  const std::vector<std::string> inputs = {arguments.scene.model};
+  OutputFiles outputs;
+  SceneOutput scene_output;
+  CheckQposFileName("--out-qpos", arguments.out_qpos);
+  outputs.Add("--json", arguments.json, inputs);
+  outputs.Add("--out-qpos", arguments.out_qpos, inputs);
+  scene_output.Add(arguments.out_mjcf, arguments.scene.model, inputs, outputs);
+  if (scene_output.wanted()) ParseSpec(arguments.scene.model);
+
+  CatchInterrupts();
+  Path path;
+  {
+    Progress progress("planning", std::nullopt);
+    plan.go_on = [&progress] {
+      progress.Step();
+      return Interrupted() == 0;
+    };
+    path = Plan(scene, start.q, goal.q, plan);
+  }
+  WarnOfRepair("start", path.start);
+  WarnOfRepair("goal", path.goal);
+  if (!arguments.json.empty()) outputs.Stage(arguments.json, PlanJson(arguments, path));
+  if (path.found && !arguments.out_qpos.empty()) {
+    outputs.Stage(arguments.out_qpos, QposFileContent(path.q, arguments.out_qpos));
+  }
+  if (path.found && scene_output.wanted()) {
+    StageScene(scene, start, arguments, path, scene_output, outputs);
+  }
+  outputs.Commit();
+  if (!outputs.uses_stdout()) WriteStdout(PlanText(path));
+  if (Interrupted())
+    return SayInterrupted(path.found ? "after a path was found" : "before a path was found");
+  return path.found ? kExitFree : kExitNotFree;
+}
+
+std::string PlannerHelp() {
+  std::string names;
+  for (const std::string& name : PlannerNames()) names += (names.empty() ? "" : ", ") + name;
+  return "one of " + names;
+}
+
+}  // namespace
+
+Verb AddPlanVerb(CLI::App& program) {
+  CLI::App* command =
+      program.add_subcommand("plan", "Find a collision-free path between two configurations");
+  auto arguments = std::make_shared<PlanArguments>();
+  AddModel(*command, arguments->scene);
+  for (auto [flag, target] :
+       {std::pair{"--start", &arguments->start}, {"--goal", &arguments->goal}}) {
+    command->add_option(flag, *target, "a keyframe, or nq numbers in quotes; repaired if not free")
+        ->type_name("KEY|\"V V ...\"")
+        ->required();
+  }
+  command->add_option("--planner", arguments->plan.planner, PlannerHelp())
+      ->type_name("NAME")
+      ->capture_default_str();
+  constexpr double kMaxSeed = 18446744073709551615.0;
+  AddInteger(*command, {"--seed", "N", "of the random samples", {.high = kMaxSeed}},
+             arguments->seed);
+  AddNumber(*command, {"--time-limit", "MS", "for all of it", {.above_low = true}},
+            arguments->time_limit_ms);
+  AddMovable(*command, arguments->scene);
+  AddPairs(*command, arguments->scene);
+  AddExactMesh(*command, arguments->scene);
+  AddModelRules(*command, arguments->scene);
+  AddTolerance(*command, arguments->plan.options);
+  AddJson(*command, arguments->json);
+  AddPath(*command, "--out-qpos",
+          "write the path, a configuration a row: .npy, .csv or .txt; - is stdout, as text",
+          arguments->out_qpos)
+      ->type_name("FILE|-");
+  AddPath(*command, "--out-mjcf",
+          "write the scene with the path as keyframes path_pdg, path_pdg_2, ...; DIR/: with copies "
+          "of its assets",
+          arguments->out_mjcf)
+      ->type_name("FILE|DIR/");
+  return {command, [arguments] { return RunPlan(*arguments); }};
+}
+
+}  // namespace mjcf_pdg::app

@@ -1,0 +1,207 @@
+#include "plan/configuration_space.h"
+
+#include <ompl/base/ProjectionEvaluator.h>
+#include <ompl/base/StateSampler.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/random.h"
+
+namespace mjcf_pdg {
+namespace {
+
+namespace ob = ompl::base;
+
+class UniformSampler : public ob::StateSampler {
+ public:
+  explicit UniformSampler(const ConfigurationSpace* space)
+      : ob::StateSampler(space), configurations_(*space) {}
+
+  void sampleUniform(ob::State* state) override {
+    configurations_.Sample(rng_, ConfigurationSpace::Q(state));
+  }
+  void sampleUniformNear(ob::State* state, const ob::State* near, double distance) override {
+    Towards(state, near, distance * rng_.uniform01());
+  }
+  void sampleGaussian(ob::State* state, const ob::State* mean, double deviation) override {
+    Towards(state, mean, std::abs(rng_.gaussian(0.0, deviation)));
+  }
+
+ private:
+  // A state at `distance` from `from`, or nearer, on the way to a random one.
+  void Towards(ob::State* state, const ob::State* from, double distance) {
+    const VectorXd& q = ConfigurationSpace::Q(from);
+    configurations_.Sample(rng_, target_);
+    const double whole = configurations_.Distance(q, target_);
+    const double t = whole > distance ? distance / whole : 1.0;
+    configurations_.Interpolate(q, target_, t, ConfigurationSpace::Q(state));
+  }
+
+  const ConfigurationSpace& configurations_;
+  VectorXd target_;
+};
+
+// For planners that keep a grid: how far a configuration is from a fixed one along two random
+// directions.
+class TwoDirections : public ob::ProjectionEvaluator {
+ public:
+  TwoDirections(const ConfigurationSpace* space, VectorXd origin)
+      : ob::ProjectionEvaluator(space), tables_(space->tables()), origin_(std::move(origin)) {
+    directions_.resize(2, tables_.n);
+    Random random(0);
+    for (double& entry : directions_.reshaped()) entry = random.Normal();
+    directions_.rowwise().normalize();
+  }
+  unsigned int getDimension() const override { return 2; }
+  void project(const ob::State* state, Eigen::Ref<Eigen::VectorXd> projection) const override {
+    VectorXd dq(tables_.n);
+    Difference(tables_, origin_, ConfigurationSpace::Q(state), dq);
+    projection = directions_ * dq;
+  }
+
+ private:
+  const SceneTables& tables_;
+  const VectorXd origin_;
+  MatrixXd directions_;  // 2 × n
+};
+
+}  // namespace
+
+ConfigurationSpace::ConfigurationSpace(const Scene& scene, const MocapPoses& mocap,
+                                       const VectorXd& start, const VectorXd& goal)
+    : scene_(scene),
+      tables_(scene.tables()),
+      mocap_(mocap),
+      base_(start),
+      norm_(tables_, Metric::kSequential),
+      dq_(tables_.n) {
+  setName("MuJoCo configurations");
+  FindBounds(start, goal);
+  MeasureExtent();
+}
+
+void ConfigurationSpace::FindBounds(const VectorXd& start, const VectorXd& goal) {
+  low_ = start.cwiseMin(goal);
+  high_ = start.cwiseMax(goal);
+  const double margin = 0.5 * tables_.model->stat.extent;
+  for (const JointEntry& joint : tables_.joints) {
+    const bool turns = joint.type == mjJNT_HINGE;
+    const int entries = joint.type == mjJNT_FREE ? 3 : joint.type == mjJNT_BALL ? 0 : 1;
+    for (int k = joint.qadr; k < joint.qadr + entries; ++k) {
+      if (joint.limited) {
+        low_[k] = joint.lo;
+        high_[k] = joint.hi;
+      } else {
+        low_[k] -= turns ? std::numbers::pi : margin;
+        high_[k] += turns ? std::numbers::pi : margin;
+      }
+    }
+  }
+}
+
+void ConfigurationSpace::MeasureExtent() {
+  constexpr int kPairs = 200;  // enough for two digits, a few milliseconds
+  ompl::RNG rng(1);
+  VectorXd a, b;
+  double largest = 0.0;
+  for (int k = 0; k < kPairs; ++k) {
+    Sample(rng, a);
+    Sample(rng, b);
+    largest = std::max(largest, Distance(a, b));
+  }
+  if (largest > 0.0) extent_ = largest;
+  samples_ = 0;
+}
+
+double ConfigurationSpace::Distance(const VectorXd& q_in, const VectorXd& q) const {
+  if (reference_.size() != q_in.size() || reference_ != q_in) {
+    reference_ = q_in;
+    norm_.SetReference(q_in, mocap_);
+  }
+  return std::sqrt(norm_.Sigma(q));
+}
+
+void ConfigurationSpace::Interpolate(const VectorXd& from, const VectorXd& to, double t,
+                                     VectorXd& out) const {
+  if (t >= 1.0) {
+    out = to;
+    return;
+  }
+  Difference(tables_, from, to, dq_);
+  dq_ *= t;
+  out = from;
+  Integrate(tables_, out, dq_, out);
+}
+
+void ConfigurationSpace::Sample(ompl::RNG& rng, VectorXd& q) const {
+  ++samples_;
+  q = base_;
+  for (const JointEntry& joint : tables_.joints) {
+    const int entries = joint.type == mjJNT_FREE ? 3 : joint.type == mjJNT_BALL ? 0 : 1;
+    for (int k = joint.qadr; k < joint.qadr + entries; ++k) {
+      q[k] = low_[k] < high_[k] ? rng.uniformReal(low_[k], high_[k]) : low_[k];
+    }
+    if (joint.type != mjJNT_FREE && joint.type != mjJNT_BALL) continue;
+    double quat[4];
+    rng.quaternion(quat);
+    if (joint.type == mjJNT_BALL && joint.limited && BallAngle(quat) > joint.hi) {
+      // A rotation vector that is uniform in the ball of that radius.
+      const Vector3d axis = Vector3d(quat[1], quat[2], quat[3]).normalized();
+      const double half = 0.5 * joint.hi * std::cbrt(rng.uniform01());
+      quat[0] = std::cos(half);
+      Eigen::Map<Vector3d>(quat + 1) = std::sin(half) * axis;
+    }
+    for (int k = 0; k < 4; ++k) q[QuatAddress(joint) + k] = quat[k];
+  }
+}
+
+unsigned int ConfigurationSpace::getDimension() const {
+  return static_cast<unsigned int>(tables_.n);
+}
+
+void ConfigurationSpace::enforceBounds(ob::State* state) const { ClampToLimits(tables_, Q(state)); }
+
+bool ConfigurationSpace::satisfiesBounds(const ob::State* state) const {
+  return LimitExcess(tables_, Q(state)) <= kLimitTolerance;
+}
+
+void ConfigurationSpace::copyState(ob::State* to, const ob::State* from) const { Q(to) = Q(from); }
+
+double ConfigurationSpace::distance(const ob::State* a, const ob::State* b) const {
+  return Distance(Q(b), Q(a));
+}
+
+bool ConfigurationSpace::equalStates(const ob::State* a, const ob::State* b) const {
+  return Q(a) == Q(b);
+}
+
+void ConfigurationSpace::interpolate(const ob::State* from, const ob::State* to, double t,
+                                     ob::State* state) const {
+  if (t >= 1.0) {
+    Q(state) = Q(to);
+  } else {
+    Interpolate(Q(from), Q(to), t, Q(state));
+  }
+}
+
+ob::StateSamplerPtr ConfigurationSpace::allocDefaultStateSampler() const {
+  return std::make_shared<UniformSampler>(this);
+}
+
+ob::State* ConfigurationSpace::allocState() const {
+  auto* state = new StateType;
+  state->q = base_;
+  return state;
+}
+
+void ConfigurationSpace::freeState(ob::State* state) const {
+  delete static_cast<StateType*>(state);
+}
+
+void ConfigurationSpace::registerProjections() {
+  registerDefaultProjection(std::make_shared<TwoDirections>(this, base_));
+}
+
+}  // namespace mjcf_pdg

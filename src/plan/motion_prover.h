@@ -1,0 +1,46 @@
+// What a planner asks of the scene: is a configuration free, is the motion between two free? Edges
+// are proven by CCDg (mjcf_pdg/motion.h), not sampled.
+#ifndef MJCF_PDG_SRC_PLAN_MOTION_PROVER_H_
+#define MJCF_PDG_SRC_PLAN_MOTION_PROVER_H_
+
+#include <ompl/base/MotionValidator.h>
+#include <ompl/base/SpaceInformation.h>
+#include <ompl/base/StateValidityChecker.h>
+
+#include <cstdint>
+#include <memory>
+
+#include "mjcf_pdg/motion.h"
+#include "model/kinematics.h"
+
+namespace mjcf_pdg {
+
+// Use one per thread. Configurations have nq entries.
+class MotionProver {
+ public:
+  // Of the options, those of MotionChecker count.
+  MotionProver(const Scene& scene, const Options& options) : checker_(scene, options) {}
+
+  bool IsFree(const VectorXd& q);
+  // Whether the motion is proven free, in the one direction or the other: it goes through the same
+  // configurations, but a motion may begin at a contact and not end there.
+  bool IsFree(const VectorXd& from, const VectorXd& to);
+  // How far the motion is free. The result is valid until the next call.
+  const Motion& Move(const VectorXd& from, const VectorXd& to);
+  // Whether the last motion was certified to be what it was said to be.
+  bool certified() const { return certified_; }
+  std::int64_t queries() const { return queries_; }  // configurations posed
+
+ private:
+  MotionChecker checker_;
+  bool certified_ = true;
+  std::int64_t queries_ = 0;
+};
+
+// Makes `prover` decide for `space`, which must be over a ConfigurationSpace.
+void UseProver(const std::shared_ptr<MotionProver>& prover,
+               const ompl::base::SpaceInformationPtr& space);
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_PLAN_MOTION_PROVER_H_

@@ -1,0 +1,193 @@
+#include "plan/plan.h"
+
+#include <ompl/base/PlannerData.h>
+#include <ompl/base/ProblemDefinition.h>
+#include <ompl/base/ScopedState.h>
+#include <ompl/geometric/PathSimplifier.h>
+#include <ompl/util/Console.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "plan/planners.h"
+
+namespace mjcf_pdg {
+namespace {
+
+namespace ob = ompl::base;
+namespace og = ompl::geometric;
+using Clock = std::chrono::steady_clock;
+
+// Contact samples and repaired ends keep this share of a link's size from everything, so that
+// motions along walls are proven in tens of poses instead of thousands. A passage must be wider by
+// twice that.
+constexpr double kContactClearance = 1e-3;
+constexpr double kRange = 0.1;  // of the largest distance of random configurations
+
+class Planning {
+ public:
+  Planning(const Scene& scene, const PlanOptions& options);
+  Path Run(const std::vector<double>& start, const std::vector<double>& goal);
+
+ private:
+  bool Repair(const std::vector<double>& q, const char* end, Result& result);
+  void Search(const VectorXd& start, const VectorXd& goal);
+  void Solve(const ob::ProblemDefinitionPtr& problem, const ob::SpaceInformationPtr& information);
+  void Keep(const og::PathGeometric& path);
+  bool Prove(const std::vector<VectorXd>& path);
+  bool Ended() const;
+
+  const Scene scene_;
+  const PlanOptions options_;
+  const Clock::time_point begin_ = Clock::now();
+  double clearance_;  // of contact samples [m]
+  std::shared_ptr<MotionProver> prover_;
+  std::shared_ptr<ConfigurationSpace> space_;
+  Path path_;
+};
+
+Planning::Planning(const Scene& scene, const PlanOptions& options)
+    : scene_(scene),
+      options_(options),
+      clearance_(options.options.clearance + kContactClearance * scene.tables().size),
+      prover_(std::make_shared<MotionProver>(scene, options.options)) {}
+
+bool Planning::Ended() const {
+  const std::chrono::duration<double> gone = Clock::now() - begin_;
+  return gone.count() > options_.options.time_limit ||
+         (options_.max_samples > 0 && space_ && space_->samples() >= options_.max_samples) ||
+         (options_.go_on && !options_.go_on());
+}
+
+// Moves an end out of collision, so far that motions can begin there, or, where that is not to be
+// had, just so far that it is free.
+bool Planning::Repair(const std::vector<double>& q, const char* end, Result& result) {
+  Options options = options_.options;
+  Solver exact(scene_, options);
+  result = exact.Solve(q);
+  path_.collision_queries += result.stats.collision_queries;
+  if (result.status == Status::kAlreadyFree) return true;
+  options.clearance = clearance_;
+  Result clear = Solver(scene_, options).Solve(q);
+  path_.collision_queries += clear.stats.collision_queries;
+  if (clear.status == Status::kSolved) result = clear;
+  if (result.status == Status::kSolved) return true;
+  path_.reason =
+      std::string("the ") + end + " is not free and cannot be repaired: " + result.reason;
+  return false;
+}
+
+bool Planning::Prove(const std::vector<VectorXd>& path) {
+  bool certified = true;
+  for (std::size_t k = 1; k < path.size(); ++k) {
+    if (!prover_->IsFree(path[k - 1], path[k])) return false;
+    certified = certified && prover_->certified();
+  }
+  path_.certified = certified;
+  return true;
+}
+
+std::vector<VectorXd> Configurations(const og::PathGeometric& path) {
+  std::vector<VectorXd> q;
+  for (std::size_t k = 0; k < path.getStateCount(); ++k) {
+    q.push_back(ConfigurationSpace::Q(path.getState(static_cast<unsigned int>(k))));
+  }
+  return q;
+}
+
+// Shortens the path, each change proven free, and proves what is left once more from end to end.
+void Planning::Keep(const og::PathGeometric& path) {
+  og::PathGeometric shorter(path);
+  og::PathSimplifier simplifier(path.getSpaceInformation());
+  if (!Ended()) simplifier.reduceVertices(shorter);
+  if (!Ended()) simplifier.shortcutPath(shorter);
+  if (!Ended()) simplifier.smoothBSpline(shorter, 2, space_->getMaximumExtent() / 100.0);
+  if (!Ended()) simplifier.reduceVertices(shorter);
+  std::vector<VectorXd> q = Configurations(shorter);
+  if (!Prove(q)) {
+    q = Configurations(path);
+    if (!Prove(q)) {
+      path_.reason = "a path was found, but could not be proven free once more";
+      return;
+    }
+  }
+  path_.found = true;
+  for (std::size_t k = 0; k < q.size(); ++k) {
+    path_.q.emplace_back(q[k].data(), q[k].data() + q[k].size());
+    if (k > 0) path_.length += space_->Distance(q[k - 1], q[k]);
+  }
+}
+
+void Planning::Search(const VectorXd& start, const VectorXd& goal) {
+  const Options& options = options_.options;
+  space_ = std::make_shared<ConfigurationSpace>(
+      scene_, MocapPoses{options.mocap_pos, options.mocap_quat}, start, goal);
+  const auto information = std::make_shared<ob::SpaceInformation>(space_);
+  UseProver(prover_, information);
+  information->setup();
+  ob::ScopedState<> first(information->getStateSpace()), last(information->getStateSpace());
+  ConfigurationSpace::Q(first.get()) = start;
+  ConfigurationSpace::Q(last.get()) = goal;
+  const auto problem = std::make_shared<ob::ProblemDefinition>(information);
+  problem->setStartAndGoalStates(first, last);
+  Solve(problem, information);
+  path_.samples = space_->samples();
+  if (problem->hasExactSolution()) {
+    Keep(*problem->getSolutionPath()->as<og::PathGeometric>());
+  } else {
+    path_.reason = "none was found within the limit";
+  }
+}
+
+void Planning::Solve(const ob::ProblemDefinitionPtr& problem,
+                     const ob::SpaceInformationPtr& information) {
+  const double range = options_.range > 0.0 ? options_.range : kRange * space_->getMaximumExtent();
+  const NamedPlanner named =
+      MakePlanner(options_.planner, range, {scene_, options_.options, space_, prover_, clearance_},
+                  information);
+  named.planner->setProblemDefinition(problem);
+  named.planner->setup();
+  named.planner->solve(ob::PlannerTerminationCondition([this] { return Ended(); }));
+  ob::PlannerData data(information);
+  named.planner->getPlannerData(data);
+  path_.nodes = static_cast<int>(data.numVertices());
+  if (named.retraction) path_.collision_queries += named.retraction->queries();
+}
+
+Path Planning::Run(const std::vector<double>& start, const std::vector<double>& goal) {
+  const bool free_ends = Repair(start, "start", path_.start) && Repair(goal, "goal", path_.goal);
+  if (free_ends) {
+    const SceneTables& tables = scene_.tables();
+    Search(Normalized(tables, ToEigen(path_.start.q)), Normalized(tables, ToEigen(path_.goal.q)));
+  }
+  path_.collision_queries += prover_->queries();
+  path_.seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
+  return std::move(path_);
+}
+
+// OMPL draws the seeds of all its generators from one sequence, which must not be 0.
+void Seed(std::uint64_t seed) {
+  ompl::msg::setLogLevel(ompl::msg::LOG_NONE);
+  ompl::RNG::setSeed(static_cast<std::uint_fast32_t>(seed % 0xffffffffu + 1));
+}
+
+}  // namespace
+
+Path Plan(const Scene& scene, const std::vector<double>& start, const std::vector<double>& goal,
+          const PlanOptions& options) {
+  if (!scene.HeldEqualities().empty()) {
+    throw Error("the model has equality constraints, which a path would not hold: " +
+                scene.HeldEqualities().front());
+  }
+  const std::vector<std::string> names = PlannerNames();
+  if (std::find(names.begin(), names.end(), options.planner) == names.end()) {
+    MakePlanner(options.planner, 0.0, {scene, {}, nullptr, nullptr}, nullptr);  // throws
+  }
+  scene.CheckConfiguration(start);
+  scene.CheckConfiguration(goal);
+  MotionChecker(scene, options.options).Check(start, goal);  // throws for what is frozen
+  Seed(options.options.seed);
+  return Planning(scene, options).Run(start, goal);
+}
+
+}  // namespace mjcf_pdg

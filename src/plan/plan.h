@@ -1,0 +1,54 @@
+// A collision-free path between two configurations, its edges proven free.
+//
+// Source: Tang & Kim, Sec. 6.3 and Table IV. The planners are OMPL's or, for the two that retract,
+// built on it. Everything is done by the calling thread.
+#ifndef MJCF_PDG_SRC_PLAN_PLAN_H_
+#define MJCF_PDG_SRC_PLAN_PLAN_H_
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "mjcf_pdg/pdg.h"
+
+namespace mjcf_pdg {
+
+struct PlanOptions {
+  std::string planner = "birrt-pdg";  // PlannerNames
+  // Of these count tolerance, clearance, seed, the mocap poses and time_limit, for all of Plan [s].
+  Options options = {};
+  // The length of a step [m]; 0: a tenth of the largest distance of random configurations.
+  double range = 0.0;
+  std::int64_t max_samples = 0;      // ends the search after so many; 0: no bound
+  std::function<bool()> go_on = {};  // asked between samples whether to go on; empty: always
+};
+
+struct Path {
+  bool found = false;
+  // Every edge has been proven free; false if an SDF was near one and it was only sampled.
+  bool certified = false;
+  std::vector<std::vector<double>> q;  // from start to goal, nq entries each; empty if not found
+  double length = 0.0;                 // Σ√σ of the edges [m]
+  // What became of the ends: free already, repaired, or not to be repaired, and then nothing is
+  // planned. They are repaired to the nearest configuration that is free.
+  Result start, goal;
+  std::string reason;  // why nothing was found, in words; else empty
+  int nodes = 0;       // of the planner's trees
+  std::int64_t samples = 0;
+  // Configurations that were posed, for whatever reason: motions, repairs, retractions.
+  std::int64_t collision_queries = 0;
+  double seconds = 0.0;  // wall time of it all [s]
+};
+
+// Plans from `start` to `goal` (nq entries each). The same seed and max_samples give the same path,
+// unless the time limit or `go_on` ends the search. Throws Error for a bad configuration, option or
+// planner's name, or if start and goal differ in a frozen joint; and if the scene holds equality
+// constraints, which paths do not follow.
+Path Plan(const Scene& scene, const std::vector<double>& start, const std::vector<double>& goal,
+          const PlanOptions& options);
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_PLAN_PLAN_H_

@@ -1,0 +1,94 @@
+#include "plan/planners.h"
+
+#include <ompl/geometric/planners/est/BiEST.h>
+#include <ompl/geometric/planners/est/EST.h>
+#include <ompl/geometric/planners/est/ProjEST.h>
+#include <ompl/geometric/planners/kpiece/BKPIECE1.h>
+#include <ompl/geometric/planners/kpiece/KPIECE1.h>
+#include <ompl/geometric/planners/kpiece/LBKPIECE1.h>
+#include <ompl/geometric/planners/pdst/PDST.h>
+#include <ompl/geometric/planners/rrt/LazyRRT.h>
+#include <ompl/geometric/planners/rrt/RRT.h>
+#include <ompl/geometric/planners/rrt/RRTConnect.h>
+#include <ompl/geometric/planners/rrt/TRRT.h>
+#include <ompl/geometric/planners/sbl/SBL.h>
+#include <ompl/geometric/planners/stride/STRIDE.h>
+
+#include <utility>
+
+#include "plan/retracting_rrt_connect.h"
+
+namespace mjcf_pdg {
+namespace {
+
+namespace ob = ompl::base;
+namespace og = ompl::geometric;
+
+using Space = const ob::SpaceInformationPtr&;
+using Input = const RetractionInput&;
+
+template <typename Planner>
+NamedPlanner Plain(Input, Space space) {
+  return {std::make_shared<Planner>(space)};
+}
+
+NamedPlanner Retracting(const std::string& name, std::unique_ptr<Retraction> retraction,
+                        Space space) {
+  const Retraction* const retracts = retraction.get();
+  return {std::make_shared<RetractingRrtConnect>(space, name, std::move(retraction)), retracts};
+}
+
+struct Entry {
+  const char* name;
+  NamedPlanner (*make)(Input, Space);
+};
+
+// PRM and its kin end by the clock, optimizing planners never: they are left out.
+constexpr Entry kPlanners[] = {
+    {"birrt", Plain<og::RRTConnect>},
+    {"birrt-r",
+     [](Input input, Space space) {
+       return Retracting("birrt-r", MakeContactRetraction(input), space);
+     }},
+    {"birrt-pdg",
+     [](Input input, Space space) {
+       return Retracting("birrt-pdg", MakePdgRetraction(input), space);
+     }},
+    {"rrt", Plain<og::RRT>},
+    {"lazyrrt", Plain<og::LazyRRT>},
+    {"trrt", Plain<og::TRRT>},
+    {"est", Plain<og::EST>},
+    {"biest", Plain<og::BiEST>},
+    {"projest", Plain<og::ProjEST>},
+    {"kpiece", Plain<og::KPIECE1>},
+    {"bkpiece", Plain<og::BKPIECE1>},
+    {"lbkpiece", Plain<og::LBKPIECE1>},
+    {"pdst", Plain<og::PDST>},
+    {"sbl", Plain<og::SBL>},
+    {"stride", Plain<og::STRIDE>},
+};
+
+}  // namespace
+
+std::vector<std::string> PlannerNames() {
+  std::vector<std::string> names;
+  for (const Entry& entry : kPlanners) names.push_back(entry.name);
+  return names;
+}
+
+NamedPlanner MakePlanner(const std::string& name, double range, const RetractionInput& input,
+                         const ob::SpaceInformationPtr& space) {
+  std::string known;
+  for (const Entry& entry : kPlanners) {
+    known += (known.empty() ? "" : ", ") + std::string(entry.name);
+    if (name != entry.name) continue;
+    NamedPlanner made = entry.make(input, space);
+    if (made.planner->params().hasParam("range")) {
+      made.planner->params().setParam("range", std::to_string(range));
+    }
+    return made;
+  }
+  throw Error("no planner '" + name + "' (planners: " + known + ")");
+}
+
+}  // namespace mjcf_pdg

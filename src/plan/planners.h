@@ -1,0 +1,30 @@
+// Planners by name: our three, and those of OMPL that end with the first path that they find.
+#ifndef MJCF_PDG_SRC_PLAN_PLANNERS_H_
+#define MJCF_PDG_SRC_PLAN_PLANNERS_H_
+
+#include <ompl/base/Planner.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "plan/retraction.h"
+
+namespace mjcf_pdg {
+
+std::vector<std::string> PlannerNames();
+
+// A planner, and what retracts its samples (null: nothing does), which it owns.
+struct NamedPlanner {
+  ompl::base::PlannerPtr planner;
+  const Retraction* retraction = nullptr;
+};
+
+// `range` is the length of a step [m], the same for all that have one. Throws Error, which lists
+// the names, for an unknown one.
+NamedPlanner MakePlanner(const std::string& name, double range, const RetractionInput& input,
+                         const ompl::base::SpaceInformationPtr& space);
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_PLAN_PLANNERS_H_

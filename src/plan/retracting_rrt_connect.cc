@@ -1,0 +1,97 @@
+#include "plan/retracting_rrt_connect.h"
+
+#include <ompl/base/ScopedState.h>
+#include <ompl/base/goals/GoalSampleableRegion.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace mjcf_pdg {
+
+namespace ob = ompl::base;
+
+RetractingRrtConnect::RetractingRrtConnect(const ob::SpaceInformationPtr& space,
+                                           const std::string& name,
+                                           std::unique_ptr<Retraction> retraction)
+    : RRTConnect(space), retraction_(std::move(retraction)) {
+  setName(name);
+}
+
+RetractingRrtConnect::Motion* RetractingRrtConnect::Add(TreeData& tree, Motion* parent,
+                                                        const ob::State* state) {
+  auto* motion = new Motion(si_);  // freed by RRTConnect::freeMemory
+  si_->copyState(motion->state, state);
+  motion->parent = parent;
+  motion->root = parent ? parent->root : motion->state;
+  tree->add(motion);
+  return motion;
+}
+
+RetractingRrtConnect::GrowState RetractingRrtConnect::Grow(TreeData& tree, const ob::State* target,
+                                                           bool retract, Motion*& last) {
+  ob::ScopedState<> end(si_->getStateSpace());
+  Motion wanted;
+  wanted.state = const_cast<ob::State*>(target);  // only read, to be compared with nodes
+  Motion* const near = tree->nearest(&wanted);
+  const double distance = si_->distance(near->state, target);
+  const bool reaches = distance <= maxDistance_;
+  si_->getStateSpace()->interpolate(near->state, target, reaches ? 1.0 : maxDistance_ / distance,
+                                    end.get());
+  if (si_->checkMotion(near->state, end.get())) {
+    last = Add(tree, near, end.get());
+    return reaches ? REACHED : ADVANCED;
+  }
+  if (!retract) return TRAPPED;
+  const std::vector<VectorXd>& chain =
+      retraction_->Retract(ConfigurationSpace::Q(near->state), ConfigurationSpace::Q(end.get()));
+  last = near;
+  for (const VectorXd& q : chain) {
+    ConfigurationSpace::Q(end.get()) = q;
+    last = Add(tree, last, end.get());
+  }
+  return chain.empty() ? TRAPPED : ADVANCED;
+}
+
+bool RetractingRrtConnect::AddRoots(const ob::PlannerTerminationCondition& ptc) {
+  while (const ob::State* state = pis_.nextStart()) Add(tStart_, nullptr, state);
+  if (tGoal_->size() == 0) {
+    if (const ob::State* state = pis_.nextGoal(ptc)) Add(tGoal_, nullptr, state);
+  }
+  return tStart_->size() > 0 && tGoal_->size() > 0;
+}
+
+// The way from the start to where the trees meet, and on to the goal.
+void RetractingRrtConnect::Connect(const Motion* start_side, const Motion* goal_side) {
+  std::vector<const ob::State*> states;
+  for (; start_side; start_side = start_side->parent) states.push_back(start_side->state);
+  std::reverse(states.begin(), states.end());
+  for (goal_side = goal_side->parent; goal_side; goal_side = goal_side->parent) {
+    states.push_back(goal_side->state);
+  }
+  auto path = std::make_shared<ompl::geometric::PathGeometric>(si_);
+  for (const ob::State* state : states) path->append(state);
+  pdef_->addSolutionPath(path, false, 0.0, getName());
+}
+
+ob::PlannerStatus RetractingRrtConnect::solve(const ob::PlannerTerminationCondition& ptc) {
+  checkValidity();
+  if (!AddRoots(ptc)) return ob::PlannerStatus::INVALID_START;
+  if (!sampler_) sampler_ = si_->allocStateSampler();
+  ob::ScopedState<> sample(si_->getStateSpace());
+  for (bool from_start = true; !ptc; from_start = !from_start) {
+    TreeData& tree = from_start ? tStart_ : tGoal_;
+    TreeData& other = from_start ? tGoal_ : tStart_;
+    sampler_->sampleUniform(sample.get());
+    Motion* node = nullptr;
+    if (Grow(tree, sample.get(), true, node) == TRAPPED) continue;
+    Motion* met = nullptr;
+    GrowState state = ADVANCED;
+    while (state == ADVANCED && !ptc) state = Grow(other, node->state, false, met);
+    if (state != REACHED) continue;
+    Connect(from_start ? node : met, from_start ? met : node);
+    return ob::PlannerStatus::EXACT_SOLUTION;
+  }
+  return ob::PlannerStatus::TIMEOUT;
+}
+
+}  // namespace mjcf_pdg

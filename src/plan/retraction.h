@@ -1,0 +1,57 @@
+// What becomes of a sample that is in collision: it is moved to the contact space and becomes a
+// node, so that a tree grows along the walls of a narrow passage.
+#ifndef MJCF_PDG_SRC_PLAN_RETRACTION_H_
+#define MJCF_PDG_SRC_PLAN_RETRACTION_H_
+
+#include <memory>
+#include <vector>
+
+#include "collide/contacts.h"
+#include "mjcf_pdg/pdg.h"
+#include "norm/norm_evaluator.h"
+#include "optimize/contact_matrix.h"
+#include "optimize/lcp.h"
+#include "plan/configuration_space.h"
+#include "plan/motion_prover.h"
+
+namespace mjcf_pdg {
+
+class Retraction {
+ public:
+  virtual ~Retraction() = default;
+  // Configurations that lead from `near`, which is free, towards `blocked`, to which the motion is
+  // not free. Each is joined to the one before by a motion that is proven free. Empty: none was
+  // found. Valid until the next call.
+  virtual const std::vector<VectorXd>& Retract(const VectorXd& near, const VectorXd& blocked) = 0;
+  virtual std::int64_t queries() const = 0;  // collision queries, those of the prover aside
+};
+
+// What both kinds work with.
+struct RetractionInput {
+  const Scene& scene;
+  Options options;
+  std::shared_ptr<ConfigurationSpace> space;
+  std::shared_ptr<MotionProver> prover;
+  double clearance =
+      0.0;  // that contact samples keep, so that motions along walls are provable [m]
+};
+
+// Along the contact, without PDg: to the first contact by CCD, then sliding towards the sample as
+// long as that comes nearer to it, each slide to the point that is nearest under the linearized
+// contacts.
+//
+// Source: Pan, Zhang & Manocha, Retraction-based RRT planner for articulated models (ICRA 2010).
+// Differs from it: the distance is the object norm, and every slide is proven free by CCDg.
+std::unique_ptr<Retraction> MakeContactRetraction(const RetractionInput& input);
+
+// By generalized penetration depth: to the nearest free configuration to the sample, found from the
+// nearest node, and gone to along the contact where the straight motion is not free.
+//
+// Source: Tang & Kim, Sec. 6.3. Differs from it: the sample is the end of the step that the tree
+// was to make, not the configuration that was drawn, which may lie far beyond it; and the tree is
+// joined to the retracted sample as the contact allows.
+std::unique_ptr<Retraction> MakePdgRetraction(const RetractionInput& input);
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_PLAN_RETRACTION_H_

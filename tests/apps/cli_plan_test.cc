@@ -1,0 +1,136 @@
+// mjcf-pdg plan: what it writes, its exit codes, what it refuses.
+#include "tests/support/cli_test.h"
+
+namespace mjcf_pdg::test {
+namespace {
+
+using Json = nlohmann::json;
+
+// A ball of radius 0.1 on two slides, and a wall 0.2 thick with a gap at y = 0.
+constexpr char kGap[] = R"(<mujoco><worldbody>
+  <geom name="lower" type="box" size=".1 1 .5" pos="0 -1.15 0"/>
+  <geom name="upper" type="box" size=".1 1 .5" pos="0 1.15 0"/>
+  <body name="ball">
+    <joint name="x" type="slide" axis="1 0 0" range="-1 1" limited="true"/>
+    <joint name="y" type="slide" axis="0 1 0" range="-1 1" limited="true"/>
+    <geom name="sphere" size=".1"/>
+  </body></worldbody>
+  <keyframe><key name="start" qpos="-.5 .5"/><key name="goal" qpos=".5 .5"/>
+            <key name="deep" qpos="-.15 .5"/></keyframe></mujoco>)";
+
+class CliPlanTest : public CliTest {
+ protected:
+  void SetUp() override {
+    CliTest::SetUp();
+    if (kProgram) Write("gap.xml", kGap);
+  }
+  static Arguments Ends(const std::string& start, const std::string& goal,
+                        const Arguments& more = {}) {
+    Arguments arguments = {"plan", "gap.xml", "--start", start, "--goal", goal};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+};
+
+TEST_F(CliPlanTest, WritesThePath) {
+  const Outcome outcome = Run(Ends("start", "goal",
+                                   {"--planner", "birrt-pdg", "--seed", "3", "--json", "p.json",
+                                    "--out-qpos", "p.csv", "--out-mjcf", "p.xml"}));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  const Json json = Json::parse(Read("p.json"));
+  EXPECT_EQ(json["found"], true);
+  EXPECT_EQ(json["certified"], true);
+  EXPECT_GT(json["time_us"], 0.0);
+  EXPECT_GT(json["nodes"], 1);
+  EXPECT_GT(json["collision_queries"], 10);
+  // From (-.5, .5) to (.5, .5) by the gap's two mouths: 0.8 m at least.
+  EXPECT_GT(json["length"], 1.2);
+  EXPECT_LT(json["length"], 2.0);
+  ASSERT_GE(json["path"].size(), 4u);
+  EXPECT_EQ(json["path"].front(), (Json{-0.5, 0.5}));
+  EXPECT_EQ(json["path"].back(), (Json{0.5, 0.5}));
+
+  // The files hold the same path, and all of it is free.
+  EXPECT_EQ(Run({"check", "gap.xml", "--qpos-file", "p.csv"}).exit_code, 0);
+  Arguments keys = {"check", "p.xml", "--json", "-", "--key", "path_pdg"};
+  for (std::size_t k = 2; k <= json["path"].size(); ++k) {
+    keys.push_back("--key");
+    keys.push_back("path_pdg_" + std::to_string(k));
+  }
+  const Outcome check = Run(keys);
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+  EXPECT_EQ(ParseLines(check.out).size(), json["path"].size());
+}
+
+TEST_F(CliPlanTest, EdgesAreTheMotionsThatCheckProves) {
+  const Outcome outcome = Run(Ends("0", "1", {"--json", "-"}));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json path = Json::parse(outcome.out)["path"];
+  const auto text = [](const Json& q) { return q[0].dump() + " " + q[1].dump(); };
+  for (std::size_t k = 1; k < path.size(); ++k) {
+    const Outcome check =
+        Run({"check", "gap.xml", "--motion", "--from", text(path[k - 1]), "--to", text(path[k])});
+    EXPECT_EQ(check.exit_code, 0) << k;
+  }
+}
+
+TEST_F(CliPlanTest, RepairsEndsAndSaysSo) {
+  const Outcome outcome = Run(Ends("deep", ".5 .5", {"--json", "-"}));
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_NE(outcome.err.find("warning: the start is not free"), std::string::npos) << outcome.err;
+  const Json json = Json::parse(outcome.out);
+  EXPECT_EQ(json["start"]["status"], "solved");
+  EXPECT_NEAR(json["start"]["sigma"], 0.0025, 1e-4);
+  EXPECT_EQ(json["goal"]["status"], "already_free");
+}
+
+TEST_F(CliPlanTest, WhatIsNotFoundExitsThreeAndWritesNoPath) {
+  Write("gap.xml", std::string(kGap).replace(std::string(kGap).find("1.15 0"), 4, "1.05"));
+  const Outcome outcome = Run(Ends(
+      "-.5 .5", ".5 .5",
+      {"--time-limit", "200", "--json", "p.json", "--out-qpos", "p.npy", "--out-mjcf", "p.xml"}));
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
+  EXPECT_NE(outcome.out.find("no path"), std::string::npos);
+  const Json json = Json::parse(Read("p.json"));
+  EXPECT_EQ(json["found"], false);
+  EXPECT_EQ(json["path"], Json::array());
+  EXPECT_NE(json["reason"], "");
+  EXPECT_FALSE(std::filesystem::exists(cwd() / "p.npy"));
+  EXPECT_FALSE(std::filesystem::exists(cwd() / "p.xml"));
+}
+
+TEST_F(CliPlanTest, TheSameSeedGivesTheSameBytes) {
+  const auto run = [this](const std::string& seed) {
+    Json json = Json::parse(Run(Ends("start", "goal", {"--seed", seed, "--json", "-"})).out);
+    json.erase("time_us");
+    return json;
+  };
+  EXPECT_EQ(run("7"), run("7"));
+  EXPECT_NE(run("7")["path"], run("8")["path"]);
+}
+
+TEST_F(CliPlanTest, BadInputIsOneLineAndNothingIsWritten) {
+  const std::set<std::string> before = Files();
+  for (const auto& [arguments, words] :
+       {std::pair{Ends("nowhere", "goal"), "--start: no keyframe 'nowhere'"},
+        {Ends("start", "1 2 3"), "--goal"},
+        {Ends("start", "0 1e999"), "--goal"},
+        {Ends("start", ""), "--goal"},
+        {Ends("start", "goal", {"--planner", "astar"}), "birrt-pdg"},
+        {Ends("start", "goal", {"--time-limit", "0"}), "--time-limit"},
+        {Ends("start", "goal", {"--out-qpos", "p.doc"}), "--out-qpos"},
+        {Ends("start", "goal", {"--animation", "p.gif"}), "--animation"},
+        {Arguments{"plan", "gap.xml", "--start", "start"}, "--goal"},
+        {Arguments{"plan", "none.xml", "--start", "0", "--goal", "1"}, "none.xml"}}) {
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+    EXPECT_EQ(outcome.err.rfind("mjcf-pdg: error: ", 0), 0u) << outcome.err;
+    EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+  EXPECT_EQ(Files(), before);
+}
+
+}  // namespace
+}  // namespace mjcf_pdg::test
