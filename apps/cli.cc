@@ -9,8 +9,8 @@ Program MakeProgram() {
       "mjcf-pdg");
   CLI::App& app = *program.app;
   app.require_subcommand(1);
-  program.verbs = {AddSolveVerb(app), AddNormVerb(app),    AddCheckVerb(app),
-                   AddAuditVerb(app), AddRegressVerb(app), AddImportVerb(app)};
+  program.verbs = {AddSolveVerb(app),   AddNormVerb(app),   AddCheckVerb(app), AddAuditVerb(app),
+                   AddRegressVerb(app), AddImportVerb(app), AddReplayVerb(app)};
   constexpr char kVersion[] = "mjcf-pdg " MJCF_PDG_VERSION;
   app.set_version_flag("--version", kVersion);
   for (Verb& verb : program.verbs) verb.command->set_version_flag("--version", kVersion);

@@ -28,6 +28,7 @@ Verb AddCheckVerb(CLI::App& program);
 Verb AddImportVerb(CLI::App& program);
 Verb AddRegressVerb(CLI::App& program);
 Verb AddAuditVerb(CLI::App& program);
+Verb AddReplayVerb(CLI::App& program);
 
 // The whole command line: what main.cc parses and what the manual pages are written from.
 struct Program {
