@@ -12,6 +12,7 @@
 #include "apps/console/interrupt.h"
 #include "apps/console/progress.h"
 #include "apps/console/text.h"
+#include "apps/html/solve_page.h"
 #include "apps/input/configurations.h"
 #include "apps/input/npy.h"
 #include "apps/input/qpos_file.h"
@@ -139,7 +140,8 @@ class SolveRun {
   OutputFiles outputs_;
   SceneOutput scene_output_;
   SolveTable table_;
-  std::unique_ptr<LeftRows> left_;  // with --resume
+  std::unique_ptr<LeftRows> left_;   // with --resume
+  std::unique_ptr<SolvePage> page_;  // with --html
   std::unique_ptr<Progress> progress_;
   std::size_t index_ = 0;    // of the present model's next row
   std::size_t told_ = 0;     // rows written by this run
@@ -194,6 +196,7 @@ void SolveRun::Tell(const Scene& scene, const std::string& model, const SolvedRo
   if (!arguments_.json.empty()) {
     outputs_.Append(arguments_.json, SolveJson(scene, name, row, result));
   }
+  if (page_) page_->Add(solved);
   table_.Add(scene, name, row, result);
   if (!arguments_.out_mjcf.empty() || !arguments_.png.empty()) {
     rows_.push_back(row);
@@ -215,6 +218,9 @@ void SolveRun::SolveModel(const std::string& model) {
   RowSource rows(scene, arguments_.which);
   index_ = left_ ? left_->Skip(several_ ? model : "", rows, table_) : 0;
   BeginFiles(scene, index_);
+  if (!arguments_.html.empty()) {
+    page_ = std::make_unique<SolvePage>(scene, arguments_.options.metric, model, given_);
+  }
   progress_ = std::make_unique<Progress>("solving", rows.size(), index_);
   try {
     const std::size_t most = rows.size().value_or(arguments_.threads);
@@ -232,6 +238,7 @@ void SolveRun::SolveModel(const std::string& model) {
 }
 
 void SolveRun::StageScene(const Scene& scene) {
+  if (page_) outputs_.Stage(arguments_.html, page_->ToString());
   const RepairedRows repaired{scene, rows_, results_};
   if (scene_output_.wanted()) scene_output_.Stage(arguments_.scene.model, repaired, outputs_);
 #ifdef MJCF_PDG_HAVE_RENDER
@@ -245,7 +252,8 @@ std::string SolveRun::LeftWords() const {
   std::error_code ec;
   if (table_.rows() == 0 || arguments_.json.empty() || !fs::exists(part, ec)) return "";
   const bool resumes = !arguments_.options.trajectory && arguments_.out_mjcf.empty() &&
-                       arguments_.png.empty() && arguments_.out_qpos != "-";
+                       arguments_.png.empty() && arguments_.html.empty() &&
+                       arguments_.trace.empty() && arguments_.out_qpos != "-";
   return " in " + part + (resumes ? "; the same command with --resume goes on" : "");
 }
 

@@ -62,6 +62,10 @@ void AddSolveFlags(CLI::App& command, SolveArguments& arguments) {
       "copies of its assets",
       arguments.out_mjcf)
       ->type_name("FILE|DIR/");
+  AddPath(
+      command, "--html",
+      "write a report that opens in any browser: the scene in 3-D, the search, contacts, joints",
+      arguments.html);
   AddPath(command, "--trace",
           "write every iteration of the search as JSON Lines, for mjcf-pdg replay", arguments.trace)
       ->type_name("FILE|-");
