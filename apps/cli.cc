@@ -9,8 +9,8 @@ Program MakeProgram() {
       "mjcf-pdg");
   CLI::App& app = *program.app;
   app.require_subcommand(1);
-  program.verbs = {AddSolveVerb(app), AddNormVerb(app),    AddCheckVerb(app),
-                   AddAuditVerb(app), AddRegressVerb(app), AddImportVerb(app)};
+  program.verbs = {AddSolveVerb(app),   AddNormVerb(app),   AddCheckVerb(app), AddAuditVerb(app),
+                   AddRegressVerb(app), AddImportVerb(app), AddReplayVerb(app)};
 #ifdef MJCF_PDG_HAVE_PLAN
   program.verbs.push_back(AddPlanVerb(app));
 #endif

@@ -29,6 +29,7 @@ Verb AddImportVerb(CLI::App& program);
 Verb AddRegressVerb(CLI::App& program);
 Verb AddAuditVerb(CLI::App& program);
 Verb AddPlanVerb(CLI::App& program);  // in builds with OMPL
+Verb AddReplayVerb(CLI::App& program);
 
 // The whole command line: what main.cc parses and what the manual pages are written from.
 struct Program {

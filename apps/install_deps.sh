@@ -10,7 +10,7 @@ packages=(
   python3 python3-pip                              # to fetch MuJoCo
   python3-venv python3-dev                         # the Python package and its tests
   libfcl-dev                                       # triangle meshes
-  libeigen3-dev libassimp-dev zlib1g-dev           # zlib: Debian's assimp needs it to link, but does not depend on it
+  libeigen3-dev libassimp-dev zlib1g-dev           # zlib: reports; Debian's assimp needs it to link, too
   libcli11-dev nlohmann-json3-dev libboost-dev     # Boost: progress bars
   libgtest-dev libgmock-dev
   libcgal-dev                                      # tests and benches only: a second opinion on meshes

@@ -11,6 +11,7 @@
 #include "apps/console/text.h"
 #include "apps/input/configurations.h"
 #include "apps/input/npy.h"
+#include "apps/input/plugins.h"
 #include "apps/input/qpos_file.h"
 #include "apps/options.h"
 #include "apps/output/output_files.h"
@@ -145,6 +146,7 @@ Verb AddPlanVerb(CLI::App& program) {
       program.add_subcommand("plan", "Find a collision-free path between two configurations");
   auto arguments = std::make_shared<PlanArguments>();
   AddModel(*command, arguments->scene);
+  AddPlugins(*command);
   for (auto [flag, target] :
        {std::pair{"--start", &arguments->start}, {"--goal", &arguments->goal}}) {
     command->add_option(flag, *target, "a keyframe, or nq numbers in quotes; repaired if not free")

@@ -12,17 +12,18 @@
 #include "apps/console/interrupt.h"
 #include "apps/console/progress.h"
 #include "apps/console/text.h"
+#include "apps/html/solve_page.h"
 #include "apps/input/configurations.h"
 #include "apps/input/npy.h"
-#include "apps/input/plugins.h"
 #include "apps/input/qpos_file.h"
-#include "apps/options.h"
 #include "apps/output/output_files.h"
 #include "apps/output/repaired_mjcf.h"
 #include "apps/output/report.h"
 #include "apps/solve/resume.h"
 #include "apps/solve/scene_output.h"
+#include "apps/solve/solve_arguments.h"
 #include "apps/solve/solve_rows.h"
+#include "apps/solve/trace.h"
 #include "mjcf_pdg/pdg.h"
 #ifdef MJCF_PDG_HAVE_RENDER
 #include "apps/picture/egl_context.h"
@@ -34,69 +35,6 @@ namespace mjcf_pdg::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kReportedDistances = 1.0;  // Options::report_distances_to [m]
-
-struct SolveArguments {
-  SceneArguments scene;  // of the present model
-  std::vector<std::string> models;
-  WhichArguments which;
-  Options options;
-  double time_limit_ms = std::numeric_limits<double>::infinity();
-  unsigned long long seed = 0;
-  unsigned long long threads = 1;
-  double smooth = 0.0;
-  bool resume = false;
-  std::string json, out_qpos, out_mjcf, png;
-};
-
-void AddFlags(CLI::App& command, SolveArguments& arguments) {
-  AddModels(command, arguments.models);
-  AddPlugins(command);
-  AddWhich(command, arguments.which);
-  command.add_flag("--trajectory", arguments.options.trajectory,
-                   "rows are frames of one motion: one optimum is followed");
-  AddNumber(
-      command,
-      {"--smooth", "W", "with --trajectory: weight on the change between frames", {.high = 1e6}},
-      arguments.smooth);
-  AddMovable(command, arguments.scene);
-  AddRoot(command, arguments.scene);
-  AddArmature(command, arguments.scene);
-  AddPairs(command, arguments.scene);
-  AddExactMesh(command, arguments.scene);
-  AddModelRules(command, arguments.scene);
-  AddRest(command, arguments.options);
-  AddMetric(command, arguments.options.metric);
-  AddTolerance(command, arguments.options);
-  AddClearance(command, arguments.scene, arguments.options);
-  AddNumber(command,
-            {"--time-limit", "MS", "per row; ends with the best so far", {.above_low = true}},
-            arguments.time_limit_ms);
-  constexpr double kMaxSeed = 18446744073709551615.0;
-  AddInteger(command, {"--seed", "N", "of the random starts", {.high = kMaxSeed}}, arguments.seed);
-  AddInteger(command, {"--threads", "N", "rows solved at once", {.low = 1.0, .high = 1024.0}},
-             arguments.threads);
-  AddMethod(command, arguments.options.method);
-  AddEffort(command, arguments.options.effort);
-  AddJson(command, arguments.json);
-  AddPath(command, "--out-qpos",
-          "write the configurations, one a row: .npy, .csv or .txt; - is stdout, as text",
-          arguments.out_qpos)
-      ->type_name("FILE|-");
-  command.add_flag("--resume", arguments.resume,
-                   "go on after an interruption, behind the rows in the .part of --json");
-  AddPath(
-      command, "--out-mjcf",
-      "write the scene with a keyframe NAME_pdg for every row that is or became free; DIR/: with "
-      "copies of its assets",
-      arguments.out_mjcf)
-      ->type_name("FILE|DIR/");
-#ifdef MJCF_PDG_HAVE_RENDER
-  AddPath(command, "--png", "draw every row before and after, 24 a page (F.png, F-2.png, ...)",
-          arguments.png);
-#endif
-}
 
 void CheckSmooth(const SolveArguments& arguments) {
   if (!arguments.options.trajectory) throw Error("--smooth needs --trajectory");
@@ -110,12 +48,17 @@ void CheckSmooth(const SolveArguments& arguments) {
 void CheckCombination(const SolveArguments& arguments) {
   for (const auto& [flag, path] : {std::pair{"--out-qpos", &arguments.out_qpos},
                                    {"--out-mjcf", &arguments.out_mjcf},
-                                   {"--png", &arguments.png}}) {
+                                   {"--png", &arguments.png},
+                                   {"--html", &arguments.html},
+                                   {"--trace", &arguments.trace}}) {
     if (path->empty()) continue;
     if (arguments.models.size() > 1) throw Error(std::string(flag) + " is for a single model");
     if (arguments.resume && path != &arguments.out_qpos) {
       throw Error("--resume goes with --json and --out-qpos, not with " + std::string(flag));
     }
+  }
+  if (!arguments.trace.empty() && arguments.options.trajectory) {
+    throw Error("--trace: the frames of a --trajectory are followed, not searched");
   }
   if (arguments.smooth > 0.0) CheckSmooth(arguments);
   if (!arguments.resume) return;
@@ -135,6 +78,8 @@ void AddOutputs(const SolveArguments& arguments, OutputFiles& outputs, SceneOutp
   outputs.Add("--json", arguments.json, inputs);
   outputs.Add("--out-qpos", arguments.out_qpos, inputs);
   scene.Add(arguments.out_mjcf, arguments.models.front(), inputs, outputs);
+  outputs.Add("--trace", arguments.trace, inputs);
+  outputs.Add("--html", arguments.html, inputs);
   outputs.Add("--png", arguments.png, inputs);
   // Throws Error if it is a stream: the writer of the PNG needs a file.
   if (!arguments.png.empty()) outputs.StagedName(arguments.png);
@@ -168,29 +113,35 @@ void StagePng(const Scene& scene, const std::vector<Configuration>& rows,
 // One call of solve, over all of its models.
 class SolveRun {
  public:
-  explicit SolveRun(SolveArguments& arguments)
-      : arguments_(arguments), several_(arguments.models.size() > 1), table_(several_) {}
+  // `given`: the options as GivenOptions has them.
+  SolveRun(SolveArguments& arguments, std::vector<std::string> given)
+      : arguments_(arguments),
+        given_(std::move(given)),
+        several_(arguments.models.size() > 1),
+        table_(several_) {}
 
   int Run();
 
  private:
   void CheckModels();
   void SolveModel(const std::string& model);
-  void BeginFiles(std::size_t skipped, int nq);
-  void Tell(const Scene& scene, const std::string& model, const Configuration& row,
-            const Result& result);
+  void BeginFiles(const Scene& scene, std::size_t skipped);
+  void Tell(const Scene& scene, const std::string& model, const SolvedRow& solved);
   void WriteNpySize();
   void StageScene(const Scene& scene);
   void SolveModels();
   std::string LeftWords() const;
+  bool Watches() const { return !arguments_.trace.empty() || !arguments_.html.empty(); }
   int ExitCode() const { return table_.all_free() ? kExitFree : kExitNotFree; }
 
   SolveArguments& arguments_;
+  const std::vector<std::string> given_;
   const bool several_;
   OutputFiles outputs_;
   SceneOutput scene_output_;
   SolveTable table_;
-  std::unique_ptr<LeftRows> left_;  // with --resume
+  std::unique_ptr<LeftRows> left_;   // with --resume
+  std::unique_ptr<SolvePage> page_;  // with --html
   std::unique_ptr<Progress> progress_;
   std::size_t index_ = 0;    // of the present model's next row
   std::size_t told_ = 0;     // rows written by this run
@@ -215,21 +166,28 @@ void SolveRun::CheckModels() {
 }
 
 // Files go on behind `skipped` rows of an earlier run.
-void SolveRun::BeginFiles(std::size_t skipped, int nq) {
-  nq_ = nq;
+void SolveRun::BeginFiles(const Scene& scene, std::size_t skipped) {
+  nq_ = scene.nq();
   if (told_ > 0) return;
   outputs_.Stream(arguments_.json, left_ ? left_->bytes() : 0);
   outputs_.Stream(arguments_.out_qpos,
-                  skipped == 0 ? 0 : QposBytes(arguments_.out_qpos, skipped, nq));
+                  skipped == 0 ? 0 : QposBytes(arguments_.out_qpos, skipped, nq_));
   if (skipped == 0 && IsNpyFile(arguments_.out_qpos)) npy_header_ = true;
+  if (arguments_.trace.empty()) return;
+  outputs_.Stream(arguments_.trace);
+  outputs_.Append(arguments_.trace, TraceHeader(arguments_.scene.model, given_));
 }
 
-void SolveRun::Tell(const Scene& scene, const std::string& model, const Configuration& row,
-                    const Result& result) {
+void SolveRun::Tell(const Scene& scene, const std::string& model, const SolvedRow& solved) {
+  const Configuration& row = solved.row;
+  const Result& result = solved.result;
   const RowName name{several_ ? model : "", index_++};
   if (npy_header_) {
     outputs_.Append(arguments_.out_qpos, NpyHeader(0, result.q.size()));
     npy_header_ = false;
+  }
+  if (!arguments_.trace.empty()) {
+    outputs_.Append(arguments_.trace, TraceRow(scene, name.index, solved));
   }
   // The line of JSON comes last: with it, a row counts as done.
   if (!arguments_.out_qpos.empty()) {
@@ -238,6 +196,7 @@ void SolveRun::Tell(const Scene& scene, const std::string& model, const Configur
   if (!arguments_.json.empty()) {
     outputs_.Append(arguments_.json, SolveJson(scene, name, row, result));
   }
+  if (page_) page_->Add(solved);
   table_.Add(scene, name, row, result);
   if (!arguments_.out_mjcf.empty() || !arguments_.png.empty()) {
     rows_.push_back(row);
@@ -259,15 +218,18 @@ void SolveRun::SolveModel(const std::string& model) {
   RowSource rows(scene, arguments_.which);
   index_ = left_ ? left_->Skip(several_ ? model : "", rows, table_) : 0;
   if (left_ && left_->telling()) CheckSolvesAlike(*left_->telling(), scene, arguments_.options);
-  BeginFiles(index_, scene.nq());
+  BeginFiles(scene, index_);
+  if (!arguments_.html.empty()) {
+    page_ = std::make_unique<SolvePage>(scene, arguments_.options.metric, model, given_);
+  }
   progress_ = std::make_unique<Progress>("solving", rows.size(), index_);
   try {
     const std::size_t most = rows.size().value_or(arguments_.threads);
     const std::size_t threads = std::clamp<std::size_t>(most, 1, arguments_.threads);
     SolveRows(
-        scene, {arguments_.options, threads, arguments_.smooth},
+        scene, {arguments_.options, threads, arguments_.smooth, Watches()},
         [&](Configuration& row) { return rows.Next(row); },
-        [&](const Configuration& row, const Result& result) { Tell(scene, model, row, result); });
+        [&](const SolvedRow& solved) { Tell(scene, model, solved); });
   } catch (...) {
     WriteNpySize();
     throw;
@@ -277,6 +239,7 @@ void SolveRun::SolveModel(const std::string& model) {
 }
 
 void SolveRun::StageScene(const Scene& scene) {
+  if (page_) outputs_.Stage(arguments_.html, page_->ToString());
   const RepairedRows repaired{scene, rows_, results_};
   if (scene_output_.wanted()) scene_output_.Stage(arguments_.scene.model, repaired, outputs_);
 #ifdef MJCF_PDG_HAVE_RENDER
@@ -290,7 +253,8 @@ std::string SolveRun::LeftWords() const {
   std::error_code ec;
   if (table_.rows() == 0 || arguments_.json.empty() || !fs::exists(part, ec)) return "";
   const bool resumes = !arguments_.options.trajectory && arguments_.out_mjcf.empty() &&
-                       arguments_.png.empty() && arguments_.out_qpos != "-";
+                       arguments_.png.empty() && arguments_.html.empty() &&
+                       arguments_.trace.empty() && arguments_.out_qpos != "-";
   return " in " + part + (resumes ? "; the same command with --resume goes on" : "");
 }
 
@@ -335,12 +299,9 @@ int SolveRun::Run() {
   return ExitCode();
 }
 
-int RunSolve(SolveArguments& arguments) {
-  arguments.options.time_limit = arguments.time_limit_ms / 1e3;
-  arguments.options.seed = arguments.seed;
-  arguments.options.report_contacts = true;
-  arguments.options.report_distances_to = kReportedDistances;
-  return SolveRun(arguments).Run();
+int RunSolve(const CLI::App& command, SolveArguments& arguments) {
+  FinishSolveOptions(arguments);
+  return SolveRun(arguments, GivenOptions(command)).Run();
 }
 
 }  // namespace
@@ -349,8 +310,8 @@ Verb AddSolveVerb(CLI::App& program) {
   CLI::App* command =
       program.add_subcommand("solve", "Find the nearest collision-free configuration");
   auto arguments = std::make_shared<SolveArguments>();
-  AddFlags(*command, *arguments);
-  return {command, [arguments] { return RunSolve(*arguments); }};
+  AddSolveFlags(*command, *arguments);
+  return {command, [command, arguments] { return RunSolve(*command, *arguments); }};
 }
 
 }  // namespace mjcf_pdg::app

@@ -97,7 +97,8 @@ void RunRows(const Suite& suite, const SuiteCase& one, const std::vector<GoldenR
     };
     progress.reset();  // ends its line before the next one is drawn
     if (how.progress) progress = std::make_unique<Progress>("solving rows", named.size());
-    SolveRows(scene, {one.options, how.threads}, next, tell);
+    SolveRows(scene, {one.options, how.threads}, next,
+              [&](const SolvedRow& solved) { tell(solved.row, solved.result); });
   }
 }
 

@@ -4,6 +4,8 @@
 
 #include <cstddef>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "apps/input/configurations.h"
 #include "mjcf_pdg/pdg.h"
@@ -13,13 +15,30 @@ namespace mjcf_pdg::app {
 // Fills in the next row; false if there is none.
 using NextRow = std::function<bool(Configuration&)>;
 
+// An Iteration (mjcf_pdg/observer.h) that is kept.
+struct KeptIteration {
+  std::string start;
+  int descent = 0, step = 0;
+  std::vector<double> q;
+  double sigma = 0.0, violation = 0.0;
+  bool free = false;
+  std::vector<ObservedRow> rows;
+};
+
+struct SolvedRow {
+  Configuration row;
+  Result result;
+  std::vector<KeptIteration> iterations;  // with RowOptions::watched, but not of a trajectory
+};
+
 // Is given each row with its result.
-using TellRow = std::function<void(const Configuration&, const Result&)>;
+using TellRow = std::function<void(const SolvedRow&)>;
 
 struct RowOptions {
   const Options& options;
   std::size_t threads = 1;
-  double smooth = 0.0;  // TrajectoryOptions::smooth
+  double smooth = 0.0;   // TrajectoryOptions::smooth
+  bool watched = false;  // fills SolvedRow::iterations
 };
 
 // Solves the rows that `next` gives, over `threads` solvers (one for frames of a trajectory).
@@ -28,6 +47,10 @@ struct RowOptions {
 // With RowOptions::smooth a row is told when all are solved; where that is interrupted, or a row is
 // bad, none is.
 void SolveRows(const Scene& scene, const RowOptions& how, const NextRow& next, const TellRow& tell);
+
+// Lets `solver` append the iterations of its solves to those of `*solved`, which may change from
+// solve to solve. Both must outlive that.
+void Watch(SolvedRow*& solved, Solver& solver);
 
 }  // namespace mjcf_pdg::app
 

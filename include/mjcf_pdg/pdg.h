@@ -21,6 +21,7 @@
 #include "mjcf_pdg/export.h"
 #include "mjcf_pdg/motion.h"
 #include "mjcf_pdg/object_norm.h"
+#include "mjcf_pdg/observer.h"
 #include "mjcf_pdg/scene.h"
 #include "mjcf_pdg/tracker.h"
 #include "mjcf_pdg/types.h"
@@ -79,6 +80,11 @@ class MJCF_PDG_API Solver {
   // vector leaves them as in the model. What the solver remembers of earlier frames stays. Throws
   // Error for wrong sizes or values.
   void SetMocap(const std::vector<double>& pos, const std::vector<double>& quat);
+
+  // Lets `observer` watch the iterations of all later solves; an empty one ends that. Answers do
+  // not change. Descents on the convex hulls of exact meshes, which only make a start, are not
+  // told.
+  void SetObserver(Observer observer);
 
   // Forgets every earlier solve, which matters with Options::trajectory. Hint, budget, mocap
   // poses and active equality constraints stay.

@@ -65,6 +65,7 @@ if(MJCF_PDG_BUILD_TESTS)
       target_link_libraries(mjcf_pdg_tests PRIVATE mjcf_pdg_plan)
     endif()
     if(TARGET mjcf-pdg)
+      target_link_libraries(mjcf_pdg_tests PRIVATE ZLIB::ZLIB)  # reports are unpacked again
       add_dependencies(mjcf_pdg_tests mjcf-pdg)
       target_compile_definitions(mjcf_pdg_tests PRIVATE MJCF_PDG_PROGRAM="$<TARGET_FILE:mjcf-pdg>")
       set_source_files_properties(tests/apps/cli_manual_test.cc PROPERTIES

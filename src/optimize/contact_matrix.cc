@@ -39,17 +39,20 @@ void ContactRows::Clear(int n) {
 void ContactRows::Reserve(int rows, int n) {
   C.resize(rows, n);
   gap.resize(rows);
+  sources.resize(rows);
   m = 0;
 }
 
-int ContactRows::Append(double gap_value) {
+int ContactRows::Append(double gap_value, RowSource source) {
   if (m == C.rows()) {
     const Eigen::Index capacity = std::max<Eigen::Index>(32, 2 * C.rows());
     C.conservativeResize(capacity, C.cols());
     gap.conservativeResize(capacity);
+    sources.resize(capacity);
   }
   C.row(m).setZero();
   gap[m] = gap_value;
+  sources[m] = source;
   return m++;
 }
 
@@ -75,12 +78,13 @@ void AppendLimitRows(const SceneTables& tables, const VectorXd& q, const LimitRo
                      ContactRows& rows) {
   for (const JointEntry& joint : tables.joints) {
     if (!joint.limited) continue;
+    const RowSource limit{.joint = joint.id};
     if (joint.type != mjJNT_BALL) {
       const double below = q[joint.qadr] - joint.lo, above = joint.hi - q[joint.qadr];
       const bool slides = joint.type == mjJNT_SLIDE;
       const double near = slides ? reach.slide : reach.turn, arm = slides ? 1.0 : reach.radius;
-      if (below < near) rows.C(rows.Append(arm * below), joint.col) = arm;
-      if (above < near) rows.C(rows.Append(arm * above), joint.col) = -arm;
+      if (below < near) rows.C(rows.Append(arm * below, limit), joint.col) = arm;
+      if (above < near) rows.C(rows.Append(arm * above, limit), joint.col) = -arm;
       continue;
     }
     const double* quat = q.data() + joint.qadr;
@@ -89,8 +93,18 @@ void AppendLimitRows(const SceneTables& tables, const VectorXd& q, const LimitRo
     // The angle grows by axis · w, w the body-frame rotation.
     Vector3d axis = Vector3d(quat[1], quat[2], quat[3]) * (quat[0] < 0.0 ? -1.0 : 1.0);
     if (axis.norm() < 1e-9) continue;
-    const int row = rows.Append(reach.radius * (joint.hi - angle));
+    const int row = rows.Append(reach.radius * (joint.hi - angle), limit);
     rows.C.row(row).segment<3>(joint.col) = -reach.radius * axis.normalized().transpose();
+  }
+}
+
+void AppendObserved(const SceneTables& tables, const ContactRows& rows, const VectorXd& lambda,
+                    std::vector<ObservedRow>& observed) {
+  for (int k = 0; k < rows.m; ++k) {
+    ObservedRow row{.joint = rows.sources[k].joint, .gap = rows.gap[k], .multiplier = lambda[k]};
+    const int pair = rows.sources[k].pair;
+    if (pair >= 0) row.geom = {tables.pairs[pair].geom1, tables.pairs[pair].geom2};
+    observed.push_back(row);
   }
 }
 

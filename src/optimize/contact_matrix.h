@@ -7,21 +7,31 @@
 #ifndef MJCF_PDG_SRC_OPTIMIZE_CONTACT_MATRIX_H_
 #define MJCF_PDG_SRC_OPTIMIZE_CONTACT_MATRIX_H_
 
+#include <vector>
+
 #include "collide/contacts.h"
+#include "mjcf_pdg/observer.h"
 
 namespace mjcf_pdg {
+
+// What a row is about: a kept pair, or the limit of a joint (its id).
+struct RowSource {
+  int pair = -1;
+  int joint = -1;
+};
 
 // m rows over n movable degrees of freedom. Its memory only grows.
 struct ContactRows {
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> C;  // capacity × n
-  VectorXd gap;  // capacity; signed slack of each row [m]
+  VectorXd gap;                    // capacity; signed slack of each row [m]
+  std::vector<RowSource> sources;  // capacity
   int m = 0;
 
   void Clear(int n);
   // Makes room for `rows` rows of n entries, and forgets all rows.
   void Reserve(int rows, int n);
   // Appends a zero row and returns its index.
-  int Append(double gap_value);
+  int Append(double gap_value, RowSource source = {});
 };
 
 // out(j) = nᵀ (J_2 - J_1)_j, the rate of n · (p2 - p1) per unit of dq_j; joints above both bodies
@@ -39,6 +49,10 @@ struct LimitRowOptions {
 // Appends a row for every joint limit that is near enough at q (nq).
 void AppendLimitRows(const SceneTables& tables, const VectorXd& q, const LimitRowOptions& reach,
                      ContactRows& rows);
+
+// Appends the rows as an Observer sees them; `lambda` has a multiplier per row [m].
+void AppendObserved(const SceneTables& tables, const ContactRows& rows, const VectorXd& lambda,
+                    std::vector<ObservedRow>& observed);
 
 }  // namespace mjcf_pdg
 

@@ -63,6 +63,11 @@ class LinearizedStep {
   // ‖J dq‖² of any dq: what it costs by the linearized norm [m²].
   double SquaredLength(const VectorXd& dq);
 
+  // The rows and multipliers of the last Solve.
+  void AppendObserved(std::vector<ObservedRow>& observed) const {
+    mjcf_pdg::AppendObserved(problem_.tables, rows_, lambda_, observed);
+  }
+
   std::int64_t lcp_steps() const { return lcp_steps_; }
 
  private:

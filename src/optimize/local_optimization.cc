@@ -10,6 +10,7 @@ namespace tune = tuning::descent;
 
 LocalOptions LocalOptions::Polishing() {
   LocalOptions options;
+  options.start = Component::kPolish;
   options.max_iterations = tune::kPolishSteps;
   options.convergence = tune::kPolishConvergence;
   options.trust_radius = tune::kPolishRadius;
@@ -119,6 +120,14 @@ void LocalOptimization::Step(Descent& d) {
   Look(next_, reach, d.trial);
   Evaluate(reach, d.trial);
   if (features_.learning()) AdaptSafetyMargin(d);
+}
+
+// Tells an observer of the iterate, and of the step that led there.
+void LocalOptimization::Observe(const Iterate& it, bool stepped) {
+  if (!work_.Watched()) return;
+  work_.recorder->rows().clear();
+  if (stepped) step_.AppendObserved(work_.recorder->rows());
+  work_.recorder->Tell({it.q, it.sigma, it.violation, Free(it)});
 }
 
 void LocalOptimization::AdaptSafetyMargin(const Descent& d) {
@@ -264,6 +273,8 @@ void LocalOptimization::BeginSteps(const LocalOptions& options, Descent& d) {
 
 const LocalResult& LocalOptimization::Run(const VectorXd& q, const LocalOptions& options) {
   Begin(q, options, descent_);
+  if (work_.Watched()) work_.recorder->BeginDescent(options.start);
+  Observe(descent_.current, false);
   return Go(descent_);
 }
 
@@ -296,6 +307,7 @@ const LocalResult& LocalOptimization::Go(Descent& d) {
     const BudgetMeter::Clock::time_point begin = work_.budget.Now();
     Step(d);
     work_.budget.Stepped(begin);
+    Observe(d.trial, true);
     d.sigma_before = d.result.sigma;
     Keep(d.trial, d.result);
     if (GivesUp(d)) break;

@@ -45,6 +45,7 @@ struct LocalOptions {
   double known_sigma = 0.0;  // [m²]
   bool retreats = false;     // keeps every pair farther apart than required, by a tolerance
   double least_margin = tuning::descent::kLeastMargin;  // pairs within it have rows later [size]
+  Component start = Component::kNone;                   // what the start is called, for an observer
   bool renewed = false;  // Resume: trust radius and patience are those of a descent that begins
 
   // A last descent to full precision, from a configuration close to its optimum.
@@ -122,6 +123,7 @@ class LocalOptimization {
   void BeginSteps(const LocalOptions& options, Descent& d);
   const LocalResult& Go(Descent& d);
   void Step(Descent& d);
+  void Observe(const Iterate& it, bool stepped);
   bool GivesUp(Descent& d);
   void Advance(Descent& d);
   bool HasConverged(Descent& d);

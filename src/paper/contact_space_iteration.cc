@@ -63,7 +63,7 @@ void ContactSpaceIteration::AppendContactRows(const VectorXd& q) {
   for (const NearPair& near : work_.finder.Find(problem_.clearance + band)) {
     const double gap = near.distance - problem_.required[near.pair];
     if (!problem_.tables.pairs[near.pair].moves || gap > band) continue;
-    const int row = rows_.Append(0.0);
+    const int row = rows_.Append(0.0, {.pair = near.pair});
     ContactRow(problem_.tables, work_.finder.posed(), near.pair, near.p1_W, near.p2_W, near.n_W,
                rows_.C.row(row));
     rows_.gap[row] = gap - rows_.C.row(row).dot(dq_);
@@ -140,6 +140,16 @@ IterationStatus ContactSpaceIteration::Step(const IterationOptions& options) {
   return settled ? IterationStatus::kConverged : IterationStatus::kIterationLimit;
 }
 
+// Tells an observer of the accepted configuration; the rows are those of the last constrained
+// optimization.
+void ContactSpaceIteration::Observe(bool stepped) {
+  if (!work_.Watched()) return;
+  std::vector<ObservedRow>& rows = work_.recorder->rows();
+  rows.clear();
+  if (stepped) AppendObserved(problem_.tables, rows_, lambda_, rows);
+  work_.recorder->Tell({result_.q, result_.sigma, 0.0, true});
+}
+
 const IterationResult& ContactSpaceIteration::Run(const VectorXd& q_f,
                                                   const IterationOptions& options) {
   projection_options_.reverse_samples = options.reverse_samples;
@@ -155,10 +165,17 @@ const IterationResult& ContactSpaceIteration::Run(const VectorXd& q_f,
   if (!result_.start_free) return result_;
   result_.sigma = work_.norm.Sigma(result_.q);
   result_.sigmas.push_back(result_.sigma);
+  if (work_.Watched()) work_.recorder->BeginDescent(options.start);
+  Observe(false);
   result_.status = IterationStatus::kIterationLimit;
   while (result_.status == IterationStatus::kIterationLimit &&
          result_.iterations < options.max_iterations) {
-    result_.status = work_.Spent() ? IterationStatus::kBudget : Step(options);
+    if (work_.Spent()) {
+      result_.status = IterationStatus::kBudget;
+    } else {
+      result_.status = Step(options);
+      Observe(true);
+    }
   }
   assert(std::is_sorted(result_.sigmas.rbegin(), result_.sigmas.rend()));
   return result_;

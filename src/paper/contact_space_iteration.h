@@ -26,10 +26,11 @@ namespace mjcf_pdg {
 
 struct IterationOptions {
   int max_iterations = 30;
-  int max_sweeps = 1000;      // projected Gauss-Seidel
-  double convergence = 1e-5;  // relative decrease of σ that still counts
-  int corrections = 0;        // per iteration at most, deviation 4
-  int reverse_samples = 0;    // of the reverse projection (contact_space_projection.h); 0: none
+  int max_sweeps = 1000;               // projected Gauss-Seidel
+  double convergence = 1e-5;           // relative decrease of σ that still counts
+  int corrections = 0;                 // per iteration at most, deviation 4
+  Component start = Component::kNone;  // what q_f is called, for an observer
+  int reverse_samples = 0;  // of the reverse projection (contact_space_projection.h); 0: none
 };
 
 // How an iteration ended.
@@ -72,6 +73,7 @@ class ContactSpaceIteration {
   // Optimizes from result_.q and re-projects; if that lowers σ it becomes the new result_.q.
   // kIterationLimit: it did, and may again.
   IterationStatus Step(const IterationOptions& options);
+  void Observe(bool stepped);
 
   const Problem& problem_;
   Workspace& work_;

@@ -29,6 +29,7 @@ PaperResult PaperMethod::Run(const VectorXd* hint) {
   if (!q_f) return result;
   result.start = q_f->start;
   IterationOptions how = kIteration;
+  how.start = q_f->start;
   if (!problem_.Uses(Component::kCorrections)) how.corrections = 0;
   if (!problem_.Uses(Component::kReverseProjection)) how.reverse_samples = 0;
   const IterationResult& iterated = iteration_.Run(q_f->q, how);

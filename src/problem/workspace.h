@@ -10,6 +10,7 @@
 #include "norm/norm_evaluator.h"
 #include "problem/budget.h"
 #include "problem/problem.h"
+#include "problem/recorder.h"
 
 namespace mjcf_pdg {
 
@@ -39,12 +40,16 @@ class Workspace {
   // The pairs nearer than required at q_in, where the finder stays posed. One query. Valid until
   // the next call.
   const std::vector<NearPair>& OverlapsAtInput();
+  bool Watched() const { return recorder && recorder->watched(); }
   bool Spent() const { return budget.Spent(finder.queries()); }
 
   NormEvaluator norm;  // reference q_in
   ContactFinder finder;
   EqualityConstraints equality;
   BudgetMeter budget;
+  // Of the solver; null: descents are not told to anybody, as those on convex hulls, which solve
+  // another problem.
+  Recorder* recorder = nullptr;
   // Begin keeps the starting points of distances that the last problem left. The last digits of
   // distances then depend on what was asked before.
   bool remembers_distances = false;

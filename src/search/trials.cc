@@ -27,6 +27,7 @@ bool Trials::Try(const VectorXd& q, Component start, const LocalOptions& options
   if (Spent() && (outcome_.starts > 0 || !needs_start_)) return false;
   ++outcome_.starts;
   LocalOptions bounded = options;
+  bounded.start = start;
   if (HasFree() && problem_.Uses(Component::kEarlyExit)) {
     bounded.give_up_sigma = tune::kGiveUp * BestSigma();
     bounded.known = &Best();

@@ -76,7 +76,7 @@ void VariedStarts::TryOnRay(const VectorXd& q, Component start) {
 // through contact-space projection and iteration, and a descent starts from where that ends.
 void VariedStarts::TryFreePose(const VectorXd& q_f, Component start) {
   if (work_.Spent()) return;
-  const IterationResult& result = iteration_.Run(q_f);
+  const IterationResult& result = iteration_.Run(q_f, {.start = start});
   trials_.outcome().iterations += result.iterations;
   trials_.Try(result.q, start, LocalOptions{});
 }

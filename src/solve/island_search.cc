@@ -169,6 +169,7 @@ void IslandSearch::BeginPart(Part& part, const Input& input) {
   }
   part.work.Begin(problem.q_in, problem.mocap, input.at_rest ? &part.at_rest : nullptr);
   part.work.equality.SetActive(work_.equality.active());
+  part.work.recorder = work_.recorder;
   part.work.budget = work_.budget.For(part.work.finder.queries(), work_.finder.queries());
   if (!input.hint) return;
   part.hint = problem.q_in;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "mjcf_pdg/pdg.h"
@@ -87,6 +88,8 @@ void Solver::SetMocap(const std::vector<double>& pos, const std::vector<double>&
   CheckMocap(pos, quat, *impl_->scene.model());
   impl_->SetMocap(pos, quat);
 }
+
+void Solver::SetObserver(Observer observer) { impl_->recorder.Set(std::move(observer)); }
 
 void Solver::Reset() { impl_->Forget(); }
 

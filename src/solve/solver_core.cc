@@ -57,6 +57,7 @@ SolverCore::SolverCore(const Scene& s, const Options& o)
   } else {
     whole_ = std::make_unique<Stages>(work, verifier);
   }
+  work.recorder = &recorder;
   SetMocap(options.mocap_pos, options.mocap_quat);
 }
 
@@ -77,6 +78,7 @@ Status SolverCore::Solve(std::span<const double> q, Result& result) {
   const BudgetMeter::Clock::time_point begin = BudgetMeter::Clock::now();
   const std::int64_t queries_before = Queries(), lcp_before = LcpSteps();
   q_in_.assign(q.begin(), q.end());
+  recorder.BeginSolve();
   work.budget.Begin(budget, begin, work.finder.queries());
   Reporter::Clear(result);
   if (!reporter.Input(q_in_, result)) {

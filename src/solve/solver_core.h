@@ -48,6 +48,7 @@ struct SolverCore {
   Budget budget;
   MocapPoses mocap;
   VectorXd hint;  // nq; empty: none
+  Recorder recorder;
 
  private:
   bool Search(Result& result);
