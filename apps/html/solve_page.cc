@@ -113,11 +113,13 @@ SolvePage::SolvePage(const Scene& scene, Metric metric, std::string model,
       options_(std::move(options)),
       data_(mj_makeData(scene.model()), mj_deleteData) {}
 
-std::string SolvePage::Command(const std::vector<double>& q) const {
+// Only a keyframe brings poses of mocap bodies.
+std::string SolvePage::Command(const Configuration& row) const {
   std::string command = "mjcf-pdg solve " + Quoted(model_);
   for (const std::string& option : options_) command += " " + Quoted(option);
+  if (!row.mocap_pos.empty()) return command + " --key " + std::to_string(row.key);
   std::string numbers;
-  for (const double value : q) numbers += (numbers.empty() ? "" : " ") + Json(value).dump();
+  for (const double value : row.q) numbers += (numbers.empty() ? "" : " ") + Json(value).dump();
   return command + " --qpos '" + numbers + "'";
 }
 
@@ -182,7 +184,7 @@ void SolvePage::Add(const SolvedRow& solved) {
   Json row = {{"frames", Frames(solved, poses)},
               {"facts", Facts(result)},
               {"reason", result.reason},
-              {"command", Command(solved.row.q)},
+              {"command", Command(solved.row)},
               {"contacts_in", ContactsOf(scene_, result.contacts_in)},
               {"joints", Joints(solved.row.q, result.q)},
               {"iterations", Json::array()}};

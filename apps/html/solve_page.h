@@ -24,7 +24,7 @@ class SolvePage {
   std::string ToString() const;
 
  private:
-  std::string Command(const std::vector<double>& q) const;
+  std::string Command(const Configuration& row) const;
   nlohmann::ordered_json Joints(const std::vector<double>& q_in,
                                 const std::vector<double>& q) const;
   nlohmann::ordered_json Frames(const SolvedRow& solved, std::vector<float>& poses) const;
