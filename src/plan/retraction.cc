@@ -120,10 +120,15 @@ class PdgRetraction : public Retraction {
   }
 
   const std::vector<VectorXd>& Retract(const VectorXd& near, const VectorXd& blocked) override {
-    solver_.SetHint(AsSpan(near));
+    chain_ = along_contact_.Retract(near, blocked);
+    const VectorXd nearest = chain_.empty() ? near : chain_.back();
+    solver_.SetHint(AsSpan(nearest));
     const Status status = solver_.Solve(AsSpan(blocked), result_);
     queries_ += result_.stats.collision_queries;
-    return along_contact_.Retract(near, status == Status::kUnsolved ? blocked : ToEigen(result_.q));
+    if (status == Status::kUnsolved) return chain_;
+    const std::vector<VectorXd>& further = along_contact_.Retract(nearest, ToEigen(result_.q));
+    chain_.insert(chain_.end(), further.begin(), further.end());
+    return chain_;
   }
 
   std::int64_t queries() const override { return queries_ + along_contact_.queries(); }
@@ -141,6 +146,7 @@ class PdgRetraction : public Retraction {
   }
 
   ContactRetraction along_contact_;
+  std::vector<VectorXd> chain_;
   Solver solver_;
   Result result_;
   std::int64_t queries_ = 0;
