@@ -45,8 +45,8 @@ struct RetractionInput {
 std::unique_ptr<Retraction> MakeContactRetraction(const RetractionInput& input);
 
 // By generalized penetration depth: to the nearest free configuration to the sample. It is found
-// from the nearest node, or from where the contact has led from there, and gone to along the contact
-// where the straight motion is not free.
+// from the nearest node, or from where the contact has led from there, and gone to along the
+// contact where the straight motion is not free.
 //
 // Source: Tang & Kim, Sec. 6.3.
 // Differs from it:
