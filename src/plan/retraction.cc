@@ -8,6 +8,7 @@ namespace mjcf_pdg {
 namespace {
 
 // How much of the way to a contact is gone, so that the next motion does not begin in its band.
+// This and the next are not tuned.
 constexpr double kUpToContact = 0.98;
 // Shorter steps do not count as progress [share of the step that the tree was to make].
 constexpr double kLeastProgress = 0.05;
@@ -114,7 +115,7 @@ class PdgRetraction : public Retraction {
  public:
   explicit PdgRetraction(const RetractionInput& input)
       : along_contact_(input), solver_(input.scene, SolverOptions(input)) {
-    // Deep samples that need more are not worth it: a new sample costs less.
+    // A new sample may be cheaper than a deep one. With 16 fewer seeds of the bridge ended in 10 s.
     constexpr int kQueries = 40;
     solver_.SetBudget({.queries = kQueries});
   }

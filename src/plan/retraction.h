@@ -52,8 +52,8 @@ std::unique_ptr<Retraction> MakeContactRetraction(const RetractionInput& input);
 // Differs from it:
 //   1. The sample is the end of the step that the tree was to make, not the configuration that was
 //      drawn, which may lie far beyond it.
-//   2. First the tree goes along the contact as above. On the bridge, two of three seeds end within
-//      10 s so; from the nearest node alone it was one of three within 20 s.
+//   2. First the tree goes along the contact as above: chosen on three seeds of the bridge, see
+//      plan_bench in bench/README.md.
 std::unique_ptr<Retraction> MakePdgRetraction(const RetractionInput& input);
 
 }  // namespace mjcf_pdg
