@@ -102,7 +102,7 @@ void ConfigurationSpace::FindBounds(const VectorXd& start, const VectorXd& goal)
 }
 
 void ConfigurationSpace::MeasureExtent() {
-  constexpr int kPairs = 200;  // enough for two digits, a few milliseconds
+  constexpr int kPairs = 200;  // for a scale only; not tuned
   ompl::RNG rng(1);
   VectorXd a, b;
   double largest = 0.0;

@@ -18,11 +18,11 @@ namespace ob = ompl::base;
 namespace og = ompl::geometric;
 using Clock = std::chrono::steady_clock;
 
-// Contact samples and repaired ends keep this share of a link's size from everything, so that
-// motions along walls are proven in tens of poses instead of thousands. A passage must be wider by
-// twice that.
+// Contact samples and repaired ends keep this share of a link's size from everything, so that a
+// motion along a wall does not run in CCDg's contact band. A passage must be wider by twice that.
+// Not tuned.
 constexpr double kContactClearance = 1e-3;
-constexpr double kRange = 0.1;  // of the largest distance of random configurations
+constexpr double kRange = 0.1;  // of the largest distance of random configurations; not tuned
 
 class Planning {
  public:

