@@ -87,6 +87,17 @@ std::vector<int> MovableTrees::TreesOf(const std::vector<int>& bodies) const {
   return trees;
 }
 
+std::vector<std::vector<int>> MovableTrees::OfHeld(const SceneTables& scene) const {
+  std::vector<std::vector<int>> held;
+  for (std::size_t e = 0; e < scene.held_equalities.size(); ++e) {
+    if (scene.held_equalities[e]) held.push_back(of_equality_[e]);
+  }
+  for (std::size_t t = 0; t < scene.held_tendons.size(); ++t) {
+    if (scene.held_tendons[t]) held.push_back(of_tendon_[t]);
+  }
+  return held;
+}
+
 Island::Island(const SceneTables& scene, const MovableTrees& all, std::vector<int> of_trees)
     : trees(std::move(of_trees)) {
   tables.owner = scene.owner;

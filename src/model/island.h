@@ -26,6 +26,8 @@ class MovableTrees {
   // ascending.
   const std::vector<int>& OfEquality(int equality) const { return of_equality_[equality]; }
   const std::vector<int>& OfTendon(int tendon) const { return of_tendon_[tendon]; }
+  // The same for each equality constraint and limited tendon that the scene holds.
+  std::vector<std::vector<int>> OfHeld(const SceneTables& scene) const;
   // SceneTables::body_pairs that concern the tree, ascending.
   const std::vector<int>& BodyPairsOf(int tree) const { return body_pairs_[tree]; }
 

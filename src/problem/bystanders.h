@@ -13,16 +13,18 @@ namespace mjcf_pdg {
 
 class Bystanders {
  public:
-  explicit Bystanders(const SceneTables& scene) : trees_(scene), wrong_(trees_.count()) {}
+  explicit Bystanders(const SceneTables& scene);
 
-  // Puts trees that neither overlap at q_in nor are outside their limits back to `q_in` (nq, as the
-  // user gave it) in `q`. Returns whether that changes q: whether it is still free is not known.
+  // Puts trees that neither overlap at q_in nor are outside their limits, and that no constraint
+  // joins with others, back to `q_in` (nq, as the user gave it) in `q`. Returns whether that
+  // changes q: whether it is still free is not known.
   bool PutBack(const Problem& problem, const std::vector<NearPair>& overlaps,
                const std::vector<double>& q_in, std::vector<double>& q);
 
  private:
   const MovableTrees trees_;
-  std::vector<char> wrong_;
+  std::vector<char> joined_;  // by tree: by a held equality constraint or tendon
+  std::vector<char> concerned_;
 };
 
 }  // namespace mjcf_pdg

@@ -26,13 +26,7 @@ IslandSearch::IslandSearch(Workspace& work, Verifier& verifier)
     : work_(work), verifier_(verifier), trees_(work.problem().tables) {
   outcome_.Reserve(static_cast<int>(work.problem().tables.model->nq));
   groups_.resize(trees_.count());
-  const SceneTables& tables = work.problem().tables;
-  for (std::size_t e = 0; e < tables.held_equalities.size(); ++e) {
-    if (tables.held_equalities[e]) held_.push_back(trees_.OfEquality(static_cast<int>(e)));
-  }
-  for (std::size_t t = 0; t < tables.held_tendons.size(); ++t) {
-    if (tables.held_tendons[t]) held_.push_back(trees_.OfTendon(static_cast<int>(t)));
-  }
+  held_ = trees_.OfHeld(work.problem().tables);
 }
 
 void IslandSearch::Seed(const std::vector<NearPair>& overlaps) {
