@@ -51,6 +51,11 @@ void SetAttribute(const std::string& name, const std::string& value, std::string
   tag.insert(end, " " + name + "=\"" + value + "\"");
 }
 
+std::string BodyName(const mjModel& model, int body) {
+  const char* name = mj_id2name(&model, mjOBJ_BODY, body);
+  return name ? name : "";
+}
+
 DataPtr At(const mjModel& model, const mjtNum* q) {
   DataPtr data(mj_makeData(&model), mj_deleteData);
   mju_copy(data->qpos, q, static_cast<int>(model.nq));
@@ -79,7 +84,8 @@ class TagEditor {
   // numbered as they stand in the text, unless some come from elsewhere: then names tell.
   int FindBody(const mjModel& model, int body) const {
     if (static_cast<int>(bodies_.size()) == model.nbody - 1) return body - 1;
-    const std::string name = Escaped(mj_id2name(&model, mjOBJ_BODY, body));
+    const std::string name = Escaped(BodyName(model, body));
+    if (name.empty()) return -1;
     int found = -1;
     for (std::size_t k = 0; k < bodies_.size(); ++k) {
       const std::string tag = bodies_[k].Of(text_);
@@ -240,21 +246,65 @@ bool IsSameModel(const mjModel& before, const mjModel& after) {
   return true;
 }
 
+// The bodies that an equality constraint holds where they are at qpos0, and what carries them.
+void MarkHeld(const mjModel& m, int equality, std::vector<char>& stays) {
+  for (const int object : {m.eq_obj1id[equality], m.eq_obj2id[equality]}) {
+    if (object < 0 || m.eq_type[equality] == mjEQ_TENDON) continue;
+    int body = m.eq_type[equality] == mjEQ_JOINT      ? m.jnt_bodyid[object]
+               : m.eq_objtype[equality] == mjOBJ_SITE ? m.site_bodyid[object]
+                                                      : object;
+    for (; body > 0; body = m.body_parentid[body]) stays[body] = 1;
+  }
+}
+
+// Bodies that MJCF cannot have begin elsewhere without more changes: those of ball joints, of
+// several joints one of which turns, and those that equality constraints hold.
+std::vector<std::string> Staying(const mjModel& m) {
+  std::vector<char> stays(m.nbody, 0);
+  for (int e = 0; e < m.neq; ++e) MarkHeld(m, e, stays);
+  for (int joint = 0; joint < m.njnt; ++joint) {
+    const int body = m.jnt_bodyid[joint], type = m.jnt_type[joint];
+    stays[body] |= type == mjJNT_BALL || (type == mjJNT_HINGE && m.body_jntnum[body] > 1);
+  }
+  std::vector<std::string> names;
+  for (int body = 1; body < m.nbody; ++body) {
+    const std::string name = BodyName(m, body);
+    if (stays[body] && m.body_jntnum[body] > 0 && !name.empty()) names.push_back(name);
+  }
+  return names;
+}
+
+// The text that begins at q; none if that changes more.
+std::optional<std::string> BeginningAt(const std::vector<double>& q, const std::string& text,
+                                       const mjModel& before, const ResetPose& pose) {
+  TagEditor editor(text);
+  for (int body = 1; body < before.nbody; ++body) {
+    if (!MoveBody(before, {pose.path, q, pose.degrees, pose.scene, pose.solve}, body, editor)) {
+      return std::nullopt;
+    }
+  }
+  std::string moved = editor.Changed();
+  const ModelPtr after = Compiled(moved, pose.path);
+  if (!after || !IsSameModel(before, *after)) return std::nullopt;
+  const Scene scene = Scene::FromModel(after.get(), pose.scene);
+  if (!Verify(scene, scene.DefaultQpos(), pose.solve).free) return std::nullopt;
+  return moved;
+}
+
 }  // namespace
 
 std::optional<std::string> WithResetPose(const std::string& text, const ResetPose& pose) {
   const ModelPtr before = Compiled(text, pose.path);
   if (!before) return std::nullopt;
-  TagEditor editor(text);
-  for (int body = 1; body < before->nbody; ++body) {
-    if (!MoveBody(*before, pose, body, editor)) return std::nullopt;
-  }
-  std::string moved = editor.Changed();
-  const ModelPtr after = Compiled(moved, pose.path);
-  if (!after || !IsSameModel(*before, *after)) return std::nullopt;
-  const Scene scene = Scene::FromModel(after.get(), pose.scene);
-  if (!Verify(scene, scene.DefaultQpos(), pose.solve).free) return std::nullopt;
-  return moved;
+  if (auto moved = BeginningAt(pose.q, text, *before, pose)) return moved;
+  // Farther away, with what can be placed alone.
+  SceneOptions options = pose.scene;
+  options.fixed = Staying(*before);
+  if (options.fixed.empty()) return std::nullopt;
+  const Scene scene = Scene::FromModel(before.get(), options);
+  const Result result = Solver(scene, pose.solve).Solve(scene.DefaultQpos());
+  if (result.status != Status::kSolved) return std::nullopt;
+  return BeginningAt(result.q, text, *before, pose);
 }
 
 }  // namespace mjcf_pdg::app

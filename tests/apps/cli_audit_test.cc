@@ -209,6 +209,25 @@ TEST_F(CliAuditTest, AModelThatPenetratesAtResetBeginsFree) {
   }
 }
 
+// A body that turns about two axes stays, and the cart that carries it begins elsewhere. Bodies of
+// an attached model, and those without a name, are told from the others.
+TEST_F(CliAuditTest, WhatCanBePlacedMovesForWhatCannot) {
+  Write("model.xml", R"(<mujoco><asset><model name="other" file="other.xml"/></asset><worldbody>
+      <geom name="floor" type="plane" size="3 3 .1"/>
+      <body name="cart" pos="0 0 .2"><joint type="slide" axis="0 0 1"/><geom size=".01" mass="1"/>
+        <body name="wrist" pos=".5 0 0"><joint axis="0 1 0"/><joint axis="1 0 0"/>
+          <geom name="hand" type="box" size=".1 .1 .3" pos=".15 .1 0"/></body></body>
+      <body pos="2 0 1"><joint/><geom size=".1"/></body>
+      <frame pos="-2 0 1"><attach model="other" body="ball" prefix="other-"/></frame>
+      </worldbody></mujoco>)");
+  Write("other.xml", R"(<mujoco><worldbody><body name="ball"><freejoint/><geom size=".1"/></body>
+      </worldbody></mujoco>)");
+  const Outcome outcome = Run({"audit", "model.xml", "--fix", "fixed.xml"});
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_EQ(Audit({"fixed.xml"}, 0)["keyframes"].size(), 1u);
+  EXPECT_THAT(Read("fixed.xml"), HasSubstr("<body name=\"wrist\" pos=\".5 0 0\"><joint axis"));
+}
+
 // Where MJCF cannot say it, a keyframe does: a ball joint begins at the identity, and a coupling of
 // joints counts from where they begin.
 TEST_F(CliAuditTest, ABeginningThatHasToStayGetsAKeyframeBesideIt) {
