@@ -132,20 +132,33 @@ std::string NpyReader::Shape() const {
          (value_bytes_ == sizeof(double) ? " float64" : " float32");
 }
 
+void NpyReader::Map(const std::string& path, std::size_t data_begin) {
+  file_ = std::make_unique<MappedFile>(path);
+  data_begin_ = data_begin;
+}
+
+// Those of the next row; null if there are not as many.
+const char* NpyReader::NextBytes() {
+  const std::size_t count = width_ * value_bytes_;
+  if (file_) return file_->Bytes(data_begin_ + next_ * count, count);
+  bytes_.resize(count);
+  stream_.read(bytes_.data(), static_cast<std::streamsize>(count));
+  return stream_.gcount() == static_cast<std::streamsize>(count) ? bytes_.data() : nullptr;
+}
+
 bool NpyReader::Next(std::vector<double>& row) {
   if (next_ == rows_) return false;
-  bytes_.resize(width_ * value_bytes_);
-  stream_.read(bytes_.data(), static_cast<std::streamsize>(bytes_.size()));
-  if (stream_.gcount() != static_cast<std::streamsize>(bytes_.size())) {
+  const char* const bytes = NextBytes();
+  if (!bytes) {
     throw Error(what_ + ": ends in row " + std::to_string(next_) + ", but the .npy header says " +
                 Shape());
   }
   ++next_;
   row.resize(width_);
   if (value_bytes_ == sizeof(double)) {
-    Copy<double>(bytes_.data(), row);
+    Copy<double>(bytes, row);
   } else {
-    Copy<float>(bytes_.data(), row);
+    Copy<float>(bytes, row);
   }
   return true;
 }

@@ -71,15 +71,16 @@ void CheckRegularFile(const std::string& path) {
   }
 }
 
-// A file on disk must hold what its header says, no less and no more.
-void CheckSize(const NpyReader& npy, const std::string& path, std::streamoff data_begin) {
+// A file on disk must hold what its header says, no less and no more. It is mapped.
+void MapFile(const std::string& path, std::size_t data_begin, NpyReader& npy) {
   std::error_code ec;
   if (path == "-" || !fs::is_regular_file(path, ec)) return;
-  const std::size_t available = fs::file_size(path) - static_cast<std::size_t>(data_begin);
+  const std::size_t available = fs::file_size(path) - data_begin;
   if (available != npy.data_bytes()) {
     throw Error(path + ": " + std::to_string(available) +
                 " bytes of data, but the .npy header says " + npy.Shape());
   }
+  npy.Map(path, data_begin);
 }
 
 }  // namespace
@@ -98,7 +99,7 @@ QposFile::QposFile(const std::string& path, std::size_t width)
   if (first == std::istream::traits_type::eof()) throw Error(what_ + ": is empty");
   if (static_cast<char>(first) == kNpyBegin || Extension(path) == ".npy") {
     npy_.emplace(*stream_, what_);
-    CheckSize(*npy_, path, stream_->tellg());
+    MapFile(path, static_cast<std::size_t>(stream_->tellg()), *npy_);
     if (npy_->rows() > 0 && npy_->width() != width_) {
       throw Error(what_ + " row 0: " + std::to_string(npy_->width()) + " values, the model needs " +
                   std::to_string(width_));

@@ -92,7 +92,7 @@ if(MJCF_PDG_BUILD_TESTS)
     file(GLOB fuzz_sources CONFIGURE_DEPENDS tests/fuzz/*.cc)
     list(FILTER fuzz_sources EXCLUDE REGEX "/(fuzz|[a-z_]*_test)\\.cc$")
     add_library(mjcf_pdg_fuzz STATIC EXCLUDE_FROM_ALL ${fuzz_sources}
-                apps/input/npy.cc apps/input/qpos_file.cc apps/console/text.cc)
+                apps/input/mapped_file.cc apps/input/npy.cc apps/input/qpos_file.cc apps/console/text.cc)
     target_link_libraries(mjcf_pdg_fuzz PUBLIC mjcf_pdg_test_support PRIVATE mjcf_pdg_mesh_import nlohmann_json::nlohmann_json)
     add_executable(fuzz EXCLUDE_FROM_ALL tests/fuzz/fuzz.cc)
     target_link_libraries(fuzz PRIVATE mjcf_pdg_fuzz GTest::gtest)
