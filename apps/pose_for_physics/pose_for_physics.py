@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """What MuJoCo makes of a figure's poses: as sketched, where they collide, and repaired.
 
-    pip install . matplotlib && python3 apps/pose_for_physics/pose_for_physics.py models/figure/figure_bench.xml
+    pip install . matplotlib pillow pyopengl
+    python3 apps/pose_for_physics/pose_for_physics.py models/figure/figure_bench.xml
 
 Every keyframe is simulated for a second as it is and as mjcf_pdg.solve repairs it. A figure without muscles falls in a
 heap from any pose, so servos hold it as in character animation: every joint is drawn to its angle at the start, by the
@@ -36,8 +37,8 @@ def is_free_joint(model: mujoco.MjModel, j: int) -> bool:
     return model.jnt_type[j] == int(mujoco.mjtJoint.mjJNT_FREE)
 
 
-def add_servos(model: mujoco.MjModel) -> None:
-    """Stiffness and damping of every joint but the free one; hold() says where they draw to."""
+def add_servos(model: mujoco.MjModel, factor: float) -> None:
+    """Stiffness and damping, factor times GAINS, of every joint but the free one; hold() says where they draw to."""
     for j in range(model.njnt):
         if is_free_joint(model, j):
             continue
@@ -45,9 +46,9 @@ def add_servos(model: mujoco.MjModel) -> None:
         part = name.removeprefix("left_").removeprefix("right_")
         if part not in GAINS:
             raise ValueError(f"joint '{name}' is none of the figure's: no gain for its servo")
-        model.jnt_stiffness[j] = GAINS[part]
+        model.jnt_stiffness[j] = factor * GAINS[part]
         dofs = model.dof_jntid == j
-        model.dof_damping[dofs] += 0.1 * GAINS[part]
+        model.dof_damping[dofs] += 0.1 * factor * GAINS[part]
 
 
 def hold(model: mujoco.MjModel, q: np.ndarray) -> None:
@@ -75,7 +76,7 @@ def simulate(model: mujoco.MjModel, q: np.ndarray) -> Run:
     data = mujoco.MjData(model)
     data.qpos[:] = q
     mujoco.mj_forward(model, data)
-    weight = float(np.sum(model.body_mass)) * float(np.linalg.norm(model.opt.gravity))
+    weight = body_weight(model)
     start = float(np.sum(data.energy))
     steps = round(SECONDS / model.opt.timestep)
     path = [q]
@@ -90,6 +91,11 @@ def simulate(model: mujoco.MjModel, q: np.ndarray) -> Run:
         energy[k] = float(np.sum(data.energy)) - start
         path.append(data.qpos.copy())
     return Run(np.array(path), force, speed, energy, float(np.sqrt(mjcf_pdg.object_norm(model, q, data.qpos))))
+
+
+def body_weight(model: mujoco.MjModel) -> float:
+    """Of all that moves, without furniture [N]."""
+    return float(np.sum(model.body_mass[model.body_weldid != 0]) * np.linalg.norm(model.opt.gravity))
 
 
 def normal_force(model: mujoco.MjModel, data: mujoco.MjData) -> float:
@@ -132,13 +138,13 @@ def examine(path: str, model: mujoco.MjModel, key: int) -> Pose:
     return Pose(pathlib.Path(path).stem, name, depth, result.rms, result.status, milliseconds, runs)
 
 
-def load(path: str, weightless: bool) -> mujoco.MjModel:
+def load(path: str, arguments: argparse.Namespace) -> mujoco.MjModel:
     model = mujoco.MjModel.from_xml_path(path)
     if not model.nkey:
         raise ValueError(f"{path} has no keyframes")
-    add_servos(model)
+    add_servos(model, arguments.gains)
     model.opt.enableflags |= int(mujoco.mjtEnableBit.mjENBL_ENERGY)
-    if weightless:
+    if arguments.weightless:
         model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_GRAVITY)
     return model
 
@@ -180,10 +186,11 @@ def summary(poses: list[Pose]) -> str:
     lines = [f"{len(colliding)} poses collide. At most {MOST_WEIGHTS:g} weights and {FASTEST:g} m/s:"]
     for name in ("sketched", "repaired"):
         runs = [pose.runs[name] for pose in colliding]
-        force, speed = np.array([[run.force.max(), run.speed.max()] for run in runs]).T
+        force, speed, energy = np.array([[run.force.max(), run.speed.max(), run.energy.max()] for run in runs]).T
         lines.append(
             f"{name:>8}  {sum(map(rests, runs))}; force/weight median {np.median(force):.3g}, most {force.max():.3g}; "
-            f"speed median {np.median(speed):.3g}, most {speed.max():.3g} m/s"
+            f"speed median {np.median(speed):.3g}, most {speed.max():.3g} m/s; "
+            f"energy most {max(0.0, energy.max()):.3g} J"
         )
     unsolved = sum(pose.status == "unsolved" for pose in colliding)
     times = np.array([pose.milliseconds for pose in colliding])
@@ -224,7 +231,8 @@ def plot(path: str, poses: list[Pose]) -> None:
                 axis.set_ylabel(label)
         axes[0, column].set_title(model)
         axes[1, column].set_xlabel("time [s]")
-    axes[0, 0].legend(handles=[pyplot.Line2D([], [], color=c, label=n) for n, c in COLOURS.items()], loc="upper right")
+    lines = [pyplot.Line2D([], [], color=colour, label=name) for name, colour in COLOURS.items()]
+    figure.legend(handles=lines, loc="outside upper right", ncols=len(lines))
     figure.savefig(path, dpi=100)
 
 
@@ -238,7 +246,7 @@ def animate(path: str, source: str, pose: Pose) -> None:
         model = mujoco.MjModel.from_xml_path(source)
         colour = [int(COLOURS[name][k : k + 2], 16) / 255 for k in (1, 3, 5)]
         for geom in range(model.ngeom):
-            if model.body_weldid[model.geom_bodyid[geom]]:  # what moves
+            if model.body_weldid[model.geom_bodyid[geom]] != 0:  # what moves
                 model.geom_matid[geom] = -1
                 model.geom_rgba[geom] = [*colour, 1]
         data = mujoco.MjData(model)
@@ -260,17 +268,21 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("models", nargs="+", metavar="MODEL", help="MJCF of the figure with keyframes")
     parser.add_argument("--key", action="append", help="a keyframe; may be repeated (default: all)")
     parser.add_argument("--weightless", action="store_true", help="no gravity: the penetration alone")
+    parser.add_argument("--gains", type=float, default=1.0, help="of the servos, over the published ones; 0: limp")
     parser.add_argument("--csv", help="the table")
     parser.add_argument("--png", help="force and speed over time; needs matplotlib")
-    gif = "the sketch with the largest force and its repair, side by side; needs pillow, pyopengl and, without a display, "
-    parser.add_argument("--gif", help=gif + "MUJOCO_GL=egl")
-    return parser.parse_args(argv)
+    gif = "the sketch with the largest force and its repair, side by side; needs pillow and pyopengl"
+    parser.add_argument("--gif", help=f"{gif} (and without a display MUJOCO_GL=egl)")
+    arguments = parser.parse_args(argv)
+    if not 0.0 <= arguments.gains < np.inf:
+        parser.error("--gains: a finite number, at least 0")
+    return arguments
 
 
 def main(argv: list[str] | None = None) -> int:
     arguments = parse(argv)
     try:
-        loaded = [(path, load(path, arguments.weightless)) for path in arguments.models]
+        loaded = [(path, load(path, arguments)) for path in arguments.models]
         known = {model.key(k).name for _, model in loaded for k in range(model.nkey)}
         for name in arguments.key or []:
             if name not in known:
