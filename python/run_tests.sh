@@ -24,7 +24,7 @@ if ! "$venv/bin/pip" install --quiet --disable-pip-version-check -r python/requi
 fi
 if [ -n "${CI:-}${MJCF_PDG_PYTHON_EXTRAS:-}" ]; then
   "$venv/bin/pip" install --quiet --disable-pip-version-check -r python/requirements-optional.txt ||
-    echo "python/run_tests.sh: no jax and ray, the tests that need them are skipped" >&2
+    echo "python/run_tests.sh: not all of requirements-optional.txt, the tests that need them are skipped" >&2
 fi
 # Without isolation: the build finds what it needs where it was the last time, and compiles only what has changed. The
 # library that tests/run.sh has built is not compiled again.

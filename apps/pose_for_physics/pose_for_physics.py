@@ -1,0 +1,310 @@
+#!/usr/bin/env python3
+"""What MuJoCo makes of a figure's poses: as sketched, where they collide, and repaired.
+
+    pip install . matplotlib pillow pyopengl
+    python3 apps/pose_for_physics/pose_for_physics.py models/figure/figure_bench.xml
+
+Every keyframe is simulated for a second as it is and as mjcf_pdg.solve repairs it. A figure without muscles falls in a
+heap from any pose, so servos hold it as in character animation: every joint is drawn to its angle at the start, by the
+published gains of DeepMimic; the pelvis floats free. Everything else is as the model has it. Gravity moves poses that
+nothing supports, free or not: --weightless shows what the penetration alone does. What is measured is printed as a
+table, and written as CSV, PNG (plots) and GIF (animation) where asked for.
+"""
+
+import argparse
+import csv
+import dataclasses
+import pathlib
+import sys
+
+import mujoco
+import numpy as np
+
+import mjcf_pdg
+
+SECONDS = 1.0
+MOST_WEIGHTS, FASTEST = 3.0, 0.5  # a pose at rest stays under both: force over body weight, speed of any body [m/s]
+
+# Stiffness of the servos [N m/rad]: Peng et al., "DeepMimic", ACM TOG 37(4), 2018 (humanoid3d_ctrl.txt, a figure of
+# 45 kg), whose damping [N m s/rad] is a tenth. Its wrists are rigid: ours have the gain of its neck.
+GAINS = {
+    "waist": 1000, "neck_nod": 100, "neck_turn": 100, "shoulder": 400, "elbow": 300, "pronation": 300, "wrist": 100,
+    "hip": 500, "knee": 500, "ankle": 400,
+}  # fmt: skip
+
+
+def is_free_joint(model: mujoco.MjModel, j: int) -> bool:
+    return model.jnt_type[j] == int(mujoco.mjtJoint.mjJNT_FREE)
+
+
+def add_servos(model: mujoco.MjModel, factor: float) -> None:
+    """Stiffness and damping, factor times GAINS, of every joint but the free one; hold() says where they draw to."""
+    for j in range(model.njnt):
+        if is_free_joint(model, j):
+            continue
+        name = model.joint(j).name
+        part = name.removeprefix("left_").removeprefix("right_")
+        if part not in GAINS:
+            raise ValueError(f"joint '{name}' is none of the figure's: no gain for its servo")
+        model.jnt_stiffness[j] = factor * GAINS[part]
+        dofs = model.dof_jntid == j
+        model.dof_damping[dofs] += 0.1 * factor * GAINS[part]
+
+
+def hold(model: mujoco.MjModel, q: np.ndarray) -> None:
+    """Servos are springs whose rest is q: exact for ball joints, too."""
+    for j in range(model.njnt):
+        if not is_free_joint(model, j):
+            width = 4 if model.jnt_type[j] == int(mujoco.mjtJoint.mjJNT_BALL) else 1
+            at = int(model.jnt_qposadr[j])
+            model.qpos_spring[at : at + width] = q[at : at + width]
+
+
+@dataclasses.dataclass
+class Run:
+    """A second of simulation, step by step; infinities where MuJoCo gave up."""
+
+    q: np.ndarray  # (steps + 1, nq), fewer where MuJoCo gave up
+    force: np.ndarray  # (steps,) sum of all contacts' normal forces over body weight
+    speed: np.ndarray  # (steps,) of the fastest body's centre of mass [m/s]
+    energy: np.ndarray  # (steps,) kinetic, of gravity and of servos, over that at the start [J]
+    displacement: float  # √σ from the first pose to the last [m]
+
+
+def simulate(model: mujoco.MjModel, q: np.ndarray) -> Run:
+    hold(model, q)
+    data = mujoco.MjData(model)
+    data.qpos[:] = q
+    mujoco.mj_forward(model, data)
+    weight = body_weight(model)
+    start = float(np.sum(data.energy))
+    steps = round(SECONDS / model.opt.timestep)
+    path = [q]
+    force, speed, energy = np.full((3, steps), np.inf)
+    for k in range(steps):
+        mujoco.mj_step(model, data)
+        if data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number:  # it bursts beyond what MuJoCo can compute
+            return Run(np.array(path), force, speed, energy, np.inf)
+        force[k] = normal_force(model, data) / weight
+        mujoco.mj_forward(model, data)  # positions, velocities and energy at the end of the step
+        speed[k] = fastest_body(model, data)
+        energy[k] = float(np.sum(data.energy)) - start
+        path.append(data.qpos.copy())
+    return Run(np.array(path), force, speed, energy, float(np.sqrt(mjcf_pdg.object_norm(model, q, data.qpos))))
+
+
+def body_weight(model: mujoco.MjModel) -> float:
+    """Of all that moves, without furniture [N]."""
+    return float(np.sum(model.body_mass[model.body_weldid != 0]) * np.linalg.norm(model.opt.gravity))
+
+
+def normal_force(model: mujoco.MjModel, data: mujoco.MjData) -> float:
+    """The sum over all contacts [N]."""
+    total, wrench = 0.0, np.zeros(6)
+    for k in range(data.ncon):
+        mujoco.mj_contactForce(model, data, k, wrench)
+        total += wrench[0]
+    return total
+
+
+def fastest_body(model: mujoco.MjModel, data: mujoco.MjData) -> float:
+    """Speed of its centre of mass [m/s]."""
+    velocity, fastest = np.zeros(6), 0.0  # rotation first
+    for body in range(1, model.nbody):
+        mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_BODY, body, velocity, 0)
+        fastest = max(fastest, float(np.linalg.norm(velocity[3:])))
+    return fastest
+
+
+@dataclasses.dataclass
+class Pose:
+    model: str
+    name: str
+    depth: float  # of the sketch [m]
+    rms: float  # √σ from the sketch to the repaired pose [m]
+    status: str
+    milliseconds: float  # of the repair
+    runs: dict[str, Run]  # "sketched" (if it collides), "repaired"
+
+
+def examine(path: str, model: mujoco.MjModel, key: int) -> Pose:
+    q = model.key_qpos[key].copy()
+    result = mjcf_pdg.solve(model, q)
+    runs = {} if result.status == "already_free" else {"sketched": simulate(model, q)}
+    runs["repaired"] = simulate(model, result.q)
+    milliseconds = 1e3 * result.seconds
+    depth = max(0.0, -result.depth_in)
+    name = model.key(key).name or str(key)
+    return Pose(pathlib.Path(path).stem, name, depth, result.rms, result.status, milliseconds, runs)
+
+
+def load(path: str, arguments: argparse.Namespace) -> mujoco.MjModel:
+    model = mujoco.MjModel.from_xml_path(path)
+    if not model.nkey:
+        raise ValueError(f"{path} has no keyframes")
+    add_servos(model, arguments.gains)
+    model.opt.enableflags |= int(mujoco.mjtEnableBit.mjENBL_ENERGY)
+    if arguments.weightless:
+        model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_GRAVITY)
+    return model
+
+
+def chosen_keys(model: mujoco.MjModel, names: list[str] | None) -> list[int]:
+    return [k for k in range(model.nkey) if names is None or model.key(k).name in names]
+
+
+# What is written.
+
+HEADING = ["model", "pose", "run", "depth mm", "repair mm", "ms", "force/weight", "speed m/s", "energy J", "moved mm"]
+
+
+def rows(pose: Pose) -> list[list[str]]:
+    lines = []
+    for name, run in pose.runs.items():
+        of_repair = ["", ""] if name == "sketched" else [f"{1e3 * pose.rms:.1f}", f"{pose.milliseconds:.1f}"]
+        depth = f"{1e3 * pose.depth:.1f}" if name == "sketched" else ""
+        name = name if pose.status != "already_free" else "free"
+        numbers = [f"{run.force.max():.2f}", f"{run.speed.max():.2f}", f"{max(0.0, run.energy.max()):.2f}"]
+        lines.append([pose.model, pose.name, name, depth, *of_repair, *numbers, f"{1e3 * run.displacement:.1f}"])
+    return lines
+
+
+def table(lines: list[list[str]]) -> str:
+    lines = [HEADING, *lines]
+    widths = [max(len(cells[k]) for cells in lines) for k in range(len(HEADING))]
+    return "\n".join("  ".join(cell.rjust(width) for cell, width in zip(cells, widths)) for cells in lines)
+
+
+def rests(run: Run) -> bool:
+    return bool(run.force.max() <= MOST_WEIGHTS and run.speed.max() <= FASTEST)
+
+
+def summary(poses: list[Pose]) -> str:
+    colliding = [pose for pose in poses if "sketched" in pose.runs]
+    if not colliding:
+        return "no pose collides"
+    lines = [f"{len(colliding)} poses collide. At most {MOST_WEIGHTS:g} weights and {FASTEST:g} m/s:"]
+    for name in ("sketched", "repaired"):
+        runs = [pose.runs[name] for pose in colliding]
+        force, speed, energy = np.array([[run.force.max(), run.speed.max(), run.energy.max()] for run in runs]).T
+        lines.append(
+            f"{name:>8}  {sum(map(rests, runs))}; force/weight median {np.median(force):.3g}, most {force.max():.3g}; "
+            f"speed median {np.median(speed):.3g}, most {speed.max():.3g} m/s; "
+            f"energy most {max(0.0, energy.max()):.3g} J"
+        )
+    unsolved = sum(pose.status == "unsolved" for pose in colliding)
+    times = np.array([pose.milliseconds for pose in colliding])
+    lines.append(f"repair: mean {times.mean():.1f}, median {np.median(times):.1f} ms a pose, {unsolved} unsolved")
+    return "\n".join(lines)
+
+
+def write_csv(path: str, lines: list[list[str]]) -> None:
+    with open(path, "w", newline="") as file:
+        csv.writer(file).writerows([HEADING, *lines])
+
+
+# Colours that a deuteranope tells apart (Okabe and Ito).
+COLOURS = {"sketched": "#D55E00", "repaired": "#009E73"}
+
+
+def plot(path: str, poses: list[Pose]) -> None:
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    models = list(dict.fromkeys(pose.model for pose in poses))
+    figure, axes = pyplot.subplots(
+        2, len(models), sharex=True, sharey="row", squeeze=False, figsize=(6 * len(models), 7), layout="constrained"
+    )
+    panels = [("force", MOST_WEIGHTS, "contact force / weight"), ("speed", FASTEST, "fastest body [m/s]")]
+    for column, model in enumerate(models):
+        for axis, (field, bound, label) in zip(axes[:, column], panels):
+            for pose in (pose for pose in poses if pose.model == model and "sketched" in pose.runs):
+                for name, run in pose.runs.items():
+                    values = getattr(run, field)
+                    time = np.linspace(0.0, SECONDS, len(values))
+                    axis.plot(time, np.maximum(values, 1e-2), color=COLOURS[name], linewidth=0.8)
+            axis.axhline(bound, color="black", linewidth=0.8, linestyle="--")
+            axis.set_yscale("log")
+            if column == 0:
+                axis.set_ylabel(label)
+        axes[0, column].set_title(model)
+        axes[1, column].set_xlabel("time [s]")
+    lines = [pyplot.Line2D([], [], color=colour, label=name) for name, colour in COLOURS.items()]
+    figure.legend(handles=lines, loc="outside upper right", ncols=len(lines))
+    figure.savefig(path, dpi=100)
+
+
+def animate(path: str, source: str, pose: Pose) -> None:
+    """Both runs side by side, four times slower than life."""
+    from PIL import Image
+
+    per_second, slower, width, height = 50, 4, 400, 360
+    columns = []
+    for name, run in pose.runs.items():
+        model = mujoco.MjModel.from_xml_path(source)
+        colour = [int(COLOURS[name][k : k + 2], 16) / 255 for k in (1, 3, 5)]
+        for geom in range(model.ngeom):
+            if model.body_weldid[model.geom_bodyid[geom]] != 0:  # what moves
+                model.geom_matid[geom] = -1
+                model.geom_rgba[geom] = [*colour, 1]
+        data = mujoco.MjData(model)
+        camera = 0 if model.ncam else -1
+        with mujoco.Renderer(model, height, width) as renderer:
+            frames = []
+            for q in run.q[:: round(1 / (per_second * model.opt.timestep))]:
+                data.qpos[:] = q
+                mujoco.mj_forward(model, data)
+                renderer.update_scene(data, camera)
+                frames.append(renderer.render().copy())
+        columns.append(frames)
+    images = [Image.fromarray(np.hstack(both)).quantize(128) for both in zip(*columns)]
+    images[0].save(path, save_all=True, append_images=images[1:], duration=1000 * slower // per_second, loop=0)
+
+
+def parse(argv: list[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("models", nargs="+", metavar="MODEL", help="MJCF of the figure with keyframes")
+    parser.add_argument("--key", action="append", help="a keyframe; may be repeated (default: all)")
+    parser.add_argument("--weightless", action="store_true", help="no gravity: the penetration alone")
+    parser.add_argument("--gains", type=float, default=1.0, help="of the servos, over the published ones; 0: limp")
+    parser.add_argument("--csv", help="the table")
+    parser.add_argument("--png", help="force and speed over time; needs matplotlib")
+    gif = "the sketch with the largest force and its repair, side by side; needs pillow and pyopengl"
+    parser.add_argument("--gif", help=f"{gif} (and without a display MUJOCO_GL=egl)")
+    arguments = parser.parse_args(argv)
+    if not 0.0 <= arguments.gains < np.inf:
+        parser.error("--gains: a finite number, at least 0")
+    return arguments
+
+
+def main(argv: list[str] | None = None) -> int:
+    arguments = parse(argv)
+    try:
+        loaded = [(path, load(path, arguments)) for path in arguments.models]
+        known = {model.key(k).name for _, model in loaded for k in range(model.nkey)}
+        for name in arguments.key or []:
+            if name not in known:
+                raise ValueError(f"--key: no keyframe '{name}'")
+        sources = [(path, model, k) for path, model in loaded for k in chosen_keys(model, arguments.key)]
+        poses = [examine(*source) for source in sources]
+        colliding = [(pose, path) for pose, (path, _, _) in zip(poses, sources) if "sketched" in pose.runs]
+        lines = [line for pose in poses for line in rows(pose)]
+        print(table(lines))
+        print(summary(poses))
+        if arguments.csv:
+            write_csv(arguments.csv, lines)
+        if arguments.png:
+            plot(arguments.png, poses)
+        if arguments.gif and colliding:
+            pose, path = max(colliding, key=lambda both: both[0].runs["sketched"].force.max())
+            animate(arguments.gif, path, pose)
+    except (ValueError, ImportError, mujoco.FatalError) as error:
+        print(f"pose_for_physics.py: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,75 @@
+"""apps/pose_for_physics: a sketched, colliding pose bursts in a simulation, and its repair does not."""
+
+import csv
+import os
+import pathlib
+import subprocess
+import sys
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+CHAIR = ROOT / "models/chair/figure_chair.xml"
+
+
+def run(*arguments):
+    script = ROOT / "apps" / "pose_for_physics" / "pose_for_physics.py"
+    environment = {**os.environ, "MUJOCO_GL": "egl"}
+    command = [sys.executable, script, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+
+
+def measured(tmp_path, *arguments):
+    """The rows of the table by pose and run."""
+    done = run(*arguments, "--csv", tmp_path / "poses.csv")
+    assert done.returncode == 0, done.stderr
+    with open(tmp_path / "poses.csv", newline="") as file:
+        return {(row["pose"], row["run"]): row for row in csv.DictReader(file)}
+
+
+def test_a_sketch_in_the_seat_bursts_and_its_repair_rests(tmp_path):
+    rows = measured(tmp_path, CHAIR, "--key", "home", "--key", "sunk_to_waist")
+    assert set(rows) == {("home", "free"), ("sunk_to_waist", "sketched"), ("sunk_to_waist", "repaired")}
+    sketched, repaired = rows["sunk_to_waist", "sketched"], rows["sunk_to_waist", "repaired"]
+    assert float(sketched["force/weight"]) > 100 and float(sketched["energy J"]) > 100
+    assert 0.99 < float(repaired["force/weight"]) < 1.5  # seat and floor hold it up, and no more than that
+    assert float(repaired["speed m/s"]) < 0.5 and float(repaired["energy J"]) < 0.1
+    assert 0 < float(repaired["moved mm"]) < float(sketched["moved mm"])
+
+
+def test_without_gravity_only_penetration_moves_the_figure(tmp_path):
+    rows = measured(tmp_path, CHAIR, "--weightless")
+    sketched, repaired = ([row for (_, run), row in rows.items() if run == name] for name in ("sketched", "repaired"))
+    assert len(sketched) == len(repaired) == 9
+    assert all(float(row["speed m/s"]) > 0.2 and float(row["energy J"]) > 0.5 for row in sketched)
+    assert all(float(row["speed m/s"]) < 0.01 and float(row["force/weight"]) < 0.01 for row in repaired)
+
+
+def test_plot_and_animation_are_written(tmp_path):
+    for package in ("matplotlib", "PIL", "OpenGL"):
+        pytest.importorskip(package)
+    from PIL import Image
+
+    png, gif = tmp_path / "runs.png", tmp_path / "runs.gif"
+    done = run(CHAIR, "--key", "sunk_to_waist", "--png", png, "--gif", gif)
+    assert done.returncode == 0, done.stderr
+    with Image.open(png) as image:
+        assert min(image.size) > 400
+    with Image.open(gif) as animation:
+        assert animation.n_frames == 51  # of 20 ms of the simulation each, and the first pose
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (["nowhere.xml"], "nowhere.xml"),
+        ([CHAIR, "--key", "no_such_pose"], "no_such_pose"),
+        ([CHAIR, "--gains", "-1"], "--gains"),
+        ([ROOT / "models/puma/puma_car.xml"], "none of the figure's"),
+        ([ROOT / "models/loops/leg.xml"], "no keyframes"),
+    ],
+)
+def test_bad_input_is_one_clear_line(arguments, word):
+    done = run(*arguments)
+    assert done.returncode == 2
+    assert word in done.stderr and "Traceback" not in done.stderr
