@@ -128,7 +128,7 @@ bool SolverCore::SearchWhole(const std::vector<NearPair>& overlaps, int distance
 
 // A start that moved everything may have left others where they need not be: σ is a sum over trees.
 void SolverCore::LeaveBystanders(const std::vector<NearPair>& overlaps) {
-  if (options.method == Method::kPaper || options.trajectory) return;
+  if (options.method == Method::kPaper || options.trajectory || work.Spent()) return;
   left_ = q_;
   if (!bystanders_.PutBack(work.problem(), overlaps, q_in_, left_)) return;
   if (verifier.IsFree(left_, q_in_)) {
