@@ -149,10 +149,14 @@ std::string Applied(std::string text, const Mending& mending) {
 std::string BeginningFree(std::string text, const ResetPose& pose, std::vector<std::string>& left) {
   const fs::path folder = fs::absolute(pose.path).parent_path();
   const std::string whole = WithIncludesOf(text, "body", folder);
-  if (std::optional<std::string> moved = WithResetPose(whole, pose)) return *moved;
-  left.push_back(std::string("qpos0 stays: other places of bodies would change more than that; "
-                             "keyframe ") +
-                 kDefaultKey + " is free");
+  std::optional<MovedReset> moved = WithResetPose(whole, pose);
+  if (moved && moved->within_limits) return std::move(moved->text);
+  const std::string why =
+      moved ? "nothing overlaps at qpos0, but joints that have to begin there stay outside their "
+              "limits"
+            : "qpos0 stays: other places of bodies would change more than that";
+  left.push_back(why + "; keyframe " + kDefaultKey + " is free");
+  if (moved) text = std::move(moved->text);
   const std::vector<TextSpan> tags = FindTags(text, "key");
   for (const TextSpan& tag : tags) {
     const std::string written = tag.Of(text);

@@ -56,6 +56,13 @@ std::string BodyName(const mjModel& model, int body) {
   return name ? name : "";
 }
 
+bool Near(const mjtNum* a, const mjtNum* b, mjtSize n, double tolerance) {
+  for (mjtSize k = 0; k < n; ++k) {
+    if (!(std::abs(a[k] - b[k]) <= tolerance)) return false;
+  }
+  return true;
+}
+
 DataPtr At(const mjModel& model, const mjtNum* q) {
   DataPtr data(mj_makeData(&model), mj_deleteData);
   mju_copy(data->qpos, q, static_cast<int>(model.nq));
@@ -140,25 +147,100 @@ std::string WithPose(std::string tag, const mjModel& model, const mjData& data, 
   return tag;
 }
 
+// An axis and a point of it, in the frame of the joint's body.
+struct JointLine {
+  std::array<mjtNum, 3> axis, position;
+};
+
+// x -> rotation x + translation
+struct Motion {
+  std::array<mjtNum, 4> rotation = {1, 0, 0, 0};
+  std::array<mjtNum, 3> translation = {0, 0, 0};
+
+  std::array<mjtNum, 3> Turned(const mjtNum* vector) const {
+    std::array<mjtNum, 3> turned;
+    mju_rotVecQuat(turned.data(), vector, rotation.data());
+    return turned;
+  }
+  std::array<mjtNum, 3> Moved(const mjtNum* point) const {
+    std::array<mjtNum, 3> moved = Turned(point);
+    mju_addTo3(moved.data(), translation.data());
+    return moved;
+  }
+};
+
+// What the joint moves when it goes back from q to qpos0, before `after` moves it.
+Motion BackThenAfter(const mjModel& model, const std::vector<double>& q, int joint,
+                     const Motion& after) {
+  const int at = model.jnt_qposadr[joint];
+  const mjtNum back = model.qpos0[at] - q[static_cast<std::size_t>(at)];
+  const mjtNum *axis = model.jnt_axis + 3 * joint, *anchor = model.jnt_pos + 3 * joint;
+  Motion motion;
+  mjtNum origin[3] = {0, 0, 0};  // where the body's origin goes
+  if (model.jnt_type[joint] == mjJNT_SLIDE) {
+    mju_scl3(origin, axis, back);
+    motion.rotation = after.rotation;
+  } else {
+    mjtNum turn[4], turned[3];
+    mju_axisAngle2Quat(turn, axis, back);
+    mju_rotVecQuat(turned, anchor, turn);
+    mju_sub3(origin, anchor, turned);
+    mju_mulQuat(motion.rotation.data(), after.rotation.data(), turn);
+  }
+  motion.translation = after.Moved(origin);
+  return motion;
+}
+
+// Where the hinges and slides of a body have to be in its frame for the same motions, when it
+// begins at q. Each moves those that come after it in the text, and these then carry what they
+// were turned by: T1(d1) T2 T3 = T1 T2 T3 (T2 T3)^-1 T1(d1) (T2 T3), with T as at q.
+std::vector<JointLine> LinesFrom(const mjModel& model, const std::vector<double>& q, int body) {
+  std::vector<JointLine> lines(model.body_jntnum[body]);
+  Motion back;
+  for (int k = model.body_jntnum[body] - 1; k >= 0; --k) {
+    const int joint = model.body_jntadr[body] + k;
+    lines[k] = {back.Turned(model.jnt_axis + 3 * joint), back.Moved(model.jnt_pos + 3 * joint)};
+    back = BackThenAfter(model, q, joint, back);
+  }
+  return lines;
+}
+
+// A joint's tag, for a model that begins at pose.q.
+std::string WithLine(std::string tag, const mjModel& model, const ResetPose& pose, int joint,
+                     const JointLine& line) {
+  const mjtNum *axis = model.jnt_axis + 3 * joint, *anchor = model.jnt_pos + 3 * joint;
+  if (!Near(axis, line.axis.data(), 3, kSame)) {
+    SetAttribute("axis", Numbers(line.axis.data(), 3), tag);
+  }
+  if (!Near(anchor, line.position.data(), 3, kSame)) {
+    SetAttribute("pos", Numbers(line.position.data(), 3), tag);
+  }
+  if (!Moves(model, pose.q, joint)) return tag;
+  const double ref = pose.q[static_cast<std::size_t>(model.jnt_qposadr[joint])];
+  const bool degrees = pose.degrees && model.jnt_type[joint] == mjJNT_HINGE;
+  SetAttribute("ref", Number(degrees ? ref * 180.0 / std::numbers::pi : ref), tag);
+  return tag;
+}
+
 // False where a tag is not found, or a ball joint would have to begin elsewhere.
 bool MoveBody(const mjModel& model, const ResetPose& pose, int body, TagEditor& editor) {
-  const int place = editor.FindBody(model, body);
-  bool moves = false;
-  for (int k = 0; k < model.body_jntnum[body]; ++k) {
-    const int joint = model.body_jntadr[body] + k, type = model.jnt_type[joint];
-    if (!Moves(model, pose.q, joint)) continue;
-    moves = true;
-    if (place < 0 || type == mjJNT_BALL) return false;
-    if (type == mjJNT_FREE) continue;
-    const std::optional<TextSpan> span = editor.Joint(place, k);
-    if (!span) return false;
-    const double ref = pose.q[static_cast<std::size_t>(model.jnt_qposadr[joint])];
-    const bool degrees = pose.degrees && type == mjJNT_HINGE;
-    std::string tag = editor.TextOf(*span);
-    SetAttribute("ref", Number(degrees ? ref * 180.0 / std::numbers::pi : ref), tag);
-    editor.Replace(*span, tag);
+  const int place = editor.FindBody(model, body), first = model.body_jntadr[body];
+  const int joints = model.body_jntnum[body];
+  bool moves = false, balls = false;
+  for (int joint = first; joint < first + joints; ++joint) {
+    moves |= Moves(model, pose.q, joint);
+    balls |= model.jnt_type[joint] == mjJNT_BALL;
   }
   if (!moves) return true;
+  if (place < 0 || balls) return false;
+  if (model.jnt_type[first] != mjJNT_FREE) {
+    const std::vector<JointLine> lines = LinesFrom(model, pose.q, body);
+    for (int k = 0; k < joints; ++k) {
+      const std::optional<TextSpan> span = editor.Joint(place, k);
+      if (!span) return false;
+      editor.Replace(*span, WithLine(editor.TextOf(*span), model, pose, first + k, lines[k]));
+    }
+  }
   const TextSpan span = editor.Body(place);
   const DataPtr data = At(model, pose.q.data());
   editor.Replace(span, WithPose(editor.TextOf(span), model, *data, body));
@@ -175,13 +257,6 @@ ModelPtr Compiled(const std::string& text, const std::string& path) {
   }
   mj_deleteVFS(&vfs);
   return model;
-}
-
-bool Near(const mjtNum* a, const mjtNum* b, mjtSize n, double tolerance) {
-  for (mjtSize k = 0; k < n; ++k) {
-    if (!(std::abs(a[k] - b[k]) <= tolerance)) return false;
-  }
-  return true;
 }
 
 bool SameQuaternions(const mjtNum* a, const mjtNum* b, mjtSize n) {
@@ -257,14 +332,13 @@ void MarkHeld(const mjModel& m, int equality, std::vector<char>& stays) {
   }
 }
 
-// Bodies that MJCF cannot have begin elsewhere without more changes: those of ball joints, of
-// several joints one of which turns, and those that equality constraints hold.
+// Bodies that MJCF cannot have begin elsewhere without more changes: those of ball joints, and
+// those that equality constraints hold.
 std::vector<std::string> Staying(const mjModel& m) {
   std::vector<char> stays(m.nbody, 0);
   for (int e = 0; e < m.neq; ++e) MarkHeld(m, e, stays);
   for (int joint = 0; joint < m.njnt; ++joint) {
-    const int body = m.jnt_bodyid[joint], type = m.jnt_type[joint];
-    stays[body] |= type == mjJNT_BALL || (type == mjJNT_HINGE && m.body_jntnum[body] > 1);
+    stays[m.jnt_bodyid[joint]] |= m.jnt_type[joint] == mjJNT_BALL;
   }
   std::vector<std::string> names;
   for (int body = 1; body < m.nbody; ++body) {
@@ -274,18 +348,35 @@ std::vector<std::string> Staying(const mjModel& m) {
   return names;
 }
 
-// The text that begins at q; none if that changes more.
-std::optional<std::string> BeginningAt(const std::vector<double>& q, const std::string& text,
-                                       const mjModel& before, const ResetPose& pose) {
+// A body that stays keeps joints outside their limits where qpos0 has them there, and no place of
+// another body mends that: such limits do not count. True if there are any.
+bool DropLimitsLeft(const std::vector<std::string>& staying, mjModel& m) {
+  bool dropped = false;
+  for (int joint = 0; joint < m.njnt; ++joint) {
+    const int type = m.jnt_type[joint];
+    if (!m.jnt_limited[joint] || (type != mjJNT_HINGE && type != mjJNT_SLIDE)) continue;
+    const std::string body = BodyName(m, m.jnt_bodyid[joint]);
+    if (std::find(staying.begin(), staying.end(), body) == staying.end()) continue;
+    const mjtNum q = m.qpos0[m.jnt_qposadr[joint]], *range = m.jnt_range + 2 * joint;
+    if (q >= range[0] && q <= range[1]) continue;
+    m.jnt_limited[joint] = 0;
+    dropped = true;
+  }
+  return dropped;
+}
+
+// The text that begins at pose.q, where bodies of `staying` stay; none if that changes more.
+std::optional<std::string> BeginningAt(const ResetPose& pose, const std::string& text,
+                                       const mjModel& before,
+                                       const std::vector<std::string>& staying) {
   TagEditor editor(text);
   for (int body = 1; body < before.nbody; ++body) {
-    if (!MoveBody(before, {pose.path, q, pose.degrees, pose.scene, pose.solve}, body, editor)) {
-      return std::nullopt;
-    }
+    if (!MoveBody(before, pose, body, editor)) return std::nullopt;
   }
   std::string moved = editor.Changed();
   const ModelPtr after = Compiled(moved, pose.path);
   if (!after || !IsSameModel(before, *after)) return std::nullopt;
+  DropLimitsLeft(staying, *after);
   const Scene scene = Scene::FromModel(after.get(), pose.scene);
   if (!Verify(scene, scene.DefaultQpos(), pose.solve).free) return std::nullopt;
   return moved;
@@ -293,18 +384,22 @@ std::optional<std::string> BeginningAt(const std::vector<double>& q, const std::
 
 }  // namespace
 
-std::optional<std::string> WithResetPose(const std::string& text, const ResetPose& pose) {
+std::optional<MovedReset> WithResetPose(const std::string& text, const ResetPose& pose) {
   const ModelPtr before = Compiled(text, pose.path);
   if (!before) return std::nullopt;
-  if (auto moved = BeginningAt(pose.q, text, *before, pose)) return moved;
+  if (auto moved = BeginningAt(pose, text, *before, {})) return MovedReset{*moved, true};
   // Farther away, with what can be placed alone.
   SceneOptions options = pose.scene;
   options.fixed = Staying(*before);
   if (options.fixed.empty()) return std::nullopt;
+  const bool dropped = DropLimitsLeft(options.fixed, *before);
   const Scene scene = Scene::FromModel(before.get(), options);
   const Result result = Solver(scene, pose.solve).Solve(scene.DefaultQpos());
-  if (result.status != Status::kSolved) return std::nullopt;
-  return BeginningAt(result.q, text, *before, pose);
+  if (result.status == Status::kUnsolved) return std::nullopt;
+  const ResetPose placed{pose.path, result.q, pose.degrees, pose.scene, pose.solve};
+  auto moved = BeginningAt(placed, text, *before, options.fixed);
+  if (!moved) return std::nullopt;
+  return MovedReset{*std::move(moved), !dropped};
 }
 
 }  // namespace mjcf_pdg::app

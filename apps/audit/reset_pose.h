@@ -18,12 +18,18 @@ struct ResetPose {
   const Options& solve;          // this tolerance
 };
 
-// The text with other poses of bodies and other `ref` of joints, so that qpos0 is `q`, or another
-// configuration that is free, and every other one is what it was. None where MJCF cannot say that
-// (a ball joint's qpos0 is the identity always; equality constraints and springs may be tied to
-// qpos0) or where this program cannot (bodies in a <frame>, made by <replicate> or of an attached
-// model): the new text is compiled, and compared with the old one.
-std::optional<std::string> WithResetPose(const std::string& text, const ResetPose& pose);
+struct MovedReset {
+  std::string text;
+  bool within_limits;  // no joint is outside its limits at the new qpos0
+};
+
+// The text with other poses of bodies, and other `ref`, `axis` and `pos` of joints, so that qpos0
+// is `q`, or another configuration where nothing overlaps, and every other one is what it was. Of
+// a body that has to stay, joints that qpos0 has outside their limits stay there. None where MJCF
+// cannot say that (a ball joint's qpos0 is the identity always; equality constraints and springs
+// may be tied to qpos0) or where this program cannot (bodies in a <frame>, made by <replicate> or
+// of an attached model): the new text is compiled, and compared with the old one.
+std::optional<MovedReset> WithResetPose(const std::string& text, const ResetPose& pose);
 
 }  // namespace mjcf_pdg::app
 

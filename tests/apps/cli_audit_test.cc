@@ -167,8 +167,12 @@ constexpr char kSunkAtReset[] = R"(<mujoco>
     </body>
     <body name="lift" pos="-1 0 .05"><joint type="slide" axis="0 0 2" ref=".3"/>
       <geom name="lift" size=".1"/></body>
+    <body name="wrist" pos="0 2 .1" euler="0 10 0"><joint axis="0 1 0" pos="0 .02 .1" ref="5"/>
+      <joint type="slide" axis="1 0 1" range="-.1 .1" limited="true"/><joint axis="1 0 0"/>
+      <joint axis="0 0 1" pos=".1 0 0"/>
+      <geom name="wrist" type="box" size=".3 .1 .02" pos=".2 .1 0"/></body>
   </worldbody>
-  <keyframe><key name="up" qpos="1 0 1 1 0 0 0 .2 -.8 .4"/></keyframe>
+  <keyframe><key name="up" qpos="1 0 1 1 0 0 0 .2 -.8 .4 -.9 .05 0 0"/></keyframe>
 </mujoco>
 )";
 
@@ -209,13 +213,13 @@ TEST_F(CliAuditTest, AModelThatPenetratesAtResetBeginsFree) {
   }
 }
 
-// A body that turns about two axes stays, and the cart that carries it begins elsewhere. Bodies of
-// an attached model, and those without a name, are told from the others.
+// A body with a ball joint stays, and the cart that carries it begins elsewhere. Bodies of an
+// attached model, and those without a name, are told from the others.
 TEST_F(CliAuditTest, WhatCanBePlacedMovesForWhatCannot) {
   Write("model.xml", R"(<mujoco><asset><model name="other" file="other.xml"/></asset><worldbody>
       <geom name="floor" type="plane" size="3 3 .1"/>
       <body name="cart" pos="0 0 .2"><joint type="slide" axis="0 0 1"/><geom size=".01" mass="1"/>
-        <body name="wrist" pos=".5 0 0"><joint axis="0 1 0"/><joint axis="1 0 0"/>
+        <body name="wrist" pos=".5 0 0"><joint type="ball"/>
           <geom name="hand" type="box" size=".1 .1 .3" pos=".15 .1 0"/></body></body>
       <body pos="2 0 1"><joint/><geom size=".1"/></body>
       <frame pos="-2 0 1"><attach model="other" body="ball" prefix="other-"/></frame>
@@ -225,7 +229,27 @@ TEST_F(CliAuditTest, WhatCanBePlacedMovesForWhatCannot) {
   const Outcome outcome = Run({"audit", "model.xml", "--fix", "fixed.xml"});
   EXPECT_EQ(outcome.err, "");
   EXPECT_EQ(Audit({"fixed.xml"}, 0)["keyframes"].size(), 1u);
-  EXPECT_THAT(Read("fixed.xml"), HasSubstr("<body name=\"wrist\" pos=\".5 0 0\"><joint axis"));
+  EXPECT_THAT(Read("fixed.xml"),
+              HasSubstr("<body name=\"wrist\" pos=\".5 0 0\"><joint type=\"ball"));
+}
+
+// A robot that is driven by a weld to a mocap body counts from where it begins. If it begins
+// outside its limits, that stays, and what it overlaps moves away all the same.
+TEST_F(CliAuditTest, LimitsThatHaveToStayLeftKeepNoOverlap) {
+  Write("model.xml", R"(<mujoco><worldbody>
+      <body name="goal" mocap="true"/>
+      <body name="arm"><joint type="slide" axis="0 0 1" range="1 2" limited="true"/>
+        <geom name="arm" size=".1"/></body>
+      <body name="cup" pos=".15 0 0"><freejoint/><geom name="cup" size=".1"/></body>
+      </worldbody><equality><weld body1="goal" body2="arm"/></equality></mujoco>)");
+  const Outcome outcome = Run({"audit", "model.xml", "--fix", "fixed.xml"});
+  EXPECT_THAT(outcome.err, HasSubstr("nothing overlaps at qpos0, but joints"));
+  const Json keys = Audit({"fixed.xml"}, 3)["keyframes"];
+  ASSERT_EQ(keys.size(), 2u);
+  EXPECT_EQ(keys[0]["depth"], 0.0);
+  EXPECT_NEAR(keys[0]["limit_excess"].get<double>(), 1.0, 1e-9);
+  EXPECT_EQ(keys[1]["name"], "qpos0_pdg");
+  EXPECT_EQ(Run({"check", "fixed.xml", "--key", "qpos0_pdg"}).exit_code, 0);
 }
 
 // Where MJCF cannot say it, a keyframe does: a ball joint begins at the identity, and a coupling of
