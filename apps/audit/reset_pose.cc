@@ -12,16 +12,12 @@
 #include <utility>
 
 #include "apps/audit/mjcf_text.h"
-#include "base/random.h"
+#include "apps/audit/same_model.h"
 
 namespace mjcf_pdg::app {
 namespace {
 
 using ModelPtr = std::unique_ptr<mjModel, void (*)(mjModel*)>;
-using DataPtr = std::unique_ptr<mjData, void (*)(mjData*)>;
-
-// Of lengths relative to the model's extent, of quaternions, and of angles [rad].
-constexpr double kSame = 1e-9;
 
 std::string Number(double x) {
   std::array<char, 32> digits;
@@ -54,26 +50,6 @@ void SetAttribute(const std::string& name, const std::string& value, std::string
 std::string BodyName(const mjModel& model, int body) {
   const char* name = mj_id2name(&model, mjOBJ_BODY, body);
   return name ? name : "";
-}
-
-bool Near(const mjtNum* a, const mjtNum* b, mjtSize n, double tolerance) {
-  for (mjtSize k = 0; k < n; ++k) {
-    if (!(std::abs(a[k] - b[k]) <= tolerance)) return false;
-  }
-  return true;
-}
-
-DataPtr At(const mjModel& model, const mjtNum* q) {
-  DataPtr data(mj_makeData(&model), mj_deleteData);
-  mju_copy(data->qpos, q, static_cast<int>(model.nq));
-  mj_kinematics(&model, data.get());
-  return data;
-}
-
-// Numbers of a joint in qpos.
-int Width(const mjModel& model, int joint) {
-  constexpr std::array kWidth{7, 4, 1, 1};  // of mjJNT_FREE, BALL, SLIDE, HINGE
-  return kWidth[static_cast<std::size_t>(model.jnt_type[joint])];
 }
 
 bool Moves(const mjModel& model, const std::vector<double>& to, int joint) {
@@ -209,10 +185,10 @@ std::vector<JointLine> LinesFrom(const mjModel& model, const std::vector<double>
 std::string WithLine(std::string tag, const mjModel& model, const ResetPose& pose, int joint,
                      const JointLine& line) {
   const mjtNum *axis = model.jnt_axis + 3 * joint, *anchor = model.jnt_pos + 3 * joint;
-  if (!Near(axis, line.axis.data(), 3, kSame)) {
+  if (!Near(axis, line.axis.data(), 3, kSameModel)) {
     SetAttribute("axis", Numbers(line.axis.data(), 3), tag);
   }
-  if (!Near(anchor, line.position.data(), 3, kSame)) {
+  if (!Near(anchor, line.position.data(), 3, kSameModel)) {
     SetAttribute("pos", Numbers(line.position.data(), 3), tag);
   }
   if (!Moves(model, pose.q, joint)) return tag;
@@ -257,68 +233,6 @@ ModelPtr Compiled(const std::string& text, const std::string& path) {
   }
   mj_deleteVFS(&vfs);
   return model;
-}
-
-bool SameQuaternions(const mjtNum* a, const mjtNum* b, mjtSize n) {
-  for (mjtSize k = 0; k < n; ++k) {
-    if (!(1.0 - std::abs(mju_dot(a + 4 * k, b + 4 * k, 4)) <= kSame)) return false;
-  }
-  return true;
-}
-
-// Every body stands where it did, at q.
-bool SamePoses(const mjModel& a, const mjModel& b, const mjtNum* q) {
-  const DataPtr in_a = At(a, q), in_b = At(b, q);
-  double farthest = a.stat.extent;
-  for (int k = 0; k < 3 * a.nbody; ++k) farthest = std::max(farthest, std::abs(in_a->xpos[k]));
-  return Near(in_a->xpos, in_b->xpos, 3 * a.nbody, kSame * farthest) &&
-         SameQuaternions(in_a->xquat, in_b->xquat, a.nbody);
-}
-
-// What follows from qpos0 and means something: equality constraints, and the rest of springs. A
-// coupling of joints is about their distance from qpos0, that of tendons from their length there.
-bool SameRules(const mjModel& a, const mjModel& b) {
-  if (!Near(a.eq_data, b.eq_data, a.neq * mjNEQDATA, kSame) ||
-      !Near(a.tendon_lengthspring, b.tendon_lengthspring, 2 * a.ntendon, kSame)) {
-    return false;
-  }
-  for (int k = 0; k < a.neq; ++k) {
-    for (const int id : {a.eq_obj1id[k], a.eq_obj2id[k]}) {
-      const bool moved =
-          id >= 0 && ((a.eq_type[k] == mjEQ_JOINT &&
-                       a.qpos0[a.jnt_qposadr[id]] != b.qpos0[b.jnt_qposadr[id]]) ||
-                      (a.eq_type[k] == mjEQ_TENDON &&
-                       std::abs(a.tendon_length0[id] - b.tendon_length0[id]) > kSame));
-      if (moved) return false;
-    }
-  }
-  for (int joint = 0; joint < a.njnt; ++joint) {
-    const mjtNum* poly = a.jnt_stiffnesspoly + mjNPOLY * joint;
-    const bool springs = a.jnt_stiffness[joint] != 0.0 ||
-                         std::any_of(poly, poly + mjNPOLY, [](mjtNum k) { return k != 0.0; });
-    const int at = a.jnt_qposadr[joint];
-    if (springs && !Near(a.qpos_spring + at, b.qpos_spring + at, Width(a, joint), kSame)) {
-      return false;
-    }
-  }
-  return true;
-}
-
-bool IsSameModel(const mjModel& before, const mjModel& after) {
-  if (before.nq != after.nq || before.nbody != after.nbody || before.nkey != after.nkey ||
-      before.neq != after.neq || before.ntendon != after.ntendon ||
-      !Near(before.key_qpos, after.key_qpos, before.nkey * before.nq, kSame) ||
-      !SameRules(before, after)) {
-    return false;
-  }
-  Random random(1);
-  std::vector<double> q(before.qpos0, before.qpos0 + before.nq);
-  for (int sample = 0; sample < 5; ++sample) {  // a pose that is right at a few is right
-    if (!SamePoses(before, after, q.data())) return false;
-    for (double& x : q) x += 2.0 * random.Uniform() - 1.0;
-    mj_normalizeQuat(&before, q.data());
-  }
-  return true;
 }
 
 // The bodies that an equality constraint holds where they are at qpos0, and what carries them.

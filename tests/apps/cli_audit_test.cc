@@ -167,7 +167,7 @@ constexpr char kSunkAtReset[] = R"(<mujoco>
     </body>
     <body name="lift" pos="-1 0 .05"><joint type="slide" axis="0 0 2" ref=".3"/>
       <geom name="lift" size=".1"/></body>
-    <body name="wrist" pos="0 2 .1" euler="0 10 0"><joint axis="0 1 0" pos="0 .02 .1" ref="5"/>
+    <body name="wrist" pos="0 2 .1" euler="20 10 0"><joint axis="0 1 0" pos="0 .02 .1" ref="5"/>
       <joint type="slide" axis="1 0 1" range="-.1 .1" limited="true"/><joint axis="1 0 0"/>
       <joint axis="0 0 1" pos=".1 0 0"/>
       <geom name="wrist" type="box" size=".3 .1 .02" pos=".2 .1 0"/></body>
