@@ -15,7 +15,7 @@ mkdir -p "$out"
 pictures=yes
 if ! grep -q -e --png <<<"$("$program" solve --help)"; then
   pictures=no
-  echo "This build has no rendering (EGL or libpng not found): no pictures."
+  echo "This build has no rendering (EGL, libpng or giflib not found): no pictures."
 fi
 
 failed=()

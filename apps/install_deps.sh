@@ -14,7 +14,7 @@ packages=(
   libcli11-dev nlohmann-json3-dev libboost-dev     # Boost: progress bars
   libgtest-dev libgmock-dev
   libcgal-dev                                      # tests and benches only: a second opinion on meshes
-  libegl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libpng-dev  # pictures without a screen
+  libegl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libpng-dev libgif-dev  # pictures without a screen
   libompl-dev libboost-filesystem-dev libboost-serialization-dev libboost-system-dev  # the command plan
   patchelf                                         # packages only (preset `package`)
   mandoc pkg-config                                # tests only: manual pages, a consumer of what is installed
@@ -31,7 +31,7 @@ install_deps: this is not a Debian or Ubuntu system, so please install by hand:
   with headers: Eigen 3.4, FCL 0.7, assimp 5.2, zlib, CLI11 2.1, nlohmann-json 3.9, Boost 1.74; for tests GoogleTest 1.11 with
   GMock, CGAL 5.4;
   for the command plan: OMPL 1.5 with headers, and those of Boost that it includes;
-  for pictures: EGL and libpng with headers, and Mesa's EGL with its software driver (llvmpipe).
+  for pictures: EGL, libpng and giflib with headers, and Mesa's EGL with its software driver (llvmpipe).
 Then run this again with MJCF_PDG_SKIP_DEPS=1.
 END
   exit 1

@@ -85,6 +85,14 @@ CLI::Option* AddPath(CLI::App& command, const std::string& flag, const std::stri
   return command.add_option_function<std::string>(flag, set, help)->type_name("FILE");
 }
 
+void AddAnimation(CLI::App& command, const std::string& help, std::string& target) {
+  auto set = [&target](const std::string& path) {
+    if (!path.ends_with(".gif")) throw Error("--animation: " + path + ": must end in .gif");
+    target = path;
+  };
+  command.add_option_function<std::string>("--animation", set, help)->type_name("FILE.gif");
+}
+
 Scene LoadScene(const SceneArguments& arguments) {
   Scene scene = Scene::FromFile(arguments.model, arguments.options);
   for (const std::string& warning : scene.Warnings()) WriteWarning(warning);

@@ -40,6 +40,8 @@ CLI::Option* AddInteger(CLI::App& command, const NumberFlag& flag, unsigned long
 // Adds a flag with a file name. Parsing throws Error for an empty one.
 CLI::Option* AddPath(CLI::App& command, const std::string& flag, const std::string& help,
                      std::string& target);
+// --animation FILE.gif
+void AddAnimation(CLI::App& command, const std::string& help, std::string& target);
 
 // Loads the scene that was asked for and writes its warnings to stderr. Throws Error as Scene does.
 Scene LoadScene(const SceneArguments& arguments);

@@ -19,6 +19,11 @@
 #include "apps/output/report.h"
 #include "apps/solve/scene_output.h"
 #include "plan/planners.h"
+#ifdef MJCF_PDG_HAVE_RENDER
+#include "apps/picture/animation.h"
+#include "apps/picture/egl_context.h"
+#include "apps/picture/motion_shots.h"
+#endif
 
 namespace mjcf_pdg::app {
 namespace {
@@ -29,7 +34,7 @@ struct PlanArguments {
   PlanOptions plan;
   double time_limit_ms = 60e3;
   unsigned long long seed = 0;
-  std::string json, out_qpos, out_mjcf;
+  std::string json, out_qpos, out_mjcf, animation;
 };
 
 nlohmann::ordered_json EndJson(const Result& end) {
@@ -105,7 +110,14 @@ int RunPlan(PlanArguments& arguments) {
   outputs.Add("--json", arguments.json, inputs);
   outputs.Add("--out-qpos", arguments.out_qpos, inputs);
   scene_output.Add(arguments.out_mjcf, arguments.scene.model, inputs, outputs);
+  outputs.Add("--animation", arguments.animation, inputs);
   if (scene_output.wanted()) ParseSpec(arguments.scene.model);
+#ifdef MJCF_PDG_HAVE_RENDER
+  if (!arguments.animation.empty()) {  // what cannot be drawn is told before any work
+    outputs.StagedName(arguments.animation);
+    EglContext{};
+  }
+#endif
 
   CatchInterrupts();
   Path path;
@@ -126,6 +138,12 @@ int RunPlan(PlanArguments& arguments) {
   if (path.found && scene_output.wanted()) {
     StageScene(scene, start, arguments, path, scene_output, outputs);
   }
+#ifdef MJCF_PDG_HAVE_RENDER
+  if (path.found && !arguments.animation.empty()) {
+    RenderAnimation(scene.model(), {PathShot(scene, start, path.q)},
+                    outputs.StagedName(arguments.animation));
+  }
+#endif
   outputs.Commit();
   if (!outputs.uses_stdout()) WriteStdout(PlanText(path));
   if (Interrupted())
@@ -176,6 +194,9 @@ Verb AddPlanVerb(CLI::App& program) {
           "of its assets",
           arguments->out_mjcf)
       ->type_name("FILE|DIR/");
+#ifdef MJCF_PDG_HAVE_RENDER
+  AddAnimation(*command, "show the motion along the path", arguments->animation);
+#endif
   return {command, [arguments] { return RunPlan(*arguments); }};
 }
 

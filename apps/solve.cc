@@ -26,7 +26,9 @@
 #include "apps/solve/trace.h"
 #include "mjcf_pdg/pdg.h"
 #ifdef MJCF_PDG_HAVE_RENDER
+#include "apps/picture/animation.h"
 #include "apps/picture/egl_context.h"
+#include "apps/picture/motion_shots.h"
 #include "apps/picture/render.h"
 #include "apps/picture/row_picture.h"
 #endif
@@ -49,6 +51,7 @@ void CheckCombination(const SolveArguments& arguments) {
   for (const auto& [flag, path] : {std::pair{"--out-qpos", &arguments.out_qpos},
                                    {"--out-mjcf", &arguments.out_mjcf},
                                    {"--png", &arguments.png},
+                                   {"--animation", &arguments.animation},
                                    {"--html", &arguments.html},
                                    {"--trace", &arguments.trace}}) {
     if (path->empty()) continue;
@@ -81,8 +84,11 @@ void AddOutputs(const SolveArguments& arguments, OutputFiles& outputs, SceneOutp
   outputs.Add("--trace", arguments.trace, inputs);
   outputs.Add("--html", arguments.html, inputs);
   outputs.Add("--png", arguments.png, inputs);
-  // Throws Error if it is a stream: the writer of the PNG needs a file.
-  if (!arguments.png.empty()) outputs.StagedName(arguments.png);
+  outputs.Add("--animation", arguments.animation, inputs);
+  // Throws Error if it is a stream: the writers of pictures need a file.
+  for (const std::string& picture : {arguments.png, arguments.animation}) {
+    if (!picture.empty()) outputs.StagedName(picture);
+  }
 }
 
 #ifdef MJCF_PDG_HAVE_RENDER
@@ -98,7 +104,7 @@ void StagePng(const Scene& scene, const std::vector<Configuration>& rows,
               const std::vector<Result>& results, const std::string& path, OutputFiles& outputs) {
   std::vector<RenderRow> pictures;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    pictures.push_back(PictureRow(rows[i].label, rows[i].q, results[i]));
+    pictures.push_back(PictureRow(rows[i], results[i]));
   }
   std::vector<std::string> pages;
   for (std::size_t page = 0; page * kRowsPerPage < rows.size(); ++page) {
@@ -107,6 +113,20 @@ void StagePng(const Scene& scene, const std::vector<Configuration>& rows,
     pages.push_back(outputs.StagedName(name));
   }
   RenderBeforeAfter(scene.model(), pictures, pages);
+}
+
+void StageAnimation(const RepairedRows& repaired, const Options& options, const std::string& path,
+                    OutputFiles& outputs) {
+  std::vector<Shot> shots;
+  if (options.trajectory) {
+    shots.push_back(TrajectoryShot(repaired.rows, repaired.results));
+  } else {
+    Solver solver(repaired.scene, options);
+    for (std::size_t i = 0; i < std::min(repaired.rows.size(), kRowsPerPage); ++i) {
+      shots.push_back(RepairShot(repaired.scene, solver, repaired.rows[i], repaired.results[i]));
+    }
+  }
+  RenderAnimation(repaired.scene.model(), shots, outputs.StagedName(path));
 }
 #endif
 
@@ -131,6 +151,7 @@ class SolveRun {
   void StageScene(const Scene& scene);
   void SolveModels();
   std::string LeftWords() const;
+  bool Draws() const { return !arguments_.png.empty() || !arguments_.animation.empty(); }
   bool Watches() const { return !arguments_.trace.empty() || !arguments_.html.empty(); }
   int ExitCode() const { return table_.all_free() ? kExitFree : kExitNotFree; }
 
@@ -147,7 +168,7 @@ class SolveRun {
   std::size_t told_ = 0;     // rows written by this run
   int nq_ = 0;               // of the present model
   bool npy_header_ = false;  // comes before the next row
-  // Kept for --out-mjcf and --png alone.
+  // Kept for --out-mjcf and pictures alone.
   std::vector<Configuration> rows_;
   std::vector<Result> results_;
 };
@@ -198,7 +219,7 @@ void SolveRun::Tell(const Scene& scene, const std::string& model, const SolvedRo
   }
   if (page_) page_->Add(solved);
   table_.Add(scene, name, row, result);
-  if (!arguments_.out_mjcf.empty() || !arguments_.png.empty()) {
+  if (!arguments_.out_mjcf.empty() || Draws()) {
     rows_.push_back(row);
     results_.push_back(result);
   }
@@ -244,6 +265,9 @@ void SolveRun::StageScene(const Scene& scene) {
   if (scene_output_.wanted()) scene_output_.Stage(arguments_.scene.model, repaired, outputs_);
 #ifdef MJCF_PDG_HAVE_RENDER
   if (!arguments_.png.empty()) StagePng(scene, rows_, results_, arguments_.png, outputs_);
+  if (!arguments_.animation.empty()) {
+    StageAnimation(repaired, arguments_.options, arguments_.animation, outputs_);
+  }
 #endif
 }
 
@@ -252,9 +276,9 @@ std::string SolveRun::LeftWords() const {
   const std::string part = OutputFiles::PartName(arguments_.json);
   std::error_code ec;
   if (table_.rows() == 0 || arguments_.json.empty() || !fs::exists(part, ec)) return "";
-  const bool resumes = !arguments_.options.trajectory && arguments_.out_mjcf.empty() &&
-                       arguments_.png.empty() && arguments_.html.empty() &&
-                       arguments_.trace.empty() && arguments_.out_qpos != "-";
+  const bool resumes = !arguments_.options.trajectory && arguments_.out_mjcf.empty() && !Draws() &&
+                       arguments_.html.empty() && arguments_.trace.empty() &&
+                       arguments_.out_qpos != "-";
   return " in " + part + (resumes ? "; the same command with --resume goes on" : "");
 }
 
@@ -282,7 +306,7 @@ int SolveRun::Run() {
   // What cannot be written is told before any work.
   if (!arguments_.out_mjcf.empty()) ParseSpec(arguments_.models.front());
 #ifdef MJCF_PDG_HAVE_RENDER
-  if (!arguments_.png.empty()) EglContext{};
+  if (Draws()) EglContext{};
 #endif
   if (arguments_.resume) {
     left_ = std::make_unique<LeftRows>(OutputFiles::PartName(arguments_.json));

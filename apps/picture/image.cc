@@ -55,8 +55,17 @@ void DrawOutline(Image& image, const std::vector<bool>& inside, Color color) {
     }
     return 9;
   };
+  // The outline is no farther from the set than three pixels.
+  int left = image.width, right = -1, low = image.height, high = -1;
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
+      if (!is_inside(x, y)) continue;
+      left = std::min(left, x), right = std::max(right, x);
+      low = std::min(low, y), high = std::max(high, y);
+    }
+  }
+  for (int y = std::max(low - 3, 0); y <= std::min(high + 3, image.height - 1); ++y) {
+    for (int x = std::max(left - 3, 0); x <= std::min(right + 3, image.width - 1); ++x) {
       const int distance = to_border(x, y) - (is_inside(x, y) ? 0 : 1);
       if (distance <= 1) {
         Blend(image, x, y, color, 1);

@@ -28,11 +28,11 @@ void RenderBeforeAfter(const mjModel* model, const std::vector<RenderRow>& rows,
     for (std::size_t i = 0; i < count; ++i) {
       const RenderRow& row = rows[first + i];
       stage.SetGuilty(row.guilty_geoms);
-      mjvCamera camera = ChooseCamera(stage, row.before.qpos, row.after.qpos);
+      mjvCamera camera = ChooseCamera(stage, {row.before.pose, row.after.pose});
       stage.FindCovered(camera);
       sheet.Paste(static_cast<int>(i), 0, Draw(stage, camera, row.title, row.before));
       camera.type = mjCAMERA_USER;  // Stays where it is, even if it rides on a body.
-      stage.SetPose(row.after.qpos);
+      stage.SetPose(row.after.pose);
       stage.FindCovered(camera);
       sheet.Paste(static_cast<int>(i), 1, Draw(stage, camera, row.title, row.after));
     }

@@ -9,11 +9,13 @@
 #include <string>
 #include <vector>
 
+#include "apps/picture/stage.h"
+
 namespace mjcf_pdg::app {
 
 // One of the two pictures of a pair.
 struct RenderSide {
-  std::vector<double> qpos;
+  Pose pose;
   bool free = false;  // The guilty geoms are drawn in blue, else in orange.
   std::string text;   // Drawn beside the title.
   std::vector<std::array<double, 3>> contacts;  // Marked with rings; world frame [m].

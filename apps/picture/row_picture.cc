@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <cstdio>
+#include <string>
+#include <vector>
 
 namespace mjcf_pdg::app {
 namespace {
@@ -27,15 +29,17 @@ std::string Flaw(double distance, double limit_excess) {
 
 }  // namespace
 
-RenderRow PictureRow(const std::string& title, const std::vector<double>& q_in,
-                     const Result& result) {
+RenderRow PictureRow(const Configuration& configuration, const Result& result) {
   RenderRow row;
-  row.title = title;
+  row.title = configuration.label;
+  const auto pose = [&configuration](const std::vector<double>& q) {
+    return Pose{q, configuration.mocap_pos, configuration.mocap_quat};
+  };
   for (const Contact& contact : result.contacts_in) {
     row.guilty_geoms.insert(row.guilty_geoms.end(), contact.geom.begin(), contact.geom.end());
   }
-  row.before = {q_in, false, "", Places(result.contacts_in)};
-  row.after = {result.q, result.status != Status::kUnsolved, "", {}};
+  row.before = {pose(configuration.q), false, "", Places(result.contacts_in)};
+  row.after = {pose(result.q), result.status != Status::kUnsolved, "", {}};
   if (result.status == Status::kAlreadyFree) {
     row.before.text = row.after.text = "free as it is";
     return row;

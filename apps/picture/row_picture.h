@@ -2,9 +2,7 @@
 #ifndef MJCF_PDG_APPS_PICTURE_ROW_PICTURE_H_
 #define MJCF_PDG_APPS_PICTURE_ROW_PICTURE_H_
 
-#include <string>
-#include <vector>
-
+#include "apps/input/configurations.h"
 #include "apps/picture/render.h"
 #include "mjcf_pdg/types.h"
 
@@ -12,8 +10,7 @@ namespace mjcf_pdg::app {
 
 // The configuration as it was given and as it became, with their contacts, which `result` must
 // have (Options::report_contacts); depth and displacement in words.
-RenderRow PictureRow(const std::string& title, const std::vector<double>& q_in,
-                     const Result& result);
+RenderRow PictureRow(const Configuration& configuration, const Result& result);
 
 }  // namespace mjcf_pdg::app
 

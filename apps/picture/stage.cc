@@ -106,6 +106,8 @@ void DrawMarks(const mjvGLCamera& camera, const std::vector<Point>& marks, Image
 Stage::Stage(const mjModel* model) : source_(model), model_(mj_copyModel(nullptr, model)) {
   if (model_) data_.reset(mj_makeData(model_.get()));
   if (!data_) throw std::runtime_error("cannot render: no memory for a copy of the model");
+  model_pose_.mocap_pos.assign(data_->mocap_pos, data_->mocap_pos + 3 * model_->nmocap);
+  model_pose_.mocap_quat.assign(data_->mocap_quat, data_->mocap_quat + 4 * model_->nmocap);
   SetQuality(model_.get());
   mjr_makeContext(model_.get(), &canvas_, mjFONTSCALE_100);
   mjr_setBuffer(mjFB_OFFSCREEN, &canvas_);
@@ -155,8 +157,11 @@ void Stage::SetGuilty(const std::vector<int>& geoms) {
   }
 }
 
-void Stage::SetPose(const std::vector<double>& qpos) {
-  std::copy(qpos.begin(), qpos.end(), data_->qpos);
+void Stage::SetPose(const Pose& pose) {
+  const Pose& mocap = pose.mocap_pos.empty() ? model_pose_ : pose;
+  std::copy(pose.qpos.begin(), pose.qpos.end(), data_->qpos);
+  std::copy(mocap.mocap_pos.begin(), mocap.mocap_pos.end(), data_->mocap_pos);
+  std::copy(mocap.mocap_quat.begin(), mocap.mocap_quat.end(), data_->mocap_quat);
   mj_kinematics(model_.get(), data_.get());
   mj_comPos(model_.get(), data_.get());
   mj_camlight(model_.get(), data_.get());

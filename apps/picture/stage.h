@@ -27,6 +27,12 @@ struct Marker {
 
 using Point = std::array<double, 3>;
 
+// Where everything stands.
+struct Pose {
+  std::vector<double> qpos;
+  std::vector<double> mocap_pos, mocap_quat;  // as in Options; empty: as in the model
+};
+
 // Guilty geoms are those that overlap; they alone are drawn in colour, everything else is grey.
 // Shown are the geoms of groups 0 to 2, as in MuJoCo's viewer, all guilty geoms (if such a geom is
 // not shown otherwise, the rest of its body is drawn as glass), and the colliding geoms of bodies
@@ -42,7 +48,7 @@ class Stage {
 
   // Makes these geoms (ids) the guilty ones. To be called before anything is drawn.
   void SetGuilty(const std::vector<int>& geoms);
-  void SetPose(const std::vector<double>& qpos);  // Also finds the contacts at this pose.
+  void SetPose(const Pose& pose);  // Also finds the contacts at this pose.
 
   const mjModel& model() const { return *model_; }
   const mjData& data() const { return *data_; }
@@ -93,6 +99,7 @@ class Stage {
   std::vector<int> Segment(int width, int height, Keep keep);
 
   const mjModel* source_;
+  Pose model_pose_;
   std::unique_ptr<mjModel, Deleter> model_;  // A copy of source_ with shown geoms in group 0.
   std::unique_ptr<mjData, Deleter> data_;
   EglContext egl_;  // Must outlive the canvas.

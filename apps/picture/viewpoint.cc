@@ -234,14 +234,13 @@ std::vector<Point> Zoomed(const Subject& subject, double zoom) {
 
 }  // namespace
 
-mjvCamera ChooseCamera(Stage& stage, const std::vector<double>& qpos_in,
-                       const std::vector<double>& qpos) {
+mjvCamera ChooseCamera(Stage& stage, const std::vector<Pose>& poses) {
   const mjModel& model = stage.model();
   Subject subject;
-  stage.SetPose(qpos);
-  AppendPose(stage, subject);
-  stage.SetPose(qpos_in);
-  AppendPose(stage, subject);
+  for (auto pose = poses.rbegin(); pose != poses.rend(); ++pose) {
+    stage.SetPose(*pose);
+    AppendPose(stage, subject);
+  }
   mjvCamera camera;
   mjv_defaultFreeCamera(&model, &camera);
   const int named = mj_name2id(&model, mjOBJ_CAMERA, "view");

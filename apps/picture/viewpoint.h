@@ -1,4 +1,4 @@
-// Chooses the camera for the pictures of a pair of configurations.
+// Chooses the camera for pictures of one scene at several configurations.
 #ifndef MJCF_PDG_APPS_PICTURE_VIEWPOINT_H_
 #define MJCF_PDG_APPS_PICTURE_VIEWPOINT_H_
 
@@ -10,14 +10,13 @@
 
 namespace mjcf_pdg::app {
 
-// Returns a camera for both configurations. It is the model's camera named
-// "view" if the guilty geoms (Stage::SetGuilty) fill 3 % of its picture at `qpos_in`. Otherwise it
+// Returns a camera for all of the poses, at least one. It is the model's camera named
+// "view" if the guilty geoms (Stage::SetGuilty) fill 3 % of its picture at the first. Otherwise it
 // is a free camera that frames the kinematic trees of the guilty geoms, and comes closer if these
 // are tiny in the picture. It looks in the direction of "view", or, if there is no such camera or
 // the guilty geoms cannot be seen so, in the direction from which they and their overlaps are seen
-// best. Leaves the stage at `qpos_in`.
-mjvCamera ChooseCamera(Stage& stage, const std::vector<double>& qpos_in,
-                       const std::vector<double>& qpos);
+// best. Leaves the stage at the first pose.
+mjvCamera ChooseCamera(Stage& stage, const std::vector<Pose>& poses);
 
 }  // namespace mjcf_pdg::app
 

@@ -10,9 +10,9 @@ namespace {
 constexpr double kReportedDistances = 1.0;  // Options::report_distances_to [m]
 
 // Options that do not decide how a row is solved.
-constexpr std::array kElsewhere = {"MODEL",  "--key",    "--qpos",     "--qpos-file", "--threads",
-                                   "--json", "--resume", "--out-qpos", "--out-mjcf",  "--png",
-                                   "--html", "--trace",  "--help",     "--version"};
+constexpr std::array kElsewhere = {"MODEL",  "--key",    "--qpos",      "--qpos-file", "--threads",
+                                   "--json", "--resume", "--out-qpos",  "--out-mjcf",  "--png",
+                                   "--html", "--trace",  "--animation", "--help",      "--version"};
 
 bool Elsewhere(const CLI::Option& option) {
   for (const char* name : kElsewhere) {
@@ -75,6 +75,10 @@ void AddSolveFlags(CLI::App& command, SolveArguments& arguments) {
 #ifdef MJCF_PDG_HAVE_RENDER
   AddPath(command, "--png", "draw every row before and after, 24 a page (F.png, F-2.png, ...)",
           arguments.png);
+  AddAnimation(command,
+               "show the motion of each of the first 24 rows to its answer, or a --trajectory "
+               "beside its answers",
+               arguments.animation);
 #endif
 }
 

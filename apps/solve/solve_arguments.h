@@ -23,7 +23,7 @@ struct SolveArguments {
   unsigned long long threads = 1;
   double smooth = 0.0;
   bool resume = false;
-  std::string json, out_qpos, out_mjcf, png, trace, html;
+  std::string json, out_qpos, out_mjcf, png, animation, trace, html;
 };
 
 // Adds the options to the command. `arguments` must outlive the parsing.

@@ -1,7 +1,7 @@
 # Packages for machines that have nothing of ours: a .deb and a .tar.gz, both made by `cmake --build BUILD --target package`
 # (preset `package`). They hold MuJoCo's library and the shared libraries that the program and the library need (FCL, assimp,
-# libpng, and theirs), with the licence of each: the names and versions of those differ from one distribution to the next,
-# and one package is to run on all. What stays outside: the C and C++ runtime, and EGL, which only --png asks for.
+# libpng, giflib, and theirs), with the licence of each: the names and versions of those differ from one distribution to the next,
+# and one package is to run on all. What stays outside: the C and C++ runtime, and EGL, which only pictures ask for.
 
 # Libraries are copied when this component is installed, which `cmake --install BUILD` alone does not.
 install(CODE "

@@ -81,7 +81,7 @@ if(MJCF_PDG_BUILD_TESTS)
         "MJCF_PDG_MUJOCO_PLUGIN_DIR=\"$<TARGET_FILE_DIR:mujoco::mujoco>/plugin\"")
       if(render)  # What is drawn is read again.
         target_compile_definitions(mjcf_pdg_tests PRIVATE MJCF_PDG_TESTS_HAVE_PNG)
-        target_link_libraries(mjcf_pdg_tests PRIVATE PNG::PNG)
+        target_link_libraries(mjcf_pdg_tests PRIVATE PNG::PNG GIF::GIF)
       endif()
     endif()
     # A million poses, each claim of the verifier held against its proof; prints what the solver, MuJoCo and FCL get wrong.
@@ -127,7 +127,7 @@ if(MJCF_PDG_BUILD_TESTS)
   endif()
 
   # Looking for a package that is disabled is an error.
-  set(disabled assimp nlohmann_json CLI11 Boost PNG GTest CGAL)
+  set(disabled assimp nlohmann_json CLI11 Boost PNG GIF GTest CGAL)
   list(TRANSFORM disabled REPLACE "(.+)" "-DCMAKE_DISABLE_FIND_PACKAGE_\\1=ON")
   add_test(NAME library_alone_needs_no_more_than_it_says
            COMMAND "${CMAKE_COMMAND}" -S "${PROJECT_SOURCE_DIR}" -B "${PROJECT_BINARY_DIR}/library_alone"
