@@ -145,7 +145,8 @@ struct Motion {
   }
 };
 
-// What the joint moves when it goes back from q to qpos0, before `after` moves it.
+// The motion of a point that the joint carries, when the joint goes back from q to qpos0 and then
+// `after` moves the point on.
 Motion BackThenAfter(const mjModel& model, const std::vector<double>& q, int joint,
                      const Motion& after) {
   const int at = model.jnt_qposadr[joint];
@@ -302,7 +303,7 @@ std::optional<MovedReset> WithResetPose(const std::string& text, const ResetPose
   const ModelPtr before = Compiled(text, pose.path);
   if (!before) return std::nullopt;
   if (auto moved = BeginningAt(pose, text, *before, {})) return MovedReset{*moved, true};
-  // Farther away, with what can be placed alone.
+  // Elsewhere, moving only bodies that MJCF can place.
   SceneOptions options = pose.scene;
   options.fixed = Staying(*before);
   if (options.fixed.empty()) return std::nullopt;

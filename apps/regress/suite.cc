@@ -19,6 +19,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 1;
 constexpr std::uint64_t kAnySeed = std::numeric_limits<std::uint64_t>::max();
+constexpr double kMostLength = 1000.0;            // as Options allows [m]
 constexpr std::uint64_t kMostRandom = 1'000'000;  // rows, all of which a run holds in memory
 
 void NumberOrModel(const JsonPlace& place, double most, double& number, bool& model) {
@@ -43,8 +44,13 @@ NamePair ReadPair(const JsonPlace& place) {
   return {names[0], names[1]};
 }
 
+AllowedOverlap ReadAllowed(const JsonPlace& place) {
+  const std::vector<JsonPlace> parts = place.List();
+  if (parts.size() != 3) place.Refuse("is not a list of two geoms or bodies and a depth");
+  return {{parts[0].Text(), parts[1].Text()}, parts[2].Number(0.0, kMostLength)};
+}
+
 void ReadOptions(const JsonPlace& place, SceneOptions& scene, Options& options) {
-  constexpr double kMost = 1000.0;  // as Options allows [m]
   place.Members({
       {"effort",
        [&](const JsonPlace& p) {
@@ -62,10 +68,12 @@ void ReadOptions(const JsonPlace& place, SceneOptions& scene, Options& options) 
        }},
       {"tolerance", [&](const JsonPlace& p) { options.tolerance = p.Number(1e-12, 1.0); }},
       {"clearance",
-       [&](const JsonPlace& p) { NumberOrModel(p, kMost, options.clearance, scene.keep_margins); }},
+       [&](const JsonPlace& p) {
+         NumberOrModel(p, kMostLength, options.clearance, scene.keep_margins);
+       }},
       {"armature",
        [&](const JsonPlace& p) { NumberOrModel(p, 1e3, scene.armature, scene.model_armature); }},
-      {"rest", [&](const JsonPlace& p) { options.rest = p.Number(0.0, kMost); }},
+      {"rest", [&](const JsonPlace& p) { options.rest = p.Number(0.0, kMostLength); }},
       {"seed", [&](const JsonPlace& p) { options.seed = p.Whole(0, kAnySeed); }},
       {"exact_mesh", [&](const JsonPlace& p) { scene.exact_mesh = p.Flag(); }},
       {"root", [&](const JsonPlace& p) { scene.root = p.Text(); }},
@@ -75,6 +83,11 @@ void ReadOptions(const JsonPlace& place, SceneOptions& scene, Options& options) 
        [&](const JsonPlace& p) {
          scene.exclude.clear();
          for (const JsonPlace& pair : p.List()) scene.exclude.push_back(ReadPair(pair));
+       }},
+      {"allow",
+       [&](const JsonPlace& p) {
+         scene.allow.clear();
+         for (const JsonPlace& overlap : p.List()) scene.allow.push_back(ReadAllowed(overlap));
        }},
       {"ignore_permanent", [&](const JsonPlace& p) { scene.ignore_permanent = p.Flag(); }},
       {"equality",

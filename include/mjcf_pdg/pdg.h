@@ -126,7 +126,8 @@ struct Verdict {
 // that the model or `options.rest` allows. A pair is decided by a certificate: a plane that
 // separates the two geoms, or points that show that they are too near; of a height field, by such a
 // plane for each prism below a triangle of its surface. FCL decides for meshes that collide as
-// their triangles, mj_collision for SDFs. No code is shared with the solver's own queries. `q_in`
+// their triangles; for SDFs mj_collision and their own functions, sampled, which proves nothing
+// (`certified`). No code is shared with the solver's own queries. `q_in`
 // is the configuration whose contacts `options.rest` refers to; null: no contact rests. Throws
 // Error for a bad q or option.
 MJCF_PDG_API Verdict Verify(const Scene& scene, const std::vector<double>& q,

@@ -8,7 +8,8 @@
 //   r            the norm as a vector [m], σ = ‖r‖²: the paper's X weighted by H, divided by √M
 //   X            the paper's variable: 2 sin(Δq/2) (hinge), Δq (slide), Q (ball), Eq. 26
 //   Q            vector part of the unit quaternion from q_in to q, in world axes
-//   H, M         the norm's metric matrix (Eq. 28) and the total mass of what can move [kg]
+//   H, M         the norm's metric matrix (Eq. 28), in the code divided by M ([1] for translations,
+//                [m²/rad²] for turns), and M, the total mass of what can move [kg]
 //   C            contact matrix (m × n), rows nᵀ(J_2 - J_1), Eq. 22-23
 //   λ            Lagrange multipliers of the rows of C
 //   p_W, n_W     a point [m] and a unit normal in world axes; n_W points from geom 1 to geom 2

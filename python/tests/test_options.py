@@ -1,5 +1,8 @@
 """Options do what they say on the command line; bad ones are refused in the library's words."""
 
+import re
+import typing
+
 import mujoco
 import numpy as np
 import pytest
@@ -18,6 +21,16 @@ def test_defaults_are_those_of_the_command_line(puma):
     q = puma.key("arm_through_roof").qpos
     options = {name: value for name, value in DEFAULTS.items() if name != "movable"}
     assert mjcf_pdg.solve(puma, q, **options).q.tobytes() == mjcf_pdg.solve(puma, q).q.tobytes()
+
+
+def test_every_option_is_explained_and_typed():
+    """The names stand in the module's table, in the type stubs and in the docstring: none may lack one."""
+    with pytest.raises(ValueError, match="no option 'efort'") as error:
+        mjcf_pdg.solve(mujoco.MjModel.from_xml_string("<mujoco/>"), [], efort=1)
+    known = re.search(r"options: (.*)\)", str(error.value)).group(1).split(", ")
+    assert set(known) == set(typing.get_type_hints(mjcf_pdg._functions.SolveOptions))
+    explained = re.findall(r"^ {6}([a-z_, ]+):", mjcf_pdg.solve.__doc__, re.MULTILINE)
+    assert set(known) <= {name for names in explained for name in names.split(", ")}
 
 
 def test_clearance_rest_and_tolerance_move_the_answer(ball):

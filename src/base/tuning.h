@@ -78,10 +78,9 @@ inline constexpr double kMarginPerStep = 1.5;
 // When a descent ends.
 inline constexpr double kSmallStep = 1e-6, kSmallShare = 1e-4;  // a small step [size] + [√σ]
 inline constexpr int kSettled = 2;  // steps in a row that hardly change σ, where it is free
-inline constexpr int kPatience =
-    7;  // steps without a better iterate; then it goes back to the best
-inline constexpr int kPatienceWithPlanes =
-    1;  // ... with exact meshes, where each step teaches planes
+// After so many steps without a better iterate it goes back to the best one; sooner with exact
+// meshes, for each of their steps adds the planes of its contacts to the next step's constraints.
+inline constexpr int kPatience = 7, kPatienceWithPlanes = 1;
 // It is given up as hopeless after kHopeless steps in a row that predict a σ above
 // LocalOptions::give_up_sigma. A descent that still overlaps is judged from step kGiveUpFrom on.
 inline constexpr int kHopeless = 2, kGiveUpFrom = 4;

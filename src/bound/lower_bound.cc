@@ -3,21 +3,24 @@
 // q_in → q base to terminal, as the norm does: mover j moves its outboard geom as a rigid piece
 // that is still posed as at q_in, then the inboard movers' rotation R_<j carries that displacement.
 // So
-//   x(q) - x(q_in) = Σ_j R_<j s_j(x),   s_j(x) = slide_j + q0 w×r + ½ w×(w×r),                  (1)
-// r = x - anchor_j at q_in, w = 2Q (for a hinge X times its axis), |q0| <= 1, and mover j's term is
-//   S_j = slideᵀ T⁻¹ slide + wᵀ C⁻¹ w    (T = aaᵀ/m or 1/m; C = ωωᵀ/h or I⁻¹).
+//   x(q) - x(q_in) = Σ_j R_<j s_j(x),   s_j(x) = slide_j + c w×r + ½ w×(w×r),                   (1)
+// r = x - anchor_j at q_in, w = 2Q (for a hinge X times its axis), c the quaternion's real part,
+// |c| <= 1, and mover j's term is
+//   S_j = slideᵀ T⁻¹ slide + wᵀ C⁻¹ w    (T = aaᵀ/m or 1/m; C = ωωᵀ/h or I⁻¹),
+// with a slide's axis a, the mass m and the inertia I that the mover carries, a hinge's axis ω and
+// h = ωᵀIω. [r] is the matrix of r×, r⊥ the part of r across a hinge's axis.
 //
-// MomentArms. |s_j(x)| <= √S_j ρ_j(x), ρ_j² = λmax(T) + λmax([r] C [r]ᵀ), because |q0 w×r +
-// ½w×(w×r)| is exactly |w×r| (a chord). ρ_j is a norm of an affine function of x, so Σρ_j² is
-// convex and largest at extreme points of the geom; g_A² is that maximum. Signed distance of convex
-// sets changes by no more than their points move: with d the distance at q_in and ρ = required -
-// tolerance at q,
-//   ρ - d <= √S_A g_A + √S_B g_B  =>  S >= (ρ - d)² / (g_A² + g_B²).
+// Moment arms (MomentArmS). |s_j(x)| <= √S_j ρ_j(x), ρ_j² = λmax(T) + λmax([r] C [r]ᵀ), because
+// |c w×r + ½w×(w×r)| is exactly |w×r| (a chord). ρ_j is a norm of an affine function of x, so Σρ_j²
+// is convex and largest at extreme points of the geom; g_A² is that maximum. Signed distance of
+// convex sets changes by no more than their points move: with d the distance at q_in and
+// δ = required - tolerance that at q,
+//   δ - d <= √S_A g_A + √S_B g_B  =>  S >= (δ - d)² / (g_A² + g_B²).
 //
 // Directions. Free at q means: some unit n (from A to B, in the frame that carries both) has
-// n·(b' - a') >= ρ for *all* points a of A and b of B. Hence, for any a, b of our choice,
-//   t := ρ + n·(a - b) <= n·(b' - b) - n·(a' - a) <= √S γ + S κ, (2)
-// γ² = nᵀGn, G = Σ_j T_j + [r] C [r]ᵀ: the part of (1) linear in slide and w (|q0| <= 1), by
+// n·(b' - a') >= δ for *all* points a of A and b of B. Hence, for any a, b of our choice,
+//   t := δ + n·(a - b) <= n·(b' - b) - n·(a' - a) <= √S γ + S κ, (2)
+// γ² = nᵀGn, G = Σ_j T_j + [r] C [r]ᵀ: the part of (1) linear in slide and w (|c| <= 1), by
 // Cauchy-Schwarz over all movers at once. κ holds the rest: with y_j = √(S_j/S), |y| = 1,
 //   ½ ±n·(w×(w×r)) <= ½|w|² p_j,  p_j = max(0, ∓n·r⊥) for a hinge, (|r| ∓ n·r)/2 for a ball,
 //   |(R_<jᵀ - 1) n · s_j| <= Σ_{i<j} |w_i| √S_j ρ_j,
@@ -68,7 +71,7 @@ bool Share(std::span<const int> a, std::span<const int> b) {
   return std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
 }
 
-// 0 to size - 1 so that value(order[k]) falls; equal ones in their order.
+// Fills `order` with 0 to size - 1, sorted by falling value(.), equal values by number.
 template <typename Value>
 void OrderFalling(int size, Value value, std::vector<int>& order) {
   order.resize(size);
@@ -91,7 +94,7 @@ LowerBound::LowerBound() {
   inscribed_.reserve(16);
 }
 
-// Nothing if the pair proves nothing.
+// Adds nothing if the pair gives no bound (an SDF, triangles, geoms that move together).
 void LowerBound::AddOverlap(const LowerBoundInput& in, const NearPair& near) {
   const KeptPair& kept = in.tables.pairs[near.pair];
   if (!kept.has_distance || !kept.moves || (near.local && !kept.terrain)) return;  // convex

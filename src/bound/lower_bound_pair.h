@@ -26,10 +26,10 @@ struct PairProblem {
   const MoverPool* pool = nullptr;
   std::array<int, 3> first = {};
   std::array<ConvexGeom, 2> geom;
-  double required = 0.0;  // ρ [m]
-  double needed = 0.0;    // ρ - d [m]
+  double required = 0.0;  // δ [m]
+  double needed = 0.0;    // δ - d [m]
   bool plane = false;     // geom 1 is a plane that does not move relative to geom 2's base
-  double hope = 0.0;      // √S along one direction: more will not be proven, moment arms aside
+  double hope = 0.0;      // √S along one direction: SearchDirections can prove no more than this
 
   Chain ChainOf(int i) const { return std::span(*pool).subspan(first[i], first[i + 1] - first[i]); }
 
@@ -60,7 +60,7 @@ struct DirectionCell {
   }  // heap: least on top
 };
 
-// The search begins with so many, and goes on by cutting one into four.
+// Cells with which SearchDirections begins. It goes on by cutting one cell into four.
 inline constexpr int kFirstCells = 6 * 3 * 3;
 
 // √S for all directions, by branch and bound. Gives up once the pair cannot beat `floor` (√S) or no

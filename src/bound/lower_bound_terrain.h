@@ -4,7 +4,8 @@
 //
 // A solid stands on a rectangle of whole cells, between the field's base and a plane that is
 // nowhere above the surface there. (Surface and plane are linear over each triangle: the corners of
-// the cells decide.) A wide one is not left past its sides; a narrow one reaches up to the surface.
+// the cells decide.) Wide solids
+// make ways out past their sides long; narrow ones reach up to the surface.
 //
 // Part of lower_bound.h.
 #ifndef MJCF_PDG_SRC_BOUND_LOWER_BOUND_TERRAIN_H_
@@ -24,7 +25,7 @@ struct InscribedSolid {
 };
 
 // Replaces `solids` by some around the place where a geom is `deep` [m] in the field. `near` is of
-// that pair, whose geom 1 is the field. Empty if that is beside the field.
+// that pair, whose geom 1 is the field. Leaves none if that place is beside the field.
 void FindInscribed(const PosedModel& posed, int field, const NearPair& near, double deep,
                    std::vector<InscribedSolid>& solids);
 

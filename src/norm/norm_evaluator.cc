@@ -143,6 +143,7 @@ void NormEvaluator::FillBodyPose(const NormTerm& term, VectorXd& r, MatrixXd* J)
   J->middleRows<3>(term.row + 3).noalias() = turn * jacobians_.rotation;
 }
 
+// H = JᵀJ (Eq. 28), divided by M: [1] for translations, [m²/rad²] for turns.
 void NormEvaluator::InnerProduct(const MatrixXd& J, MatrixXd& H) const {
   H.resize(tables_.n, tables_.n);
   for (const ColumnRange& block : blocks_) {

@@ -132,7 +132,8 @@ void NormEvaluator::AddTerm(NormTerm term) {
   terms_.push_back(term);
 }
 
-// The term of one joint and the bodies that it moves (Eq. 14-18).
+// The term of one joint and the bodies that it moves (Eq. 14-18): mass, ωᵀIω or I, which are the
+// entries of H (Eq. 28).
 NormTerm NormEvaluator::JointTerm(int joint_index, const std::vector<int>& bodies) const {
   const JointEntry& joint = tables_.joints[joint_index];
   const mjData& d = *posed_.data();

@@ -62,8 +62,8 @@ std::optional<VectorXd> FreeConfigurationSelection::Perturbation() {
   return result.free ? Selected(std::move(result.q)) : std::nullopt;
 }
 
-// Eq. 20. A that collides with itself first takes on a pose that does not: from motion coherence,
-// or the user's.
+// Eq. 20. If the articulated model A collides with itself, it first takes on a pose that does not:
+// from motion coherence, or the user's.
 std::optional<VectorXd> FreeConfigurationSelection::Translation() {
   if (IsRigid()) return std::nullopt;  // centroid difference is the same
   if (perturbation_.SelfCollisionFree(problem_.q_in)) return TranslateFrom(problem_.q_in);

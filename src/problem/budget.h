@@ -1,4 +1,8 @@
 // What a solve has left of its budget of queries and seconds: the only clock that ends anything.
+//
+// Begun by SolverCore and asked, through Workspace::Spent, between the starts of a search and their
+// steps (search, start, optimize, paper), between the poses of a motion (ccd), by the acceptance
+// and by islands (solve), and by the tracker (track). The bound gets a quarter of the seconds.
 #ifndef MJCF_PDG_SRC_PROBLEM_BUDGET_H_
 #define MJCF_PDG_SRC_PROBLEM_BUDGET_H_
 

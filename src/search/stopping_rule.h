@@ -1,4 +1,5 @@
-// What decides when a search ends.
+// What decides when a search ends that has found something free. (Until then VariedStarts goes on,
+// up to EffortPlan::blind starts, or until the budget is spent.)
 //
 // A search ends when its best answer is proven to be the nearest (σ within 1 % of the lower bound),
 // or when enough independent starts have ended at that answer. Fewer need to agree where σ is close

@@ -54,11 +54,11 @@ bool Acceptance::AcceptFartherOut(const Candidate& candidate, bool proven) {
 }
 
 bool Acceptance::IsFree(const VectorXd& q, Component start) {
-  trial_ = q;
-  Unwind(problem_.tables, problem_.q_in, trial_);
+  unwound_ = q;
+  Unwind(problem_.tables, problem_.q_in, unwound_);
   // Couplings may forbid whole turns of one joint alone.
-  if (work_.equality.Violation(trial_) > kEqualityTolerance) trial_ = q;
-  q_.assign(trial_.data(), trial_.data() + trial_.size());
+  if (work_.equality.Violation(unwound_) > kEqualityTolerance) unwound_ = q;
+  q_.assign(unwound_.data(), unwound_.data() + unwound_.size());
   start_ = start;
   work_.budget.Charge(1);
   const BudgetMeter::Clock::time_point begin = work_.budget.Now();

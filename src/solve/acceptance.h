@@ -44,7 +44,7 @@ class Acceptance {
   Verifier& verifier_;
   const std::vector<double>* q_in_ = nullptr;
   StartSelection starts_;
-  VectorXd trial_;
+  VectorXd trial_, unwound_;
   std::vector<double> q_;
   Component start_ = Component::kNone;
 };

@@ -12,7 +12,8 @@ namespace tune = tuning::exact_meshes;
 
 namespace {
 
-constexpr double kImmovable = 1e-9;  // a joint motion that parts by 1 m costs more than its inverse
+// A pair whose joints would cost more than 1/kImmovable to part by 1 m cannot be parted by them.
+constexpr double kImmovable = 1e-9;
 
 // The normal that was found, both ways, and the faces and corners of a cube.
 std::vector<Vector3d> Directions(const Vector3d& n_W) {

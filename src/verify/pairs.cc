@@ -96,7 +96,7 @@ LeftOut PairsLeftOut(const mjModel& m, const SceneOptions& options,
   return pairs;
 }
 
-bool ContactOnly(int type) { return type == mjGEOM_SDF; }
+bool IsSdf(int type) { return type == mjGEOM_SDF; }
 
 std::vector<CheckedPair> FindPairs(const mjModel& m, const SceneOptions& options,
                                    const std::vector<char>& exact) {
@@ -132,10 +132,9 @@ std::vector<CheckedPair> FindPairs(const mjModel& m, const SceneOptions& options
     if (m.geom_type[pair.geom1] > m.geom_type[pair.geom2]) std::swap(pair.geom1, pair.geom2);
     pair.allowed = std::max(0.0, -(of_model.margin + of_model.gap));
     pair.margin = of_model.margin;
-    pair.contact_only =
-        ContactOnly(m.geom_type[geoms.first]) || ContactOnly(m.geom_type[geoms.second]);
-    pair.terrain = !pair.contact_only && m.geom_type[pair.geom1] == mjGEOM_HFIELD;
-    pair.exact = !pair.contact_only && !pair.terrain && (exact[geoms.first] || exact[geoms.second]);
+    pair.sdf = IsSdf(m.geom_type[geoms.first]) || IsSdf(m.geom_type[geoms.second]);
+    pair.terrain = !pair.sdf && m.geom_type[pair.geom1] == mjGEOM_HFIELD;
+    pair.exact = !pair.sdf && !pair.terrain && (exact[geoms.first] || exact[geoms.second]);
     pair.separable = joints[m.geom_bodyid[geoms.first]] != joints[m.geom_bodyid[geoms.second]];
     pairs.push_back(pair);
   }

@@ -18,18 +18,17 @@
 
 namespace mjcf_pdg::verify {
 
-// True if geoms of this type (mjtGeom) have no signed distances here: only MuJoCo's contacts tell
-// whether they overlap.
-bool ContactOnly(int type);
+// Of a pair with a geom of this type (mjtGeom) nothing is proven: verifier.h says what decides it.
+bool IsSdf(int type);
 
 struct CheckedPair {
-  int geom1 = 0, geom2 = 0;   // ids, ordered by type (mjtGeom), then by id
-  double allowed = 0.0;       // overlap that a negative margin + gap allows [m], >= 0
-  double margin = 0.0;        // nearer than this MuJoCo pushes on the pair [m]
-  bool contact_only = false;  // one of the geoms is ContactOnly
-  bool terrain = false;       // not contact_only, and geom 1 is a height field
-  bool exact = false;         // neither of these, and a mesh of it collides as its triangles
-  bool separable = true;      // some movable joint lies between the two geoms
+  int geom1 = 0, geom2 = 0;  // ids, ordered by type (mjtGeom), then by id
+  double allowed = 0.0;      // overlap that a negative margin + gap allows [m], >= 0
+  double margin = 0.0;       // nearer than this MuJoCo pushes on the pair [m]
+  bool sdf = false;          // one of the geoms is an SDF
+  bool terrain = false;      // not sdf, and geom 1 is a height field
+  bool exact = false;        // neither of these, and a mesh of it collides as its triangles
+  bool separable = true;     // some movable joint lies between the two geoms
 };
 
 // Returns all pairs that count, sorted by the lower, then the higher geom id. `exact` says for each

@@ -50,7 +50,7 @@ inline Eigen::Map<const Vector3d> VectorAt(const mjtNum* p) {
   return Eigen::Map<const Vector3d>(p);
 }
 
-// World from geom.
+// The rotation from the geom's axes to the world's.
 inline Matrix3d GeomRotation(const mjData& d, int geom) {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(d.geom_xmat + 9 * geom);
 }

@@ -14,7 +14,7 @@ Sweep::Sweep(const VerifierModel& model) : model_(model) {
   begin_.assign(m.ngeom + 1, 0);
   for (int k = 0; k < static_cast<int>(model.pairs.size()); ++k) {
     const CheckedPair& pair = model.pairs[k];
-    if (pair.contact_only) continue;
+    if (pair.sdf) continue;
     if (m.geom_type[pair.geom1] == mjGEOM_PLANE) {
       with_plane_.push_back(k);
       continue;
@@ -29,7 +29,7 @@ Sweep::Sweep(const VerifierModel& model) : model_(model) {
   // The pairs are sorted by the lower and the higher id of their geoms.
   for (int k = 0; k < static_cast<int>(model.pairs.size()); ++k) {
     const CheckedPair& pair = model.pairs[k];
-    if (pair.contact_only || m.geom_type[pair.geom1] == mjGEOM_PLANE) continue;
+    if (pair.sdf || m.geom_type[pair.geom1] == mjGEOM_PLANE) continue;
     partners_.push_back({std::max(pair.geom1, pair.geom2), k});
   }
   near_.reserve(model.pairs.size());

@@ -36,14 +36,14 @@ class TerrainPair {
     Vector3d u = Vector3d::UnitZ(), n = Vector3d::UnitZ();
     double length = 0.0;
   };
-  // Unit vectors, no two of the surface's alike.
+  // Unit vectors along which a way out is sought; of normals of the surface that are alike, one.
   struct Directions {
     std::array<Vector3d, 12> u;
     std::size_t size = 0;
   };
 
-  // Calls visit(corners) for the prisms within `reach` of the geom moved by `shift`, until it
-  // returns false; returns whether it never did.
+  // Calls visit(corners) for one prism after the other within `reach` of the geom moved by `shift`.
+  // Ends and returns false when visit returns false; otherwise returns true.
   template <typename Visit>
   bool ForEachPrism(const Vector3d& shift, double reach, Visit visit) const;
   Corners PrismAt(int row, int col, int triangle) const;

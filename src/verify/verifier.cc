@@ -73,7 +73,7 @@ Verifier::Verifier(std::shared_ptr<const VerifierModel> model, const Options& op
   findings_.limits.reserve(model_.njnt);
   verdict_.contacts.reserve(pairs);
   rest_q_in_.reserve(model_.nq);
-  verdict_.certified = !shared_->has_contact_only_pairs;
+  verdict_.certified = !shared_->has_sdf_pairs;
   SetActive({});
   UpdateRest({});
 }
@@ -136,7 +136,7 @@ double Verifier::DepthAtRest(int geom1, int geom2) const {
 bool Verifier::Within(int geom1, int geom2, double distance) const {
   const int index = PairIndex(geom1, geom2);
   if (index < 0) return false;
-  if (shared_->pairs[index].contact_only) return contact_[index] >= 0;
+  if (shared_->pairs[index].sdf) return contact_[index] >= 0;
   if (Posed(index).SphereBound() >= distance) return false;
   return Read(index, distance, Depths::kSkipped).distance < distance;
 }
@@ -152,7 +152,7 @@ void Verifier::UpdateRest(std::span<const double> q_in) {
   AskCollision();
   for (int k = 0; k < static_cast<int>(pairs.size()); ++k) {
     double depth = 0.0, size = 0.0;
-    if (pairs[k].contact_only) {
+    if (pairs[k].sdf) {
       depth = contact_[k] < 0 ? 0.0 : -data_->contact[contact_[k]].dist;
     } else if (Posed(k).SphereBound() < 0.0) {
       depth = -Read(k, 0.0, Depths::kMeasured).distance;

@@ -7,11 +7,12 @@
 //
 // terrain_pair.h does the same for height fields, prism by prism.
 //
-// mj_collision alone decides two cases: pairs with an SDF, which have no signed distances here, and
-// contacts between geoms that the verifier's own table of pairs lacks.
-// Elsewhere its contacts are only compared with the certificates (see disputed_by_contacts). It
-// runs on a private copy of the mjModel struct without margins and gaps, because a negative margin
-// hides contacts and a positive one falsifies their distances.
+// Of a pair with an SDF nothing is proven: it counts as free if neither mj_collision finds a
+// contact nor the geoms' own functions, sampled (sdf_pair.h), show an overlap. mj_collision alone
+// decides about contacts between geoms that the verifier's own table of pairs lacks. Elsewhere its
+// contacts are only compared with the certificates (see disputed_by_contacts). It runs on a private
+// copy of the mjModel struct without margins and gaps, because a negative margin hides contacts and
+// a positive one falsifies their distances.
 #ifndef MJCF_PDG_SRC_VERIFY_VERIFIER_H_
 #define MJCF_PDG_SRC_VERIFY_VERIFIER_H_
 

@@ -16,22 +16,21 @@ using verify::Proof;
 using verify::Reading;
 
 // Sets the margins and gaps of the private model to zero. MuJoCo detects contacts nearer than
-// margin + gap; the overlap that a negative sum allows is in CheckedPair::allowed. Geoms without
-// signed distances get the largest required distance as their margin, because only a contact can
-// tell that a pair is nearer.
+// margin + gap; the overlap that a negative sum allows is in CheckedPair::allowed. SDFs get the
+// largest required distance as their margin, so that contacts tell of pairs that are nearer.
 void Verifier::NeutraliseMargins() {
   geom_margin_.assign(model_.ngeom, 0.0);
   body_margin_.assign(model_.nbody, 0.0);
   pair_margin_.assign(model_.npair, 0.0);
   no_gap_.assign(std::max(model_.ngeom, model_.npair), 0.0);
   for (int g = 0; g < model_.ngeom; ++g) {
-    if (!verify::ContactOnly(model_.geom_type[g])) continue;
+    if (!verify::IsSdf(model_.geom_type[g])) continue;
     geom_margin_[g] = reach_;
     body_margin_[model_.geom_bodyid[g]] = reach_;
   }
   for (int k = 0; k < model_.npair; ++k) {
-    if (verify::ContactOnly(model_.geom_type[model_.pair_geom1[k]]) ||
-        verify::ContactOnly(model_.geom_type[model_.pair_geom2[k]])) {
+    if (verify::IsSdf(model_.geom_type[model_.pair_geom1[k]]) ||
+        verify::IsSdf(model_.geom_type[model_.pair_geom2[k]])) {
       pair_margin_[k] = reach_;
     }
   }
@@ -86,7 +85,7 @@ void Verifier::CheckContacts() {
   };
   for (const int k : touching_) {
     const CheckedPair& pair = shared_->pairs[k];
-    if (!pair.contact_only) continue;
+    if (!pair.sdf) continue;
     verdict_.min_distance = std::min(verdict_.min_distance, d.contact[contact_[k]].dist);
     Finding finding;
     finding.contact.geom = {pair.geom1, pair.geom2};
@@ -101,13 +100,13 @@ void Verifier::CheckContacts() {
   }
 }
 
-// Pairs with SDFs by their own functions, too: where MuJoCo's search finds no contact, there may be
-// one.
+// Pairs with an SDF by the geoms' own functions, too: where MuJoCo's search for contacts finds
+// none, they may overlap all the same.
 void Verifier::CheckFields() {
-  if (!shared_->has_contact_only_pairs) return;
+  if (!shared_->has_sdf_pairs) return;
   for (int k = 0; k < static_cast<int>(shared_->pairs.size()); ++k) {
     const PosedPair posed = Posed(k);
-    if (!posed.pair.contact_only || posed.SphereBound() > required_[k] + tolerance_) continue;
+    if (!posed.pair.sdf || posed.SphereBound() > required_[k] + tolerance_) continue;
     const Reading found = verify::SdfPair(posed).Measure(required_[k] + tolerance_);
     if (!(found.distance < required_[k] + tolerance_)) continue;
     verdict_.min_distance = std::min(verdict_.min_distance, found.distance);
@@ -128,7 +127,7 @@ void Verifier::FindDisputes() {
   if (tolerance_ < model_.opt.ccd_tolerance) return;  // contacts are no more accurate
   for (const int k : touching_) {
     const CheckedPair& pair = shared_->pairs[k];
-    if (pair.exact || pair.terrain || pair.contact_only) continue;
+    if (pair.exact || pair.terrain || pair.sdf) continue;
     if (!InScope(pair.geom1, pair.geom2)) continue;
     disputed_ |= data_->contact[contact_[k]].dist < required_[k] - tolerance_;
   }

@@ -198,7 +198,7 @@ VerifierModel::VerifierModel(std::shared_ptr<const mjModel> model_owner, const m
   std::vector<char> has_shape(m.ngeom);
   double largest = 0.0;  // extent of the largest box or mesh of an exact pair [m]
   for (const CheckedPair& pair : pairs) {
-    has_contact_only_pairs |= pair.contact_only;
+    has_sdf_pairs |= pair.sdf;
     largest_margin = std::max(largest_margin, pair.margin);
     for (const int g : {pair.geom1, pair.geom2}) {
       const int type = m.geom_type[g];

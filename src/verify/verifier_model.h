@@ -28,7 +28,7 @@ struct VerifierModel {
   mjModel unblinded;
   std::vector<char> exact;  // by geom: it collides as its triangles
   std::vector<verify::CheckedPair> pairs;
-  bool has_contact_only_pairs = false;
+  bool has_sdf_pairs = false;
   verify::LeftOut left_out;      // pairs whose contacts do not count
   std::vector<char> equalities;  // by equality constraint: to be held while it is active
   std::vector<char> tendons;     // by tendon: its length limits count

@@ -120,6 +120,20 @@ TEST_F(CliRegressTest, SigmaBeyondItsToleranceIsCaughtUpAndDown) {
   }
 }
 
+// A squeezed grasp is part of the suite as it is.
+TEST_F(CliRegressTest, OverlapsThatTheSuiteAllowsAreFree) {
+  for (const auto& [depth, status] : {std::pair{"0.06", "already_free"}, {"0.01", "solved"}}) {
+    Write("suite.json", std::string(R"({"version": 1, "options": {"allow": [["ball", "wall", )") +
+                            depth + R"(]]}, "cases": [{"model": "a/scene.xml"}]})");
+    Update();
+    for (const Json& line : ParseLines(Run({"regress", "suite.json", "--json", "-"}).out)) {
+      if (line.contains("row") && line["row"] == "keyframe deep") {
+        EXPECT_EQ(line["status"], status) << line;
+      }
+    }
+  }
+}
+
 TEST_F(CliRegressTest, ASlowedSolverIsCaughtByItsQueries) {
   const std::string robot = std::string(MJCF_PDG_SOURCE_DIR) + "/models/puma/puma_car.xml";
   Write("suite.json", R"({"version": 1, "options": {"effort": "fast"}, "cases": [{"model": ")" +
@@ -201,6 +215,8 @@ TEST_F(CliRegressTest, RefusesWhatIsNoSuiteBeforeAnyWork) {
           "either 'file' or 'random'");
   refused(R"({"version": 1, "options": {"tolerance": -1}, "cases": [{"model": "a/scene.xml"}]})",
           "suite.json.options.tolerance");
+  refused(R"({"version": 1, "options": {"allow": [["a", "b"]]}, "cases": [{"model": "a"}]})",
+          "suite.json.options.allow[0]: is not a list of two geoms or bodies and a depth");
   refused(R"({"version": 1, "cases": [{"model": "a/scene.xml"}, {"model": "a/*.xml"}]})",
           "is in two cases");
   ExpectRefused({"regress"}, "a suite is needed");

@@ -170,6 +170,16 @@ def solve(model, qpos, *, threads=1, progress=False, **options):
       progress: shows a progress bar over the rows, where tqdm is installed.
       movable: bodies (names in a sequence, or with commas in a text) whose own joints and subtrees
         may move; all else is frozen. Default: all.
+      fixed: bodies whose own joints stay, whatever movable says.
+      exclude: pairs of geoms or bodies whose overlaps do not count: ("cup", "finger") or "cup,finger".
+      allow: how deep pairs may overlap [m], as {("cup", "finger"): 0.002}.
+      ignore_permanent: pairs that overlap wherever the joints go do not count.
+      equality: constraints that are held: "hold", all but welds and connects to mocap bodies, "all" or
+        "ignore".
+      tendon_limits: "hold" holds the length limits of tendons; default "ignore".
+      flags: "model": what the model disables by <flag contact|limit|constraint> does not count;
+        default "all", it counts.
+      flex: "ignore" solves the rest of a model with flexes, which is refused otherwise.
       root: the body that is the root link of the norm. Default: the top body of each tree.
       armature: inertia that the norm adds to every hinge and ball [kg m²], and as a mass to every
         slide [kg], so that light links cost something; "model": each joint's own. Default: 0.

@@ -10,15 +10,16 @@
 namespace mjcf_pdg {
 namespace {
 
-// A feature's normal counts as a face's above this cosine of the angle between the two.
+// A feature whose normal has at least this cosine with that of a face counts as the face's.
 constexpr double kFaceLike = 0.9;
 constexpr int kGuesses = 3;              // rounds of the alternating projection in Guess
 constexpr std::size_t kMaxPatches = 32;  // the most pairs of patches whose distance is measured
-// A pair of patches is skipped if both were already measured this many times, with others.
+// A pair of patches is not measured if each of the two has been in this many measured pairs.
 constexpr int kPerPatch = 2;
 constexpr int kMaxParts = 3000;         // the most pairs of boxes that Patches looks at
 constexpr double kLargestMargin = 0.1;  // of features [smaller mesh's radius]
-// The width of a patch, per margin and at least per radius of the smaller mesh.
+// A patch is as wide as the larger of kPatchPerMargin · margin and kPatchPerRadius · the smaller
+// mesh's radius.
 constexpr double kPatchPerMargin = 0.5, kPatchPerRadius = 0.25;
 
 // A box of each mesh, waiting in the queue of Patches.

@@ -46,9 +46,9 @@ class BvhPair {
   }
 
   // Appends the features from which a contact matrix gets its rows: the nearest points of pairs of
-  // surface patches that are apart and nearer than the margin. The margin used is the smaller of
-  // `margin` and the larger of twice first.distance and a tenth of the smaller mesh's radius; a
-  // patch is half the margin wide, but at least a quarter of that radius. A feature is kept only
+  // surface patches that are apart and nearer than the margin. The margin used is
+  // min(margin, max(2 · first.distance, r/10)), r the smaller mesh's radius; a patch is
+  // max(used margin / 2, r/4) wide. A feature is kept only
   // if it bounds the motion (BoundsMotion); of similar features the nearest is kept. The nearest
   // comes first; there are at most kMaxFeatures. n points from a to b. `first` is the result of
   // Nearest(margin) or RoughlyNearest(margin).
