@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/cli.h"
@@ -47,6 +48,17 @@ std::vector<Configuration> ReadRows(const Scene& scene, const WhichArguments& wh
   std::vector<Configuration> rows;
   for (Configuration row; source.Next(row);) rows.push_back(row);
   return rows;
+}
+
+// Throws Error unless what may be written on the way can be.
+void CheckOutputs(const ViewArguments& arguments, const std::vector<ScriptEvent>& script,
+                  const std::vector<std::string>& inputs) {
+  OutputFiles probe;
+  SceneOutput().Add(arguments.out_mjcf, arguments.scene.model, inputs, probe);
+  for (const ScriptEvent& event : script) {
+    if (event.kind != ScriptEvent::Kind::kScreenshot) continue;
+    probe.Add("screenshot", event.text, inputs);
+  }
 }
 
 // The keyframes that were saved until now. Each file is written anew with all of its own, whole or
@@ -97,6 +109,11 @@ int RunView(ViewArguments& arguments) {
 
   const std::vector<std::string> inputs = {arguments.scene.model, arguments.which.file,
                                            arguments.script};
+  std::vector<ScriptEvent> script;
+  if (!arguments.script.empty()) {
+    script = ParseScript(ReadTextFile(arguments.script), arguments.script, *scene.model());
+  }
+  CheckOutputs(arguments, script, inputs);
   OutputFiles outputs;
   outputs.Add("--json", arguments.json, inputs);
   outputs.Stream(arguments.json);
@@ -118,10 +135,7 @@ int RunView(ViewArguments& arguments) {
   Viewer viewer(scene, arguments.options, std::move(rows), std::move(services));
   const std::string stem = std::filesystem::path(arguments.scene.model).stem().string();
   viewer.save_path = arguments.out_mjcf.empty() ? stem + "_view.xml" : arguments.out_mjcf;
-  if (!arguments.script.empty()) {
-    const std::string text = ReadTextFile(arguments.script);
-    viewer.Run(ParseScript(text, arguments.script, viewer.model()));
-  }
+  if (!arguments.script.empty()) viewer.Run(std::move(script));
   (*LoadWindow())(viewer, {"mjcf-pdg view: " + stem});
   outputs.Commit();
   return kExitFree;

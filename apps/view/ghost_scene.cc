@@ -8,12 +8,14 @@ namespace mjcf_pdg::app {
 namespace {
 
 // How much of a geom's own colour is left in its grey.
-constexpr float kColorShare = 0.15f;
+constexpr float kColorShare = 0.08f;
 // A grey brighter than this would pass for a ghost that is not free.
 constexpr float kBrightest = 0.75f;
 constexpr float kGhostAlpha = 0.6f;
-// A floor in full orange would hide what stands on it.
-constexpr float kGuiltyFloorShare = 0.4f;
+// A floor in full orange would hide what stands on it; its own texture is gone.
+constexpr float kGuiltyFloorShare = 0.35f, kFloorTone = 0.45f;
+// What overlaps is drawn larger by this, in front of surfaces that coincide with its own.
+constexpr float kLarger = 1.003f;
 // A geom of the ghost that is nearer to its place in the command than this share of the model's
 // size is not drawn: surfaces that coincide flicker. A tenth of a pixel in a usual window.
 constexpr double kApart = 1e-4;
@@ -34,7 +36,7 @@ void Tint(mjvGeom& geom, const std::array<float, 3>& color, float share, float a
   geom.matid = -1;
   geom.texid = -1;
   geom.reflectance = 0;
-  for (int k = 0; k < 3; ++k) geom.rgba[k] += share * (color[k] - geom.rgba[k]);
+  for (int k = 0; k < 3; ++k) geom.rgba[k] = (1 - share) * geom.rgba[k] + share * color[k];
   geom.rgba[3] = alpha;
 }
 
@@ -132,9 +134,14 @@ void GhostScene::Paint(const std::vector<int>& guilty, bool own_colors) {
     mjvGeom& geom = scene.geoms[i];
     if (geom.objtype != mjOBJ_GEOM || geom.objid < 0 || geom.category == mjCAT_DECOR) continue;
     if (std::find(guilty.begin(), guilty.end(), geom.objid) != guilty.end()) {
-      const float share = IsUnbounded(model_, geom.objid) ? kGuiltyFloorShare : 1.0f;
-      Tint(geom, kGuiltyColor, share, geom.rgba[3]);
+      if (IsUnbounded(model_, geom.objid)) {
+        std::fill_n(geom.rgba, 3, kFloorTone);
+        Tint(geom, kGuiltyColor, kGuiltyFloorShare, geom.rgba[3]);
+        continue;
+      }
+      Tint(geom, kGuiltyColor, 1.0f, geom.rgba[3]);
       geom.emission = std::max(geom.emission, 0.2f);
+      for (float& size : geom.size) size *= kLarger;
     } else if (!own_colors) {
       const float gray = 0.3f * geom.rgba[0] + 0.5f * geom.rgba[1] + 0.2f * geom.rgba[2];
       const float tone = kBrightest * gray;

@@ -208,13 +208,19 @@ void Viewer::MoveMouse(const Held& held, double dx, double dy) {
   mju_mulQuat(rotation.data(), perturb.refquat, back.data());
   drag_->TurnTo(ghost_.command(), rotation);
   session_.SetCommand(ghost_.command());
+  GoLive();
+}
+
+// The hand has moved something, which the ghost follows. What was paused stays so.
+void Viewer::GoLive() {
+  if (timeline_ != Timeline::kLive) running_ = true;
   timeline_ = Timeline::kLive;
 }
 
 void Viewer::MoveBy(const std::array<double, 3>& translation_W) {
   drag_->MoveTo(ghost_.command(), translation_W);
   session_.SetCommand(ghost_.command());
-  timeline_ = Timeline::kLive;
+  GoLive();
 }
 
 void Viewer::Scroll(double clicks) {
@@ -225,14 +231,14 @@ void Viewer::SetJoint(int joint, double value) {
   std::vector<double> q = session_.command();
   q[static_cast<std::size_t>(model().jnt_qposadr[joint])] = value;
   session_.SetCommand(q);
-  timeline_ = Timeline::kLive;
+  GoLive();
 }
 
 void Viewer::ShowRow(std::size_t row) {
   row_ = row;
   drag_.reset();
   session_.Jump(rows_[row]);
-  if (timeline_ == Timeline::kSearch) timeline_ = Timeline::kLive;
+  if (timeline_ == Timeline::kSearch) GoLive();
 }
 
 void Viewer::ShowStep(std::size_t step) {
@@ -303,7 +309,7 @@ void Viewer::Paste(const std::string& text) {
     scene_.CheckConfiguration(row.q);
     drag_.reset();
     session_.Jump(row);
-    timeline_ = Timeline::kLive;
+    GoLive();
   });
 }
 

@@ -106,6 +106,7 @@ class Viewer {
   std::string save_path;  // where Save writes
 
  private:
+  void GoLive();
   void MoveBy(const std::array<double, 3>& translation_W);
   void Step(int by);
   void CycleCamera(int by);

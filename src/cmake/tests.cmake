@@ -59,7 +59,8 @@ if(MJCF_PDG_BUILD_TESTS)
 
   if(test_sources)
     add_executable(mjcf_pdg_tests ${test_sources})
-    target_link_libraries(mjcf_pdg_tests PRIVATE mjcf_pdg_fuzz mjcf_pdg_test_support mjcf_pdg_mesh_import assimp::assimp
+    target_link_libraries(mjcf_pdg_tests PRIVATE mjcf_pdg_view_state mjcf_pdg_fuzz mjcf_pdg_test_support
+                          mjcf_pdg_mesh_import assimp::assimp
                           GTest::gtest_main)
     if(plan)
       target_link_libraries(mjcf_pdg_tests PRIVATE mjcf_pdg_plan)

@@ -52,7 +52,9 @@ void DrawBracket(const Result& result) {
   const double share = upper > 0 ? std::min(1.0, lower / upper) : 1.0;
   char text[40];
   std::snprintf(text, sizeof text, "bracket: %.0f %% proven", 100 * share);
+  ImGui::PushStyleColor(ImGuiCol_PlotHistogram, Color(kGhostColor));
   ImGui::ProgressBar(static_cast<float>(share), ImVec2(-1, 0), text);
+  ImGui::PopStyleColor();
 }
 
 void GroupRow(const char* name, mjtByte* groups) {

@@ -21,6 +21,7 @@ namespace {
 
 // As in simulate: two clicks within so many seconds are a double-click.
 constexpr double kDoubleClick = 0.25;
+constexpr int kSamples = 4;  // of a pixel, against jagged edges
 
 constexpr std::array<std::array<int, 2>, 15> kKeys = {{{GLFW_KEY_ESCAPE, kKeyEscape},
                                                        {GLFW_KEY_ENTER, kKeyEnter},
@@ -86,6 +87,8 @@ class Window {
   static Window& Of(GLFWwindow* window) {
     return *static_cast<Window*>(glfwGetWindowUserPointer(window));
   }
+  void Open(const WindowOptions& options, int samples);
+  bool DrawnBySoftware() const;
   void Listen();
   void Key(int key, int mods);
   void Button(int button, int action, int mods);
@@ -115,13 +118,12 @@ Window::Window(Viewer& viewer, const WindowOptions& options) : viewer_(viewer) {
   mjr_defaultContext(&context_);
   glfwSetErrorCallback(KeepError);
   if (!glfwInit()) Fail("there is no display");
-  glfwWindowHint(GLFW_SAMPLES, 4);
-  window_ = glfwCreateWindow(options.width, options.height, options.title.c_str(), nullptr, nullptr);
-  if (!window_) {
-    glfwTerminate();
-    Fail("the display gives no OpenGL");
+  Open(options, kSamples);
+  const bool software = DrawnBySoftware();
+  if (software) {  // where samples take three quarters of the time
+    glfwDestroyWindow(window_);
+    Open(options, 0);
   }
-  glfwMakeContextCurrent(window_);
   glfwSwapInterval(1);
   glfwSetWindowUserPointer(window_, this);
   Listen();
@@ -135,15 +137,28 @@ Window::Window(Viewer& viewer, const WindowOptions& options) : viewer_(viewer) {
   ImGui::GetStyle().Colors[ImGuiCol_WindowBg].w = 1.0f;
   ImGui_ImplGlfw_InitForOpenGL(window_, true);  // goes on to call what Listen has set
   ImGui_ImplOpenGL3_Init("#version 120");       // compatibility profile, as mjr_* needs
-  // As simulate does where there is no graphics card: shadows cost more than all else.
+  if (software) {  // as simulate does
+    viewer_.ghost_scene().scene.flags[mjRND_SHADOW] = 0;
+    viewer_.ghost_scene().scene.flags[mjRND_REFLECTION] = 0;
+  }
+}
+
+void Window::Open(const WindowOptions& options, int samples) {
+  glfwWindowHint(GLFW_SAMPLES, samples);
+  window_ = glfwCreateWindow(options.width, options.height, options.title.c_str(), nullptr, nullptr);
+  if (!window_) {
+    glfwTerminate();
+    Fail("the display gives no OpenGL");
+  }
+  glfwMakeContextCurrent(window_);
+}
+
+bool Window::DrawnBySoftware() const {
   using GetString = const unsigned char* (*)(unsigned);
   constexpr unsigned kRenderer = 0x1F01;  // GL_RENDERER
   const auto get = reinterpret_cast<GetString>(glfwGetProcAddress("glGetString"));
   const char* const renderer = get ? reinterpret_cast<const char*>(get(kRenderer)) : nullptr;
-  if (renderer && std::strstr(renderer, "llvmpipe")) {
-    viewer_.ghost_scene().scene.flags[mjRND_SHADOW] = 0;
-    viewer_.ghost_scene().scene.flags[mjRND_REFLECTION] = 0;
-  }
+  return renderer && std::strstr(renderer, "llvmpipe");
 }
 
 Window::~Window() {
