@@ -18,6 +18,7 @@
 #include "apps/output/output_files.h"
 #include "apps/output/report.h"
 #include "apps/solve/scene_output.h"
+#include "apps/solve/solve_arguments.h"
 #include "apps/view/viewer.h"
 #include "apps/view/window.h"
 
@@ -101,7 +102,21 @@ class SavedKeys {
   std::vector<Result> results_;
 };
 
-int RunView(ViewArguments& arguments) {
+// `mjcf-pdg solve` with the model and the options of this view, for a shell.
+std::string SolveCommand(const CLI::App& command, const std::string& model) {
+  std::string line = "mjcf-pdg solve";
+  std::vector<std::string> words = GivenOptions(command);
+  words.insert(words.begin(), model);
+  for (const std::string& word : words) {
+    const bool plain = word.find_first_of(" '\"\\$`&|;<>()*?[]#~!{}") == std::string::npos;
+    std::string quoted;
+    for (const char c : word) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+    line += plain ? " " + word : " '" + quoted + "'";
+  }
+  return line;
+}
+
+int RunView(const CLI::App& command, ViewArguments& arguments) {
   const Scene scene = LoadScene(arguments.scene);
   arguments.options.seed = arguments.seed;
   arguments.options.report_distances_to = 1.0;
@@ -135,6 +150,7 @@ int RunView(ViewArguments& arguments) {
   Viewer viewer(scene, arguments.options, std::move(rows), std::move(services));
   const std::string stem = std::filesystem::path(arguments.scene.model).stem().string();
   viewer.save_path = arguments.out_mjcf.empty() ? stem + "_view.xml" : arguments.out_mjcf;
+  viewer.solve_command = SolveCommand(command, arguments.scene.model);
   if (!arguments.script.empty()) viewer.Run(std::move(script));
   (*LoadWindow())(viewer, {"mjcf-pdg view: " + stem});
   outputs.Commit();
@@ -169,12 +185,12 @@ Verb AddViewVerb(CLI::App& program) {
           "MODEL_view.xml); DIR/: with copies of its assets",
           arguments->out_mjcf)
       ->type_name("FILE|DIR/");
-  AddPath(*command, "--script",
-          "do what the file says, frame by frame, and end: see docs/view.md", arguments->script);
+  AddPath(*command, "--script", "do what the file says, frame by frame, and end: see docs/view.md",
+          arguments->script);
   AddPath(*command, "--json", "write every tick as a line of JSON, as solve does; - is stdout",
           arguments->json)
       ->type_name("FILE|-");
-  return {command, [arguments] { return RunView(*arguments); }};
+  return {command, [command, arguments] { return RunView(*command, *arguments); }};
 }
 
 }  // namespace mjcf_pdg::app

@@ -130,8 +130,8 @@ void Drag::Pull(mjData& data, bool turns, double enough, Error3 error) const {
     Matrix3X rows(3, n);
     for (int r = 0; r < 3; ++r) {
       for (Eigen::Index k = 0; k < n; ++k) {
-        rows(r, k) = jacobian[static_cast<std::size_t>(r) * model_.nv +
-                              dofs[static_cast<std::size_t>(k)]];
+        rows(r, k) =
+            jacobian[static_cast<std::size_t>(r) * model_.nv + dofs[static_cast<std::size_t>(k)]];
       }
     }
     Eigen::Matrix3d metric = rows * weight.asDiagonal() * rows.transpose();

@@ -42,10 +42,10 @@ class Drag {
   int body_;
   int carrier_body_ = 0;  // with the free joint or the mocap pose
   Carrier carrier_ = Carrier::kNone;
-  std::array<double, 3> point_W_ = {};    // where it was grabbed
-  std::array<double, 3> point_B_ = {};    // the same in the body's frame
-  std::array<double, 3> place_W_ = {};    // of the carrier when it was grabbed
-  std::array<double, 4> turn_W_ = {};     // the same, as a quaternion
+  std::array<double, 3> point_W_ = {};      // where it was grabbed
+  std::array<double, 3> point_B_ = {};      // the same in the body's frame
+  std::array<double, 3> place_W_ = {};      // of the carrier when it was grabbed
+  std::array<double, 4> turn_W_ = {};       // the same, as a quaternion
   std::array<double, 4> body_turn_W_ = {};  // of the body when it was grabbed
 };
 

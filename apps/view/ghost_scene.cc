@@ -43,10 +43,7 @@ void Tint(mjvGeom& geom, const std::array<float, 3>& color, float share, float a
 }  // namespace
 
 GhostScene::GhostScene(const mjModel& model)
-    : model_(model),
-      command_(mj_makeData(&model)),
-      ghost_(mj_makeData(&model)),
-      owner_(scene) {
+    : model_(model), command_(mj_makeData(&model)), ghost_(mj_makeData(&model)), owner_(scene) {
   if (!command_ || !ghost_) throw std::runtime_error("no memory for the data of the model");
   // Room for all objects twice, and for frames, labels and contacts.
   const auto num_objects = model.ngeom + model.nsite + model.ntendon + model.nwrap + model.njnt;
@@ -153,9 +150,8 @@ void GhostScene::Paint(const std::vector<int>& guilty, bool own_colors) {
 void GhostScene::AddGhost() {
   const double apart = kApart * model_.stat.extent;
   const int first = scene.ngeom;
-  Add(*ghost_, option, mjCAT_DYNAMIC, [&](int geom) {
-    return Apart(model_, *command_, *ghost_, geom) > apart;
-  });
+  Add(*ghost_, option, mjCAT_DYNAMIC,
+      [&](int geom) { return Apart(model_, *command_, *ghost_, geom) > apart; });
   for (int i = first; i < scene.ngeom; ++i) {
     mjvGeom& geom = scene.geoms[i];
     Tint(geom, ghost_free_ ? kGhostColor : kUnfreeGhostColor, 1.0f, kGhostAlpha);

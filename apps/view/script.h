@@ -28,12 +28,12 @@ struct ScriptEvent {
   int frames = 0;  // how many pass with this event; the step
   int id = -1;     // of the joint or body in the model
   KeyPress key;
-  std::string text;                   // the row, the file
+  std::string text;                    // the row, the file
   std::array<double, 3> numbers = {};  // value; displacement; azimuth, elevation, distance
 };
 
-// The events of a script. Throws Error, which begins with `name` and the line's number, for one that
-// is not understood and for unknown names of joints (hinges and slides) and bodies.
+// The events of a script. Throws Error, which begins with `name` and the line's number, for one
+// that is not understood and for unknown names of joints (hinges and slides) and bodies.
 std::vector<ScriptEvent> ParseScript(const std::string& text, const std::string& name,
                                      const mjModel& model);
 

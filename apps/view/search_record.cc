@@ -13,8 +13,13 @@ SearchRecord Record(const Scene& scene, Options options, Configuration row) {
   options.mocap_quat = row.mocap_quat;
   Solver solver(scene, options);
   solver.SetObserver([&record](const Iteration& at) {
-    record.steps.push_back({at.start, at.descent, at.step, {at.q.begin(), at.q.end()}, at.sigma,
-                            at.violation, at.free});
+    record.steps.push_back({at.start,
+                            at.descent,
+                            at.step,
+                            {at.q.begin(), at.q.end()},
+                            at.sigma,
+                            at.violation,
+                            at.free});
   });
   record.result = solver.Solve(std::span<const double>(row.q));
   SearchStep answer;

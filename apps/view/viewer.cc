@@ -1,39 +1,23 @@
 #include "apps/view/viewer.h"
 
 #include <algorithm>
-#include <cmath>
-#include <exception>
+#include <cstdio>
 #include <numbers>
 #include <utility>
-
-#include "apps/console/text.h"
 
 namespace mjcf_pdg::app {
 namespace {
 
 // As in simulate: a click of the wheel is a motion by this share of the window's height.
 constexpr double kZoom = 0.02;
-// A command that stays is ticked so often: two seconds, in which the search for a nearer answer
-// goes on beside it.
-constexpr int kTicksAtRest = 120;
-
-std::string FormatKey(const std::vector<double>& q, bool all_digits) {
-  std::string text = "<key qpos=\"";
+std::string FormatQpos(const std::vector<double>& q, bool all_digits) {
+  std::string text = "\"";
   for (std::size_t k = 0; k < q.size(); ++k) {
     char number[40];
     std::snprintf(number, sizeof number, all_digits ? "%.17g" : "%g", q[k]);
     text += (k > 0 ? " " : "") + std::string(number);
   }
-  return text + "\"/>";
-}
-
-std::vector<int> GuiltyGeoms(const Result* result) {
-  std::vector<int> geoms;
-  if (!result) return geoms;
-  for (const Contact& contact : result->contacts_in) {
-    geoms.insert(geoms.end(), contact.geom.begin(), contact.geom.end());
-  }
-  return geoms;
+  return text + "\"";
 }
 
 }  // namespace
@@ -46,16 +30,6 @@ Viewer::Viewer(const Scene& scene, const Options& options, std::vector<Configura
       search_(scene, options),
       ghost_(*scene.model()),
       rows_(std::move(rows)) {}
-
-// Shows what went wrong instead of ending the program.
-template <typename Action>
-void Viewer::Try(Action action) {
-  try {
-    action();
-  } catch (const std::exception& e) {
-    Say(OneLine(e.what()));
-  }
-}
 
 // ---- Input ----
 
@@ -291,8 +265,13 @@ void Viewer::LookAt(const double point_W[3]) {
 }
 
 void Viewer::Copy(const std::vector<double>& q, bool all_digits) {
-  clipboard_ = FormatKey(q, all_digits);
+  clipboard_ = "<key qpos=" + FormatQpos(q, all_digits) + "/>";
   Say("qpos is in the clipboard");
+}
+
+void Viewer::CopySolveCommand() {
+  clipboard_ = solve_command + " --qpos " + FormatQpos(session_.command(), true);
+  Say("the command line is in the clipboard");
 }
 
 void Viewer::Paste(const std::string& text) {
@@ -313,41 +292,6 @@ void Viewer::Paste(const std::string& text) {
   });
 }
 
-// ---- Time ----
-
-void Viewer::Solve() {
-  if (search_.running()) return;
-  search_.Begin(session_.row());
-  Say("solving ...");
-}
-
-void Viewer::FinishSearch() {
-  Try([&] {
-    record_ = search_.Take();
-    ShowStep(record_->steps.size() - 1);
-    running_ = false;
-    Say(std::to_string(record_->steps.size() - 1) + " iterations, " +
-        std::to_string(record_->result.stats.collision_queries) + " queries");
-  });
-}
-
-void Viewer::Play() {
-  if (!running_) return;
-  if (timeline_ == Timeline::kRows) {
-    if (row_ + 1 < rows_.size()) {
-      session_.SetCommand(rows_[++row_].q);
-    } else {
-      running_ = false;
-    }
-  } else if (timeline_ == Timeline::kSearch) {
-    if (step_ + 1 < record_->steps.size()) {
-      ++step_;
-    } else {
-      running_ = false;
-    }
-  }
-}
-
 const Result* Viewer::result() const {
   return timeline_ == Timeline::kSearch ? &record_->result : session_.result();
 }
@@ -366,30 +310,6 @@ std::array<double, 2> Viewer::SliderRange(int joint) const {
   if (m.jnt_limited[joint]) return {m.jnt_range[2 * joint], m.jnt_range[2 * joint + 1]};
   const double half = m.jnt_type[joint] == mjJNT_HINGE ? std::numbers::pi : m.stat.extent;
   return {-half, half};
-}
-
-void Viewer::NextFrame() {
-  if (scripted_) RunScript();
-  if (search_.done()) FinishSearch();
-  Play();
-  const bool live = timeline_ == Timeline::kLive && (running_ || single_tick_);
-  const bool changing = !session_.result() || session_.ticks_at_rest() < kTicksAtRest;
-  single_tick_ = false;
-  if (timeline_ != Timeline::kSearch && (live || timeline_ == Timeline::kRows || !result()) &&
-      changing) {
-    Try([&] {
-      session_.Tick();
-      if (services_.ticked) services_.ticked(session_.row(), *session_.result());
-    });
-  }
-  ghost_.SetCommand(session_.row());
-  ghost_.RemoveGhost();
-  if (const std::vector<double>* q = ghost_q()) {
-    const bool free = timeline_ == Timeline::kSearch ? record_->steps[step_].free
-                                                     : result()->status != Status::kUnsolved;
-    ghost_.SetGhost(*q, free);
-  }
-  ghost_.Update(GuiltyGeoms(result()), shown);
 }
 
 }  // namespace mjcf_pdg::app

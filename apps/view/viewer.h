@@ -5,12 +5,14 @@
 
 #include <array>
 #include <cstddef>
+#include <exception>
 #include <functional>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "apps/console/text.h"
 #include "apps/view/drag.h"
 #include "apps/view/ghost_scene.h"
 #include "apps/view/input.h"
@@ -55,10 +57,11 @@ class Viewer {
   void Do(const KeyAction& action);
   void SetJoint(int joint, double value);  // of a hinge or slide
   void ShowRow(std::size_t row);
-  void ShowStep(std::size_t step);  // of the search
+  void ShowStep(std::size_t step);     // of the search
   void PlayRows();                     // from the one that is shown
   void Open(const std::string& path);  // rows from a file, in place of those there are
   void Save();
+  void CopySolveCommand();  // that solves the command of now
   void LookAt(const double point_W[3]);
   void Paste(const std::string& text);  // a configuration from qpos="..." or from numbers
 
@@ -103,7 +106,8 @@ class Viewer {
 
   Panels panels;
   Shown shown;
-  std::string save_path;  // where Save writes
+  std::string save_path;      // where Save writes
+  std::string solve_command;  // the command line that solves with these options, all but --qpos
 
  private:
   void GoLive();
@@ -117,8 +121,15 @@ class Viewer {
   std::size_t FindRow(const std::string& label) const;
   void Start(const ScriptEvent& event);
   void Copy(const std::vector<double>& q, bool all_digits);
+  // Calls `action`, and says what went wrong in it instead of ending the program.
   template <typename Action>
-  void Try(Action action);
+  void Try(Action action) {
+    try {
+      action();
+    } catch (const std::exception& e) {
+      Say(OneLine(e.what()));
+    }
+  }
 
   const Scene& scene_;
   ViewServices services_;

@@ -134,10 +134,14 @@ TEST_F(CliViewTest, ABallIsDraggedIntoAWallAndItsGhostStaysBefore) {
   EXPECT_LT(Count(before, IsOrange), 50);
 
   // Double-click the ball, then pull it to the right with Ctrl and the right button.
-  const bool dragged = After({"mousemove", kMiddleX, kMiddleY, "click", "--repeat", "2", "1",
-                              "keydown", "ctrl", "mousedown", "3", "mousemove_relative", "60", "0",
-                              "mousemove_relative", "60", "0", "mousemove_relative", "30", "0",
-                              "mouseup", "3", "keyup", "ctrl"},
+  const bool dragged = After({"mousemove", kMiddleX,   kMiddleY,
+                              "click",     "--repeat", "2",
+                              "1",         "keydown",  "ctrl",
+                              "mousedown", "3",        "mousemove_relative",
+                              "60",        "0",        "mousemove_relative",
+                              "60",        "0",        "mousemove_relative",
+                              "30",        "0",        "mouseup",
+                              "3",         "keyup",    "ctrl"},
                              [this] { return tick_["status"] == "solved"; });
   ASSERT_TRUE(dragged) << tick_;
   EXPECT_LT(command(), -0.16) << "the swing goes to the right for negative angles";
@@ -150,9 +154,8 @@ TEST_F(CliViewTest, ABallIsDraggedIntoAWallAndItsGhostStaysBefore) {
 
   // Backspace puts the row back, and the picture with it.
   EXPECT_TRUE(After({"key", "BackSpace"}, [this] { return command() == 0.0; }));
-  EXPECT_TRUE(Shows([](const Pixels& seen) {
-    return Count(seen, IsBlue) < 50 && Count(seen, IsOrange) < 50;
-  }));
+  EXPECT_TRUE(Shows(
+      [](const Pixels& seen) { return Count(seen, IsBlue) < 50 && Count(seen, IsOrange) < 50; }));
 
   // The middle button zooms, the left one turns the camera: all that is shown changes.
   const Pixels reset = display_->Look();
@@ -193,9 +196,8 @@ TEST_F(CliViewTest, AGroupIsHiddenByItsDigit) {
   EXPECT_TRUE(Shows(shows_ball));
   const Pixels before = display_->Look();
   display_->Send({"mousemove", kMiddleX, kMiddleY, "key", "0"});
-  EXPECT_TRUE(Shows([&](const Pixels& seen) {
-    return Differences(seen, before) > 20000 && !shows_ball(seen);
-  }));
+  EXPECT_TRUE(Shows(
+      [&](const Pixels& seen) { return Differences(seen, before) > 20000 && !shows_ball(seen); }));
 }
 
 TEST_F(CliViewTest, AScriptDragsAFigureThroughABench) {
@@ -228,7 +230,8 @@ TEST_F(CliViewTest, WhatCannotBeIsRefusedInOneLine) {
   ExpectRefused({"view", "swing.xml", "--script", "row.txt"}, "a row 'nowhere'");
   ExpectRefused({"view", "swing.xml", "--script", "none.txt"}, "none.txt: no such file");
   ExpectRefused({"view", "swing.xml", "--out-mjcf", "swing.xml"}, "--out-mjcf");
-  ExpectRefused({"view", "swing.xml", "--json", "none/a.json"}, "--json: none/a.json: no such folder");
+  ExpectRefused({"view", "swing.xml", "--json", "none/a.json"},
+                "--json: none/a.json: no such folder");
 }
 
 TEST_F(CliTest, AViewWithoutADisplayIsRefusedInOneLine) {

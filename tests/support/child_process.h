@@ -2,9 +2,10 @@
 #ifndef MJCF_PDG_TESTS_SUPPORT_CHILD_PROCESS_H_
 #define MJCF_PDG_TESTS_SUPPORT_CHILD_PROCESS_H_
 
+#include <sys/types.h>
+
 #include <optional>
 #include <string>
-#include <sys/types.h>
 #include <vector>
 
 namespace mjcf_pdg::test {

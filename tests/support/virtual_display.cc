@@ -45,11 +45,10 @@ VirtualDisplay::VirtualDisplay() {
   const std::string folder = (folder_ / "screen").string();
   std::filesystem::create_directory(folder);
   // It writes the number of the display that it has found free to descriptor 3.
-  server_.emplace(ChildProcess::Start{
-      .arguments = {"Xvfb", "-displayfd", "3", "-screen", "0", screen, "-fbdir", folder,
-                    "-nolisten", "tcp"},
-      .errors = folder + "/errors",
-      .output = 3});
+  server_.emplace(ChildProcess::Start{.arguments = {"Xvfb", "-displayfd", "3", "-screen", "0",
+                                                    screen, "-fbdir", folder, "-nolisten", "tcp"},
+                                      .errors = folder + "/errors",
+                                      .output = 3});
   const std::optional<std::string> number = server_->ReadLine();
   if (!number) throw std::runtime_error("Xvfb does not start");
   number_ = *number;
@@ -77,7 +76,8 @@ Pixels VirtualDisplay::Look() const {
   const std::size_t line = BigEndian(bytes, kBytesPerLine);
   for (int y = 0; y < pixels.height; ++y) {
     for (int x = 0; x < pixels.width; ++x) {
-      const std::size_t at = begin + line * static_cast<std::size_t>(y) + 4 * static_cast<std::size_t>(x);
+      const std::size_t at =
+          begin + line * static_cast<std::size_t>(y) + 4 * static_cast<std::size_t>(x);
       for (const std::size_t k : std::array<std::size_t, 3>{2, 1, 0}) {  // blue comes first
         pixels.rgb.push_back(static_cast<std::uint8_t>(bytes.at(at + k)));
       }

@@ -93,6 +93,8 @@ void Panels::DrawRepair(Viewer& viewer) {
   Line("tick", "%.3g ms", 1e3 * session.MedianSeconds());
   Line("longest of 120", "%.3g ms", 1e3 * session.LongestSeconds());
   Line("queries", "%.0f", result->stats.collision_queries);
+  if (ImGui::Button("Copy mjcf-pdg solve ...")) viewer.CopySolveCommand();
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s --qpos ...", viewer.solve_command.c_str());
 }
 
 void Panels::DrawContacts(Viewer& viewer) {

@@ -137,7 +137,7 @@ Window::Window(Viewer& viewer, const WindowOptions& options) : viewer_(viewer) {
   ImGui::GetStyle().Colors[ImGuiCol_WindowBg].w = 1.0f;
   ImGui_ImplGlfw_InitForOpenGL(window_, true);  // goes on to call what Listen has set
   ImGui_ImplOpenGL3_Init("#version 120");       // compatibility profile, as mjr_* needs
-  if (software) {  // as simulate does
+  if (software) {                               // as simulate does
     viewer_.ghost_scene().scene.flags[mjRND_SHADOW] = 0;
     viewer_.ghost_scene().scene.flags[mjRND_REFLECTION] = 0;
   }
@@ -145,7 +145,8 @@ Window::Window(Viewer& viewer, const WindowOptions& options) : viewer_(viewer) {
 
 void Window::Open(const WindowOptions& options, int samples) {
   glfwWindowHint(GLFW_SAMPLES, samples);
-  window_ = glfwCreateWindow(options.width, options.height, options.title.c_str(), nullptr, nullptr);
+  window_ =
+      glfwCreateWindow(options.width, options.height, options.title.c_str(), nullptr, nullptr);
   if (!window_) {
     glfwTerminate();
     Fail("the display gives no OpenGL");

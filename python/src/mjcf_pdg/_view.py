@@ -1,6 +1,7 @@
 """MuJoCo's passive viewer with the repaired configuration as a ghost."""
 
 import copy
+import threading
 import types
 import typing
 import warnings
@@ -42,7 +43,9 @@ class GhostScene:
             mujoco.mj_kinematics(self._model, pose)
             mujoco.mj_comPos(self._model, pose)
         guilty = np.zeros(self._model.ngeom, dtype=bool)
-        guilty[[geom for contact in result.contacts_in for geom in contact.geom]] = True
+        for contact in result.contacts_in:
+            for geom in (contact.geom1, contact.geom2):
+                guilty[self._model.geom(geom).id] = True
         self._add(scene, self._command, guilty & ~self._unbounded, _GUILTY)
         for geom in scene.geoms[: scene.ngeom]:
             geom.size *= _LARGER
@@ -73,12 +76,13 @@ class View:
     viewer: the mujoco.viewer.Handle. result: of the last `sync`, or None.
     """
 
-    def __init__(self, handle: typing.Any, model: mujoco.MjModel, data: mujoco.MjData, tracker: Tracker) -> None:
+    def __init__(self, handle: typing.Any, threads: list[threading.Thread], data: mujoco.MjData, tracker: Tracker) -> None:
         self.viewer = handle
         self.result: Result | None = None
         self._data = data
         self._tracker = tracker
-        self._scene = GhostScene(model)
+        self._threads = threads
+        self._scene = GhostScene(tracker.model)
 
     def sync(self) -> Result:
         """Repairs data.qpos, draws the ghost, and lets the viewer take over what its sliders say.
@@ -96,7 +100,10 @@ class View:
         return self.viewer.is_running()
 
     def close(self) -> None:
+        """Closes the window and waits until it is gone: where Python ends before, the viewer may crash."""
         self.viewer.close()
+        for thread in self._threads:
+            thread.join(timeout=10.0)
 
     def __enter__(self) -> "View":
         return self
@@ -140,10 +147,12 @@ def view(
     import mujoco.viewer
 
     _check_display()
+    before = set(threading.enumerate())
     handle = mujoco.viewer.launch_passive(
         model, data, key_callback=key_callback, show_left_ui=show_left_ui, show_right_ui=show_right_ui
     )
-    return View(handle, model, data, tracker)
+    viewers = [thread for thread in threading.enumerate() if thread not in before]
+    return View(handle, viewers, data, tracker)
 
 
 def _check_display() -> None:

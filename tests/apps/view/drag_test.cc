@@ -14,7 +14,8 @@ namespace {
 using app::Drag;
 using Vector = std::array<double, 3>;
 
-// Two links of 1 m in the plane, one behind the other along x. The second may turn by a right angle.
+// Two links of 1 m in the plane, one behind the other along x. The second may turn by a right
+// angle.
 constexpr char kArm[] = R"(<mujoco><compiler angle="radian"/><worldbody>
   <geom name="post" size=".05" pos="0 0 -1"/>
   <body name="upper"><joint axis="0 0 1"/><geom type="capsule" fromto="0 0 0 1 0 0" size=".05"/>

@@ -8,7 +8,6 @@
 namespace mjcf_pdg::app {
 namespace {
 
-
 KeyAction Of(const std::string& name) { return ActionOf(ParseKey(name)); }
 
 void ExpectAction(const std::string& name, Command command, int index = 0) {

@@ -44,8 +44,8 @@ TEST_F(ViewSessionTest, EveryTickIsFreeAndBracketed) {
     session.Tick();
     const Result& result = *session.result();
     EXPECT_TRUE(Verify(scene_, result.q).free);
-    // The way out to the left takes the whole mass along by `left`, the one over the top by 0.5. The
-    // second one is taken some ticks after it has become the shorter one.
+    // The way out to the left takes the whole mass along by `left`, the one over the top by 0.5.
+    // The second one is taken some ticks after it has become the shorter one.
     const double left = -1.0 + 0.01 * tick + 0.6;
     if (left <= 1e-9) {
       EXPECT_EQ(result.status, Status::kAlreadyFree);

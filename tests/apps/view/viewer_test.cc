@@ -221,6 +221,12 @@ TEST_F(ViewerTest, TheClipboardHasAKeyThatCanBePasted) {
     EXPECT_EQ(viewer.session().command(), q) << text;
   }
   EXPECT_NE(viewer.message(), "");
+
+  viewer.solve_command = "mjcf-pdg solve ball.xml";
+  viewer.SetJoint(0, 0.1);
+  viewer.SetJoint(1, -0.25);
+  viewer.CopySolveCommand();
+  EXPECT_EQ(viewer.TakeClipboard(), "mjcf-pdg solve ball.xml --qpos \"0.10000000000000001 -0.25\"");
 }
 
 TEST_F(ViewerTest, OnlyWhatIsFreeIsSaved) {

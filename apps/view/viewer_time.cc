@@ -1,12 +1,86 @@
-// The part of Viewer that follows a script.
+// The part of Viewer that goes on from frame to frame: what plays, the search, scripts.
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "apps/view/viewer.h"
 
 namespace mjcf_pdg::app {
+namespace {
 
 using Kind = ScriptEvent::Kind;
+
+// A command that stays is ticked so often: two seconds, in which the search for a nearer answer
+// goes on beside it.
+constexpr int kTicksAtRest = 120;
+
+std::vector<int> GuiltyGeoms(const Result* result) {
+  std::vector<int> geoms;
+  if (!result) return geoms;
+  for (const Contact& contact : result->contacts_in) {
+    geoms.insert(geoms.end(), contact.geom.begin(), contact.geom.end());
+  }
+  return geoms;
+}
+
+}  // namespace
+
+void Viewer::Solve() {
+  if (search_.running()) return;
+  search_.Begin(session_.row());
+  Say("solving ...");
+}
+
+void Viewer::FinishSearch() {
+  Try([&] {
+    record_ = search_.Take();
+    ShowStep(record_->steps.size() - 1);
+    running_ = false;
+    Say(std::to_string(record_->steps.size() - 1) + " iterations, " +
+        std::to_string(record_->result.stats.collision_queries) + " queries");
+  });
+}
+
+void Viewer::Play() {
+  if (!running_) return;
+  if (timeline_ == Timeline::kRows) {
+    if (row_ + 1 < rows_.size()) {
+      session_.SetCommand(rows_[++row_].q);
+    } else {
+      running_ = false;
+    }
+  } else if (timeline_ == Timeline::kSearch) {
+    if (step_ + 1 < record_->steps.size()) {
+      ++step_;
+    } else {
+      running_ = false;
+    }
+  }
+}
+
+void Viewer::NextFrame() {
+  if (scripted_) RunScript();
+  if (search_.done()) FinishSearch();
+  Play();
+  const bool live = timeline_ == Timeline::kLive && (running_ || single_tick_);
+  const bool changing = !session_.result() || session_.ticks_at_rest() < kTicksAtRest;
+  single_tick_ = false;
+  if (timeline_ != Timeline::kSearch && (live || timeline_ == Timeline::kRows || !result()) &&
+      changing) {
+    Try([&] {
+      session_.Tick();
+      if (services_.ticked) services_.ticked(session_.row(), *session_.result());
+    });
+  }
+  ghost_.SetCommand(session_.row());
+  ghost_.RemoveGhost();
+  if (const std::vector<double>* q = ghost_q()) {
+    const bool free = timeline_ == Timeline::kSearch ? record_->steps[step_].free
+                                                     : result()->status != Status::kUnsolved;
+    ghost_.SetGhost(*q, free);
+  }
+  ghost_.Update(GuiltyGeoms(result()), shown);
+}
 
 void Viewer::Run(std::vector<ScriptEvent> script) {
   for (const ScriptEvent& event : script) {
