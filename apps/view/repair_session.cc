@@ -15,16 +15,36 @@ RepairSession::RepairSession(const Scene& scene, const Options& options, const C
 }
 
 void RepairSession::Jump(const Configuration& row) {
-  row_ = row;
+  mj_resetData(scene_.model(), data_.get());
+  Follow(row);
   tracker_.reset();
   known_ = false;
+}
+
+void RepairSession::Follow(const Configuration& row) {
+  row_ = row;
+  q_begin_ = row.q;
   at_rest_ = 0;
-  const mjModel& m = *scene_.model();
-  mj_resetData(&m, data_.get());
-  std::copy(row_.mocap_pos.begin(), row_.mocap_pos.end(), data_->mocap_pos);
-  std::copy(row_.mocap_quat.begin(), row_.mocap_quat.end(), data_->mocap_quat);
-  row_.mocap_pos.assign(data_->mocap_pos, data_->mocap_pos + 3 * m.nmocap);
-  row_.mocap_quat.assign(data_->mocap_quat, data_->mocap_quat + 4 * m.nmocap);
+  const bool as_before = row.mocap_pos.empty();
+  SetObstacles(as_before ? data_->mocap_pos : row.mocap_pos.data(),
+               as_before ? data_->mocap_quat : row.mocap_quat.data());
+}
+
+void RepairSession::SetObstacles(const double* mocap_pos, const double* mocap_quat) {
+  const std::size_t n = static_cast<std::size_t>(scene_.model()->nmocap);
+  const bool moved = !std::equal(mocap_pos, mocap_pos + 3 * n, data_->mocap_pos) ||
+                     !std::equal(mocap_quat, mocap_quat + 4 * n, data_->mocap_quat);
+  if (moved) at_rest_ = 0;
+  std::copy_n(mocap_pos, moved ? 3 * n : 0, data_->mocap_pos);
+  std::copy_n(mocap_quat, moved ? 4 * n : 0, data_->mocap_quat);
+  row_.mocap_pos.assign(data_->mocap_pos, data_->mocap_pos + 3 * n);
+  row_.mocap_quat.assign(data_->mocap_quat, data_->mocap_quat + 4 * n);
+}
+
+Configuration RepairSession::Origin() const {
+  Configuration origin = row_;
+  origin.q = q_begin_;
+  return origin;
 }
 
 void RepairSession::SetCommand(std::span<const double> q) {
@@ -34,17 +54,8 @@ void RepairSession::SetCommand(std::span<const double> q) {
 }
 
 void RepairSession::SetCommand(const mjData& data) {
-  const mjModel& m = *scene_.model();
-  SetCommand({data.qpos, static_cast<std::size_t>(m.nq)});
-  const std::size_t n = static_cast<std::size_t>(m.nmocap);
-  if (!std::equal(data.mocap_pos, data.mocap_pos + 3 * n, data_->mocap_pos) ||
-      !std::equal(data.mocap_quat, data.mocap_quat + 4 * n, data_->mocap_quat)) {
-    at_rest_ = 0;
-  }
-  std::copy_n(data.mocap_pos, 3 * n, data_->mocap_pos);
-  std::copy_n(data.mocap_quat, 4 * n, data_->mocap_quat);
-  row_.mocap_pos.assign(data.mocap_pos, data.mocap_pos + 3 * n);
-  row_.mocap_quat.assign(data.mocap_quat, data.mocap_quat + 4 * n);
+  SetCommand({data.qpos, static_cast<std::size_t>(scene_.nq())});
+  SetObstacles(data.mocap_pos, data.mocap_quat);
 }
 
 void RepairSession::Tick() {

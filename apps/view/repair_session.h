@@ -28,6 +28,8 @@ class RepairSession {
   void SetCommand(std::span<const double> q);
   // The same with the mocap poses of `data`, which belongs to the scene's model.
   void SetCommand(const mjData& data);
+  // The next row, which the repair follows.
+  void Follow(const Configuration& row);
 
   // Repairs the command of now. Throws Error where the command is bad.
   void Tick();
@@ -35,6 +37,8 @@ class RepairSession {
   const std::vector<double>& command() const { return row_.q; }
   // The command with its mocap poses, under the name of the row that it began as.
   const Configuration& row() const { return row_; }
+  // The same, but the configuration that it began as: what a keyframe's controls belong to.
+  Configuration Origin() const;
   // Of the last tick. Before the first one, and after Jump until the next: null.
   const Result* result() const { return known_ ? &result_ : nullptr; }
   // How many ticks ago the command changed last.
@@ -45,6 +49,8 @@ class RepairSession {
   double LongestSeconds() const;
 
  private:
+  void SetObstacles(const double* mocap_pos, const double* mocap_quat);
+
   static constexpr std::size_t kTimes = 120;  // two seconds of frames
   struct Deleter {
     void operator()(mjData* data) const { mj_deleteData(data); }
@@ -55,6 +61,7 @@ class RepairSession {
   std::unique_ptr<mjData, Deleter> data_;  // obstacles, as the Tracker takes them
   std::unique_ptr<Tracker> tracker_;       // null: the next tick solves anew
   Configuration row_;
+  std::vector<double> q_begin_;  // of the row, before the hand moved it
   Result result_;
   bool known_ = false;
   int at_rest_ = 0;

@@ -253,7 +253,7 @@ void Viewer::Save() {
     const Result* const found = result();
     if (!found) throw Error("nothing is repaired yet");
     if (found->status == Status::kUnsolved) throw Error("not saved: not free, " + found->reason);
-    const std::string name = services_.save(save_path, session_.row(), *found);
+    const std::string name = services_.save(save_path, session_.Origin(), *found);
     Say("keyframe " + name + " saved in " + save_path);
   });
 }

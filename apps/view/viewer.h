@@ -27,7 +27,8 @@ namespace mjcf_pdg::app {
 struct ViewServices {
   // Reads the rows of a file.
   std::function<std::vector<Configuration>(const std::string& path)> load;
-  // Saves a keyframe into the scene at `path`. Returns the name of the keyframe.
+  // Saves the result as a keyframe into the scene at `path`: made of the row that the command began
+  // as, among the mocap bodies of now. Returns the name of the keyframe.
   std::function<std::string(const std::string& path, const Configuration&, const Result&)> save;
   // Told of every tick.
   std::function<void(const Configuration&, const Result&)> ticked;

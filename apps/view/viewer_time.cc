@@ -45,7 +45,7 @@ void Viewer::Play() {
   if (!running_) return;
   if (timeline_ == Timeline::kRows) {
     if (row_ + 1 < rows_.size()) {
-      session_.SetCommand(rows_[++row_].q);
+      session_.Follow(rows_[++row_]);
     } else {
       running_ = false;
     }

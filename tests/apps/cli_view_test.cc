@@ -1,6 +1,8 @@
 // mjcf-pdg view in a window on a display in memory: real events, what they do to the command and
 // its repair, and what is to be seen. Skipped where the program has no window, or no Xvfb, xdotool
 // or OpenGL is installed.
+#include <mujoco/mujoco.h>
+
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -217,6 +219,29 @@ TEST_F(CliViewTest, AScriptDragsAFigureThroughABench) {
   EXPECT_GE(colliding, 40);
   EXPECT_LT(deepest, -0.05);
   EXPECT_EQ(Read("drag.png").substr(1, 3), "PNG");
+}
+
+// A ball over a table that is dragged up into it. The keyframe that is saved has the table where it
+// was dragged, and the servo's setpoint has gone along from where it was in the keyframe.
+TEST_F(CliViewTest, WhatIsSavedHasTheObstaclesWhereTheyWereDragged) {
+  Write("table.xml", R"(<mujoco><worldbody>
+    <body name="table" mocap="true"><geom type="box" size="1 1 .5" pos="0 0 -.5"/></body>
+    <body name="ball" pos="0 0 1"><joint name="z" type="slide" axis="0 0 1"/>
+      <geom name="ball" size=".1"/></body></worldbody>
+    <actuator><position joint="z" kp="10"/></actuator>
+    <keyframe><key name="home" qpos=".2" ctrl=".25"/></keyframe></mujoco>)");
+  Write("drag.txt", "frames 1\ndrag table 0 0 1.2 30\nframes 10\nkey ctrl+s\nframes 1\n");
+  Open("table.xml", {"--script", "drag.txt", "--out-mjcf", "saved.xml"});
+  if (IsSkipped()) return;
+  // Where the table is, is not in the ticks.
+  while (program_->ReadLine()) continue;
+  EXPECT_EQ(program_->Wait(), 0) << Read("errors");
+  const Scene saved = Scene::FromFile(cwd() / "saved.xml");
+  ASSERT_EQ(saved.KeyNames(), (std::vector<std::string>{"home", "home_pdg"}));
+  const mjModel& m = *saved.model();
+  EXPECT_NEAR(m.key_mpos[5], 1.2, 1e-9);
+  EXPECT_NEAR(m.key_qpos[1], 0.3, 1e-5);
+  EXPECT_NEAR(m.key_ctrl[1], 0.35, 1e-5);
 }
 
 TEST_F(CliViewTest, WhatCannotBeIsRefusedInOneLine) {
