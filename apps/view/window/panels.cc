@@ -223,6 +223,8 @@ void Panels::DrawJoints(Viewer& viewer) {
 }
 
 void Panels::DrawHelp() {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos(ImVec2(size.x / 2, size.y / 2), ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
   ImGui::Begin("Help [F1]", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
   ImGui::TextUnformatted(
       "left drag               orbit          Space        play, pause\n"
