@@ -13,12 +13,12 @@ constexpr float kColorShare = 0.08f;
 constexpr float kBrightest = 0.75f;
 constexpr float kGhostAlpha = 0.6f;
 // A floor in full orange would hide what stands on it; its own texture is gone.
-constexpr float kGuiltyFloorShare = 0.35f, kFloorTone = 0.45f;
+constexpr float kGuiltyFloorShare = 0.35f, kFloorTone = 0.25f;
 // What overlaps is drawn larger by this, in front of surfaces that coincide with its own.
 constexpr float kLarger = 1.003f;
 // A geom of the ghost that is nearer to its place in the command than this share of the model's
-// size is not drawn: surfaces that coincide flicker. A tenth of a pixel in a usual window.
-constexpr double kApart = 1e-4;
+// size is not drawn: surfaces that coincide flicker. Half a pixel in a usual window.
+constexpr double kApart = 1e-3;
 
 bool IsUnbounded(const mjModel& m, int geom) {
   return m.geom_type[geom] == mjGEOM_PLANE || m.geom_type[geom] == mjGEOM_HFIELD;

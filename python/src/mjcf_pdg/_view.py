@@ -19,7 +19,7 @@ _GHOST = (0.05, 0.30, 0.90, 0.6)
 _UNFREE_GHOST = (0.95, 0.95, 0.95, 0.6)
 # A geom of the ghost that is nearer to its place in the command than this share of the model's size is not drawn:
 # surfaces that coincide flicker. What overlaps is drawn larger by the other one, in front of what the viewer draws.
-_APART = 1e-4
+_APART = 1e-3
 _LARGER = 1.003
 
 
