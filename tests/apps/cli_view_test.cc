@@ -59,7 +59,7 @@ class CliViewTest : public CliTest {
     }
     Write("swing.xml", kSwing);
     if (const std::string missing = VirtualDisplay::Missing(); !missing.empty()) {
-      GTEST_SKIP() << missing << " is not installed";
+      GTEST_SKIP() << "not installed: " << missing;
     }
     display_.emplace();
   }
