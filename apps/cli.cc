@@ -14,6 +14,9 @@ Program MakeProgram() {
 #ifdef MJCF_PDG_HAVE_PLAN
   program.verbs.push_back(AddPlanVerb(app));
 #endif
+#ifdef MJCF_PDG_HAVE_VIEW
+  program.verbs.push_back(AddViewVerb(app));
+#endif
   constexpr char kVersion[] = "mjcf-pdg " MJCF_PDG_VERSION;
   app.set_version_flag("--version", kVersion);
   for (Verb& verb : program.verbs) verb.command->set_version_flag("--version", kVersion);

@@ -30,6 +30,7 @@ Verb AddRegressVerb(CLI::App& program);
 Verb AddAuditVerb(CLI::App& program);
 Verb AddPlanVerb(CLI::App& program);  // in builds with OMPL
 Verb AddReplayVerb(CLI::App& program);
+Verb AddViewVerb(CLI::App& program);  // in builds with GLFW and Dear ImGui
 
 // The whole command line: what main.cc parses and what the manual pages are written from.
 struct Program {

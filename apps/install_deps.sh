@@ -15,6 +15,8 @@ packages=(
   libgtest-dev libgmock-dev
   libcgal-dev                                      # tests and benches only: a second opinion on meshes
   libegl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libpng-dev libgif-dev  # pictures without a screen
+  libglfw3-dev libimgui-dev                        # the command view
+  xvfb xauth xdotool                               # tests and docs only: a window on a display in memory, events for it
   libompl-dev libboost-filesystem-dev libboost-serialization-dev libboost-system-dev  # the command plan
   patchelf                                         # packages only (preset `package`)
   mandoc pkg-config                                # tests only: manual pages, a consumer of what is installed
@@ -31,6 +33,8 @@ install_deps: this is not a Debian or Ubuntu system, so please install by hand:
   with headers: Eigen 3.4, FCL 0.7, assimp 5.2, zlib, CLI11 2.1, nlohmann-json 3.9, Boost 1.74; for tests GoogleTest 1.11 with
   GMock, CGAL 5.4;
   for the command plan: OMPL 1.5 with headers, and those of Boost that it includes;
+  for the command view: GLFW 3.3 with headers, Dear ImGui 1.86 as a library with its back ends for GLFW and OpenGL 3, and stb;
+  for its tests Xvfb and xdotool;
   for pictures: EGL, libpng and giflib with headers, and Mesa's EGL with its software driver (llvmpipe).
 Then run this again with MJCF_PDG_SKIP_DEPS=1.
 END

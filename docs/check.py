@@ -19,6 +19,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
+OPTIONAL = ("plan", "view")  # pages of commands that a build may lack
 BLOCK = re.compile(r"^```console\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 FILE = re.compile(r"^```\w+ ([\w.]+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 
@@ -130,6 +131,10 @@ def check(path: pathlib.Path, program: pathlib.Path, update: bool) -> int:
     return faults
 
 
+def lacks(program: pathlib.Path, command: str) -> bool:
+    return subprocess.run([program, command, "--help"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode != 0
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", type=pathlib.Path, default=ROOT / "build/bin/mjcf-pdg")
@@ -137,6 +142,10 @@ def main() -> int:
     parser.add_argument("documents", nargs="*", type=pathlib.Path)
     arguments = parser.parse_args()
     documents = arguments.documents or [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+    for path in list(documents):
+        if path.stem in OPTIONAL and lacks(arguments.program, path.stem):
+            print(f"{path}: skipped, the program was built without {path.stem}")
+            documents.remove(path)
     return 1 if sum(check(path.resolve(), arguments.program.resolve(), arguments.update) for path in documents) else 0
 
 

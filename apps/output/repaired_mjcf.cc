@@ -140,11 +140,13 @@ void FillKey(const mjModel& m, const Configuration& row, const std::vector<doubl
     const std::ptrdiff_t k = row.key;
     key->time = m.key_time[k];
     SetUnlessZero(key->qvel, m.key_qvel + k * m.nv, m.nv);
-    SetVector(key->mpos, m.key_mpos + k * m.nmocap * 3, m.nmocap * 3);
-    SetVector(key->mquat, m.key_mquat + k * m.nmocap * 4, m.nmocap * 4);
     SetVector(key->plastic, m.key_plastic + k * m.nplastic, m.nplastic);
     std::copy_n(m.key_ctrl + k * m.nu, m.nu, setpoints.ctrl.begin());
     std::copy_n(m.key_act + k * m.na, m.na, setpoints.act.begin());
+  }
+  if (!row.mocap_pos.empty()) {  // those of the keyframe, unless they were moved since
+    SetVector(key->mpos, row.mocap_pos.data(), m.nmocap * 3);
+    SetVector(key->mquat, row.mocap_quat.data(), m.nmocap * 4);
   }
   MoveSetpoints(m, row, q, d, setpoints);
   SetUnlessZero(key->ctrl, setpoints.ctrl.data(), m.nu);

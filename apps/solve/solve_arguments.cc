@@ -10,9 +10,10 @@ namespace {
 constexpr double kReportedDistances = 1.0;  // Options::report_distances_to [m]
 
 // Options that do not decide how a row is solved.
-constexpr std::array kElsewhere = {"MODEL",  "--key",    "--qpos",      "--qpos-file", "--threads",
-                                   "--json", "--resume", "--out-qpos",  "--out-mjcf",  "--png",
-                                   "--html", "--trace",  "--animation", "--help",      "--version"};
+constexpr std::array kElsewhere = {"MODEL",       "--key",    "--qpos",   "--qpos-file",
+                                   "--threads",   "--json",   "--resume", "--out-qpos",
+                                   "--out-mjcf",  "--png",    "--html",   "--trace",
+                                   "--animation", "--script", "--help",   "--version"};
 
 bool Elsewhere(const CLI::Option& option) {
   for (const char* name : kElsewhere) {

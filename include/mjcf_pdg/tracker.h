@@ -25,7 +25,7 @@ namespace mjcf_pdg {
 
 struct TrackOptions {
   // Of these, tolerance, clearance, rest, metric, seed, mocap poses and what is reported count in
-  // every tick, all of them in the first. The lower bound is not computed after the first tick.
+  // every tick, all of them in the first.
   Options options = {};
   int queries = 12;  // most collision queries of a tick, as Stats::collision_queries counts; >= 6
   // Another optimum is taken if its √σ is smaller by this share, in [0, 1).
@@ -36,6 +36,9 @@ struct TrackOptions {
   // The straight motion from each answer to the next is proven free (mjcf_pdg/motion.h) and cut
   // short where it is not.
   bool certify_motion = false;
+  // Result::sigma_lower_bound is computed in every tick whose command is not free, which takes a
+  // query more. If this is false, only the first tick has it.
+  bool lower_bound = false;
 };
 
 // One per thread. It never writes to the user's model or data.

@@ -217,6 +217,7 @@ const Row kTable[] = {
     MJCF_PDG_ROW(switch_gain, kTrack, track.switch_gain),
     MJCF_PDG_ROW(max_step, kTrack, track.max_step),
     MJCF_PDG_ROW(certify_motion, kTrack, track.certify_motion),
+    MJCF_PDG_ROW(lower_bound, kTrack, track.lower_bound),
     MJCF_PDG_ROW(smooth, kRows, smooth),
 };
 

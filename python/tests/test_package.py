@@ -26,9 +26,9 @@ def run(code: str, *arguments: str, **environment: str) -> subprocess.CompletedP
 
 
 def test_names_are_those_that_other_programs_rely_on():
-    functions = {"solve", "gradient", "object_norm", "verify", "check_motion", "audit"}
+    functions = {"solve", "gradient", "object_norm", "verify", "check_motion", "audit", "view"}
     answers = {"Contact", "Gradient", "Motion", "Result", "Results", "Verdict"}
-    assert set(mjcf_pdg.__all__) == functions | answers | {"Solver", "Tracker", "__version__"}
+    assert set(mjcf_pdg.__all__) == functions | answers | {"Solver", "Tracker", "View", "__version__"}
     for name in (*functions, "Solver"):
         assert getattr(mjcf_pdg, name).__doc__
     methods = ("solve", "is_free", "set_hint", "set_budget", "reset")

@@ -53,6 +53,15 @@ def test_obstacles_are_those_of_the_data(model):
     assert result.status == "solved"
 
 
+def test_the_lower_bound_is_that_of_a_solve(model):
+    tracker, usual = mjcf_pdg.Tracker(model, lower_bound=True), mjcf_pdg.Tracker(model)
+    for x in np.linspace(-0.7, -0.5, 21):
+        result = tracker.step([x, -0.2])
+        assert result.sigma_lower_bound == mjcf_pdg.solve(model, [x, -0.2]).sigma_lower_bound
+        assert np.array_equal(result.q, usual.step([x, -0.2]).q)
+    assert np.sqrt(result.sigma_lower_bound) == pytest.approx(0.1, abs=1e-5)
+
+
 def test_bad_options_and_commands_are_refused(model):
     with pytest.raises(ValueError, match="max_step must be positive"):
         mjcf_pdg.Tracker(model, max_step=0.0)

@@ -15,7 +15,11 @@ set_target_properties(mjcf_pdg PROPERTIES INSTALL_RPATH "$ORIGIN/mjcf_pdg/mujoco
 if(TARGET mjcf-pdg)
   install(TARGETS mjcf-pdg)
   set_target_properties(mjcf-pdg PROPERTIES INSTALL_RPATH
-    "$ORIGIN/../${CMAKE_INSTALL_LIBDIR};$ORIGIN/../${private_dir}/mujoco;$ORIGIN/../${private_dir}/bundled")
+    "$ORIGIN/../${CMAKE_INSTALL_LIBDIR};$ORIGIN/../${private_dir};$ORIGIN/../${private_dir}/mujoco;$ORIGIN/../${private_dir}/bundled")
+  if(TARGET mjcf_pdg_view)  # found by the program's run path
+    install(TARGETS mjcf_pdg_view LIBRARY DESTINATION "${private_dir}")
+    set_target_properties(mjcf_pdg_view PROPERTIES INSTALL_RPATH "$ORIGIN/mujoco;$ORIGIN/bundled")
+  endif()
   install(DIRECTORY "${manual_dir}/" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1" FILES_MATCHING PATTERN "*.1")
 endif()
 

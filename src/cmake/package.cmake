@@ -1,7 +1,8 @@
 # Packages for machines that have nothing of ours: a .deb and a .tar.gz, both made by `cmake --build BUILD --target package`
 # (preset `package`). They hold MuJoCo's library and the shared libraries that the program and the library need (FCL, assimp,
 # libpng, giflib, and theirs), with the licence of each: the names and versions of those differ from one distribution to the next,
-# and one package is to run on all. What stays outside: the C and C++ runtime, and EGL, which only pictures ask for.
+# and one package is to run on all. What stays outside: the C and C++ runtime, EGL, which only pictures ask for, and GLFW and
+# OpenGL, which only `view` loads.
 
 # Libraries are copied when this component is installed, which `cmake --install BUILD` alone does not.
 install(CODE "
@@ -31,5 +32,5 @@ set(CPACK_DEBIAN_PACKAGE_DEPENDS "libc6 (>= ${libc}), libgcc-s1, libstdc++6")
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   string(APPEND CPACK_DEBIAN_PACKAGE_DEPENDS " (>= ${compiler})")
 endif()
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libegl1, libgl1-mesa-dri")  # pictures
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libegl1, libgl1-mesa-dri, libglfw3, libgl1")  # pictures, the window
 include(CPack)

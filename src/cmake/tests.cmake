@@ -59,7 +59,8 @@ if(MJCF_PDG_BUILD_TESTS)
 
   if(test_sources)
     add_executable(mjcf_pdg_tests ${test_sources})
-    target_link_libraries(mjcf_pdg_tests PRIVATE mjcf_pdg_fuzz mjcf_pdg_test_support mjcf_pdg_mesh_import assimp::assimp
+    target_link_libraries(mjcf_pdg_tests PRIVATE mjcf_pdg_view_state mjcf_pdg_fuzz mjcf_pdg_test_support
+                          mjcf_pdg_mesh_import assimp::assimp
                           GTest::gtest_main)
     if(plan)
       target_link_libraries(mjcf_pdg_tests PRIVATE mjcf_pdg_plan)
@@ -67,6 +68,9 @@ if(MJCF_PDG_BUILD_TESTS)
     if(TARGET mjcf-pdg)
       target_link_libraries(mjcf_pdg_tests PRIVATE ZLIB::ZLIB)  # reports are unpacked again
       add_dependencies(mjcf_pdg_tests mjcf-pdg)
+      if(view)
+        add_dependencies(mjcf_pdg_tests mjcf_pdg_view)
+      endif()
       target_compile_definitions(mjcf_pdg_tests PRIVATE MJCF_PDG_PROGRAM="$<TARGET_FILE:mjcf-pdg>")
       set_source_files_properties(tests/apps/cli_manual_test.cc PROPERTIES
                                   COMPILE_DEFINITIONS "MJCF_PDG_MANUAL_DIR=\"${manual_dir}\"")
@@ -144,7 +148,7 @@ if(MJCF_PDG_BUILD_TESTS)
              COMMAND "${CMAKE_COMMAND}" -D "build=${PROJECT_BINARY_DIR}" -D "config=$<CONFIG>"
                      -D "generator=${CMAKE_GENERATOR}" -D "compiler=${CMAKE_CXX_COMPILER}"
                      -D "flags=${CMAKE_CXX_FLAGS}" -D "mujoco_dir=${mujoco_DIR}"
-                     -D "program=$<TARGET_NAME_IF_EXISTS:mjcf-pdg>" -D "library=${shared_library}"
+                     -D "program=$<TARGET_NAME_IF_EXISTS:mjcf-pdg>" -D "library=${shared_library}" -D "view=${view}"
                      -P "${PROJECT_SOURCE_DIR}/tests/consumer/run.cmake")
   endif()
 endif()

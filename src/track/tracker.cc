@@ -32,7 +32,7 @@ struct MJCF_PDG_LOCAL Tracker::Impl : TrackerCore {
 Tracker::Tracker(const Scene& scene, const TrackOptions& options) {
   CheckMujocoVersion();
   CheckTrackOptions(options);
-  impl_ = std::make_unique<Impl>(scene, options);
+  impl_ = std::make_unique<Impl>(scene, options, Pace{.bounds = options.lower_bound});
 }
 
 Tracker::~Tracker() = default;

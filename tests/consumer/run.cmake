@@ -39,3 +39,11 @@ if(program)
   run("${work}/moved/bin/${program}" --version)
   run("${work}/moved/bin/${program}" check "${CMAKE_CURRENT_LIST_DIR}/ring.xml")  # an SDF geom, by MuJoCo's own plugin
 endif()
+if(view)  # the window's library is found where it was moved, although there is no display for it
+  execute_process(COMMAND "${CMAKE_COMMAND}" -E env DISPLAY=:98765 --unset=WAYLAND_DISPLAY
+                          "${work}/moved/bin/${program}" view "${CMAKE_CURRENT_LIST_DIR}/ring.xml"
+                  ERROR_VARIABLE words RESULT_VARIABLE code)
+  if(NOT code EQUAL 2 OR NOT words MATCHES "no window: there is no display")
+    message(FATAL_ERROR "view: ${code} ${words}")
+  endif()
+endif()

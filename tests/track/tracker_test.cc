@@ -240,6 +240,30 @@ TEST_F(TrackerTest, ItTakesNothingFromTheHeapOnceWarm) {
   }
 }
 
+// A ball that is pushed into a box by d must move by d, less the tolerance, wherever it goes.
+TEST_F(TrackerTest, TheLowerBoundIsThatOfASolve) {
+  const Scene scene = Scene::FromString(kBox);
+  TrackOptions options;
+  options.lower_bound = true;
+  Tracker tracker(scene, options), usual(scene);
+  Solver solver(scene);
+  Result result, plain;
+  for (int k = 0; k < 40; ++k) {
+    const double depth = 0.01 * (k - 5);
+    const Q command = {-0.6 + depth, 0.2};
+    tracker.Step(command, result);
+    usual.Step(command, plain);
+    EXPECT_EQ(result.q, plain.q) << "the answer is the same";
+    if (depth < 1e-9) {
+      EXPECT_EQ(result.sigma_lower_bound, 0.0);
+      continue;
+    }
+    EXPECT_NEAR(std::sqrt(result.sigma_lower_bound), depth, 1e-5);
+    EXPECT_EQ(result.sigma_lower_bound, solver.Solve(command).sigma_lower_bound);
+    EXPECT_EQ(plain.sigma_lower_bound, 0.0);
+  }
+}
+
 TEST_F(TrackerTest, ThreadsMayTrackInOneScene) {
   const Scene scene = Scene::FromString(kArm);
   std::vector<Q> ends(4);

@@ -25,6 +25,7 @@ from mjcf_pdg._functions import (  # noqa: E402
     solve,
     verify,
 )
+from mjcf_pdg._view import View, view  # noqa: E402
 
 if typing.TYPE_CHECKING:
     from mjcf_pdg._gymnasium import RepairOnReset
@@ -38,6 +39,7 @@ __all__ = [
     "Solver",
     "Tracker",
     "Verdict",
+    "View",
     "__version__",
     "audit",
     "check_motion",
@@ -45,6 +47,7 @@ __all__ = [
     "object_norm",
     "solve",
     "verify",
+    "view",
 ]
 
 

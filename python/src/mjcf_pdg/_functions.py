@@ -61,6 +61,7 @@ class TrackOptions(SolveOptions, total=False):
     switch_gain: float
     max_step: float
     certify_motion: bool
+    lower_bound: bool
 
 
 class Solver(_core.Solver):
@@ -95,6 +96,8 @@ class Tracker(_core.Tracker):
       max_step: no joint moves farther in a step [rad or m]; default: any distance.
       certify_motion: the straight motion from each answer to the next is proven free, and cut short
         where it is not.
+      lower_bound: sigma_lower_bound is computed in every step whose command is not free, for a query
+        more; report_lower_bound asks for the first step's alone.
     """
 
     def __init__(self, model: mujoco.MjModel, **options: typing.Unpack[TrackOptions]) -> None:
