@@ -113,6 +113,7 @@ int RunPlan(const CLI::App& command, PlanArguments& arguments) {
   plan.options.time_limit = arguments.time_limit_ms / 1e3;
   plan.options.mocap_pos = start.mocap_pos;
   plan.options.mocap_quat = start.mocap_quat;
+  plan.options.report_contacts = !arguments.html.empty();
 
   const std::vector<std::string> inputs = {arguments.scene.model};
   OutputFiles outputs;

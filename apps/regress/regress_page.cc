@@ -27,6 +27,20 @@ PageTable Compared(const RowReport& report) {
   return table;
 }
 
+// Suites do not ask for contacts, which take queries: they are looked for here.
+SolvedRow WithContacts(const Scene& scene, Options options, SolvedRow solved) {
+  options.mocap_pos = solved.row.mocap_pos;
+  options.mocap_quat = solved.row.mocap_quat;
+  const std::vector<double>& q_in = solved.row.q;
+  Verdict given = Verify(scene, q_in, options, &q_in);
+  Verdict found = Verify(scene, solved.result.q, options, &q_in);
+  solved.result.depth_in = given.min_distance;
+  solved.result.min_distance = found.min_distance;
+  solved.result.contacts_in = std::move(given.contacts);
+  solved.result.contacts = std::move(found.contacts);
+  return solved;
+}
+
 }  // namespace
 
 RegressPage::RegressPage(const std::string& again, std::string rows_again)
@@ -35,14 +49,14 @@ RegressPage::RegressPage(const std::string& again, std::string rows_again)
 
 void RegressPage::Begin(const Suite& suite, const SuiteCase& one) {
   name_ = (suite.folder / one.model).string();
-  metric_ = one.options.metric;
+  options_ = one.options;
   begun_ = false;
 }
 
 void RegressPage::Add(const Scene& scene, const SolvedRow& solved, const RowReport& report) {
   if (!begun_) page_.BeginModel(name_, scene);
   begun_ = true;
-  PageRow row = SolvedPageRow(scene, metric_, solved);
+  PageRow row = SolvedPageRow(scene, options_.metric, WithContacts(scene, options_, solved));
   row.status = report.change == Change::kNone ? row.status : NameOf(report.change);
   row.wrong = IsRegression(report.change);
   row.values = {report.before ? Rms(*report.before) : kNone, Rms(report.now),

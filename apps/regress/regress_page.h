@@ -31,8 +31,8 @@ class RegressPage {
   const std::string rows_again_;
   Page page_;
   PageTable models_{"Queries of each model", {"model", "golden", "now", ""}, {}, {}};
-  std::string name_;  // of the present model
-  Metric metric_ = Metric::kSequential;
+  std::string name_;    // of the present model
+  Options options_;     // of the present case
   bool begun_ = false;  // the present model is on the page
 };
 

@@ -17,7 +17,8 @@ namespace mjcf_pdg {
 
 struct PlanOptions {
   std::string planner = "birrt-pdg";  // PlannerNames
-  // Of these count tolerance, clearance, seed, the mocap poses and time_limit, for all of Plan [s].
+  // Of these count tolerance, clearance, seed, the mocap poses, report_contacts (of the ends as
+  // given) and time_limit, for all of Plan [s].
   Options options = {};
   // The length of a step [m]; 0: a tenth of the largest distance of random configurations.
   double range = 0.0;

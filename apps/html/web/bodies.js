@@ -90,7 +90,8 @@ export class Bodies {
       place(body, this.poses, POSE * (this.count * frame + b));
       for (const mesh of body.children) {
         const {geom, own} = mesh.userData;
-        mesh.material.color.set(this.moves[b] ? colour : this.overlapping.includes(geom.id) ? BEFORE : own);
+        const stands_out = geom.type !== 'plane' && this.overlapping.includes(geom.id);
+        mesh.material.color.set(this.moves[b] ? colour : stands_out ? BEFORE : own);
       }
     });
   }

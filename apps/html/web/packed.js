@@ -1,6 +1,7 @@
 // The blocks that apps/html/packed.cc makes: length of a JSON text, the text, then numbers; deflated, in base64.
 export async function unpack(id) {
-  const packed = Uint8Array.from(atob(document.getElementById(id).textContent), (c) => c.charCodeAt(0));
+  const digits = atob(document.getElementById(id).textContent), packed = new Uint8Array(digits.length);
+  for (let k = 0; k < digits.length; ++k) packed[k] = digits.charCodeAt(k);
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));
   const bytes = await new Response(stream).arrayBuffer();
   const length = new DataView(bytes).getUint32(0, true);

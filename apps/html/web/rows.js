@@ -8,7 +8,7 @@ export class RowList {
   constructor({rows, columns, models}, choose, draw) {
     Object.assign(this, {rows, columns, models, choose, current: -1, shown: []});
     this.several = models.length > 1;
-    const head = ['', 'row', ...(this.several ? ['model'] : []), 'name', 'status', ...columns];
+    const head = ['', 'row', 'name and status', ...columns];
     $('list-head').append(...head.map((words) => element('th', words)));
     const orders = [['index', 'by number'], ['label', 'by name'], ['status', 'by status'], ...columns.map((column, k) => [k, `${column}, largest first`])];
     $('sort').append(...orders.map(([value, words]) => element('option', words, {value})));
@@ -34,6 +34,7 @@ export class RowList {
     }
   }
 
+  // What the filter looks in: number, model (of several), name, status.
   words(index) {
     const {label, status, model} = this.rows[index];
     return [index, ...(this.several ? [this.models[model]] : []), label, status.replace('_', ' ')];
@@ -62,10 +63,10 @@ export class RowList {
       const line = element('tr', undefined, {'data-index': index}), picture = element('td');
       const canvas = element('canvas', undefined, {class: 'thumb', 'data-row': index, 'aria-hidden': true});
       picture.append(canvas);
-      const words = this.words(index).map((cell) => element('td', text(cell)));
-      words.at(-1).className = 'status';
-      words.at(-2).className = 'name';
-      line.append(picture, ...words, ...this.rows[index].values.map((value) => element('td', text(value))));
+      const [, ...words] = this.words(index), status = words.pop(), name = words.pop();
+      const cell = element('td', undefined, {class: 'name'});
+      cell.append(element('div', name), ...words.map((model) => element('div', model, {class: 'faint'})), element('div', status, {class: 'status faint'}));
+      line.append(picture, element('td', index), cell, ...this.rows[index].values.map((value) => element('td', text(value))));
       line.classList.toggle('wrong', this.rows[index].wrong);
       line.classList.toggle('chosen', index === this.current);
       onChoice(line, () => this.choose(index));

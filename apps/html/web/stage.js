@@ -10,13 +10,19 @@ const THUMB = [64, 48];    // pixels of a thumbnail
 function arrows(contacts, colour, size) {
   const group = new THREE.Group();
   for (const contact of contacts) {
-    const at = new THREE.Vector3(...contact.position), normal = new THREE.Vector3(...contact.normal);
-    const length = Math.max(2 * size, -contact.distance);
-    const arrow = new THREE.ArrowHelper(normal, at, length, colour, 0.4 * length, 0.2 * length);
-    const ball = new THREE.Mesh(new THREE.SphereGeometry(0.2 * size, 12, 8), new THREE.MeshBasicMaterial({color: colour}));
-    ball.position.copy(at);
-    [arrow.line, arrow.cone, ball].forEach((part) => { part.material.depthTest = false; part.renderOrder = 1; });
-    group.add(arrow, ball);
+    const length = Math.max(2 * size, -contact.distance), head = Math.min(size, 0.4 * length);
+    const material = new THREE.MeshBasicMaterial({color: colour, depthTest: false});
+    const arrow = new THREE.Group();
+    for (const geometry of [new THREE.SphereGeometry(0.2 * size, 12, 8),
+      new THREE.CylinderGeometry(0.08 * size, 0.08 * size, length - head, 8).translate(0, 0.5 * (length - head), 0),
+      new THREE.ConeGeometry(0.4 * head, head, 12).translate(0, length - 0.5 * head, 0)]) {
+      const part = new THREE.Mesh(geometry, material);
+      part.renderOrder = 1;
+      arrow.add(part);
+    }
+    arrow.position.set(...contact.position);
+    arrow.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), new THREE.Vector3(...contact.normal));
+    group.add(arrow);
   }
   return group;
 }
@@ -72,7 +78,7 @@ export class Stage {
     bodies.focus(focus);
     this.marks.traverse((part) => { part.geometry?.dispose(); part.material?.dispose(); });
     this.marks.clear();
-    const size = 0.03 * bodies.bounds().radius;
+    const size = 0.04 * bodies.bounds().radius;
     [this.given, this.found] = [arrows(given, CONTACT, size), arrows(found, AFTER, size)];
     this.marks.add(this.given, this.found);
   }
@@ -192,7 +198,7 @@ export class Stage {
   thumbnail(bodies, row, canvas) {
     this.apply({bodies, row, frame: row.frames.length - 1, ghost: true});
     const {center, radius} = bodies.bounds(), [width, height] = THUMB;
-    const camera = new THREE.PerspectiveCamera(40, width / height, radius / 50, 200 * radius);
+    const camera = new THREE.PerspectiveCamera(40, width / height, 1.9 * radius, 200 * radius);  // what is in the way is cut off
     camera.up.set(0, 0, 1);
     camera.position.copy(center).addScaledVector(new THREE.Vector3(0.6, -0.75, 0.45).normalize(), 3 * radius);
     camera.lookAt(center);
