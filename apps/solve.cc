@@ -136,6 +136,7 @@ class SolveRun {
   void BeginFiles(const Scene& scene, std::size_t skipped);
   void Tell(const Scene& scene, const std::string& model, const SolvedRow& solved);
   void Show(const Scene& scene, const std::string& model, const SolvedRow& solved);
+  void ShowTrajectory(const std::string& model);
   void WriteNpySize();
   void StageScene(const Scene& scene);
   void SolveModels();
@@ -151,6 +152,7 @@ class SolveRun {
   SolveTable table_;
   std::unique_ptr<LeftRows> left_;  // with --resume
   std::optional<Page> page_;        // with --html
+  std::vector<PageFrame> motion_;   // with --html: the answers of a trajectory
   std::unique_ptr<Progress> progress_;
   std::size_t index_ = 0;    // of the present model's next row
   std::size_t told_ = 0;     // rows written by this run
@@ -218,7 +220,11 @@ void SolveRun::Tell(const Scene& scene, const std::string& model, const SolvedRo
 void SolveRun::Show(const Scene& scene, const std::string& model, const SolvedRow& solved) {
   PageRow row = SolvedPageRow(scene, arguments_.options.metric, solved);
   row.values = {std::max(0.0, -1e3 * solved.result.depth_in), 1e3 * std::sqrt(solved.result.sigma)};
-  row.content["command"] = RowCommand{{"solve", model}, given_}.Of(solved.row);
+  if (arguments_.options.trajectory) {
+    motion_.push_back({solved.result.q, solved.row.label});
+  } else {
+    row.content["command"] = RowCommand{{"solve", model}, given_}.Of(solved.row);
+  }
   page_->Add(row);
 }
 
@@ -249,7 +255,24 @@ void SolveRun::SolveModel(const std::string& model) {
     throw;
   }
   progress_.reset();
-  if (!Interrupted()) StageScene(scene);
+  if (Interrupted()) return;
+  ShowTrajectory(model);
+  StageScene(scene);
+}
+
+void SolveRun::ShowTrajectory(const std::string& model) {
+  if (motion_.empty()) return;
+  PageRow row = TrajectoryPageRow(motion_);
+  row.values = {0.0, 0.0};
+  std::vector<std::string> again = {"solve", model};
+  again.insert(again.end(), given_.begin(), given_.end());
+  const WhichArguments& which = arguments_.which;
+  for (const std::string& key : which.keys) again.insert(again.end(), {"--key", key});
+  for (const std::string& q : which.qpos) again.insert(again.end(), {"--qpos", q});
+  if (!which.file.empty()) again.insert(again.end(), {"--qpos-file", which.file});
+  row.content["command"] = ShellCommand(again);
+  page_->Add(row);
+  motion_.clear();
 }
 
 void SolveRun::StageScene(const Scene& scene) {

@@ -13,7 +13,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kFrames = 40;  // of one descent on the slider; more are thinned out
+// On the slider; more are thinned out.
+constexpr std::size_t kFrames = 40;  // of one descent
+constexpr std::size_t kTrajectoryFrames = 400;
 
 Json Facts(const Result& result) {
   Json facts = Json::array({PageFact("√σ, how far (rms), mm", 1e3 * std::sqrt(result.sigma)),
@@ -88,6 +90,17 @@ PageRow SolvedPageRow(const Scene& scene, Metric metric, const SolvedRow& solved
                                          {"sigma", it.sigma},
                                          {"free", it.free}});
   }
+  return row;
+}
+
+PageRow TrajectoryPageRow(const std::vector<PageFrame>& answers) {
+  PageRow row;
+  row.of.label = "all frames";
+  row.status = "motion";
+  const std::size_t stride = answers.size() / kTrajectoryFrames + 1;
+  for (std::size_t k = 0; k < answers.size(); k += stride) row.frames.push_back(answers[k]);
+  row.content = {{"facts", Json::array({PageFact("frames", answers.size())})},
+                 {"before", "the first frame"}};
   return row;
 }
 

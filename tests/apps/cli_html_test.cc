@@ -106,7 +106,7 @@ TEST_F(CliTest, AReportOfCheckHasTheContacts) {
   const Block row = Unpack(Script(page, "row0"));
   EXPECT_EQ(row.json["frames"].size(), 1u);
   EXPECT_NEAR(row.json["contacts_in"][0]["distance"].get<double>(), -0.05, 1e-5);
-  EXPECT_EQ(row.json["contacts_in"][0]["geom1"], "wall");
+  EXPECT_EQ(row.json["contacts_in"][0]["geom2"], "wall");
   EXPECT_EQ(row.json["command"], "mjcf-pdg check scene.xml --qpos '0.0 0.0'");
 }
 
@@ -122,7 +122,7 @@ TEST_F(CliTest, AReportOfAMotionGoesToWhereItStops) {
   EXPECT_FLOAT_EQ(HeightIn(row, 0, 1, 2), 0.55f);
   EXPECT_NEAR(HeightIn(row, frames - 2, 1, 2), 0.2f, 1e-3f);
   EXPECT_FLOAT_EQ(HeightIn(row, frames - 1, 1, 2), 0.15f);
-  EXPECT_EQ(row.json["tables"][0]["rows"][0], nlohmann::json({"wall", "sphere"}));
+  EXPECT_EQ(row.json["tables"][0]["rows"][0], nlohmann::json({"sphere", "wall"}));
   EXPECT_EQ(row.json["tables"][0]["frames"][0], frames - 2);
 }
 
@@ -133,7 +133,7 @@ TEST_F(CliTest, AReportOfAuditHasPairsAndKeyframes) {
   const std::string page = Read("r.html");
   const nlohmann::json rows = Head(page)["rows"], audit = ParseLines(Read("a.json")).at(0);
   ASSERT_EQ(rows.size(), audit["pairs"].size() + audit["keyframes"].size());
-  EXPECT_EQ(rows[0]["label"], "wall / sphere");
+  EXPECT_EQ(rows[0]["label"], "sphere / wall");
   EXPECT_EQ(rows[0]["status"], audit["pairs"][0]["class"]);
   EXPECT_EQ(rows.back()["status"], "keyframe, free");
   // Where the pair is shown it overlaps as deep as is said, by the command beside it.

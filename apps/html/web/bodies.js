@@ -83,9 +83,11 @@ export class Bodies {
     this.focus();
     this.showGhost(true);
     this.showFrame(this.frames - 1);
+    this.bounds = this.measure();
   }
 
   showFrame(frame, colour = AFTER) {
+    this.frame = frame;
     this.now.forEach((body, b) => {
       place(body, this.poses, POSE * (this.count * frame + b));
       for (const mesh of body.children) {
@@ -107,6 +109,7 @@ export class Bodies {
       const {geom} = mesh.userData;
       mesh.visible = on ? geom.collides : geom.group < 3;
     }
+    if (this.poses) this.bounds = this.measure();
   }
 
   hides(geoms) {
@@ -121,19 +124,21 @@ export class Bodies {
     }
   }
 
-  // A sphere around what moves or stands out, or else around everything.
-  bounds() {
-    const box = new THREE.Box3();
-    this.group.updateMatrixWorld(true);
-    const add = (wanted) => this.now.forEach((body, b) => {
+  // A sphere around what moves, as given and at the end, or what stands out, or else around everything.
+  measure() {
+    const box = new THREE.Box3(), frame = this.frame;
+    const add = (wanted) => [this.now, this.ghost].forEach((bodies) => bodies.forEach((body, b) => {
       for (const mesh of body.children) {
         const {geom} = mesh.userData;
         if (mesh.visible && geom.type !== 'plane' && wanted(b, geom)) box.expandByObject(mesh);
       }
-    });
+    }));
+    this.showFrame(this.frames - 1);
+    this.group.updateMatrixWorld(true);
     add((b) => this.moves[b]);
     if (box.isEmpty()) add((b, geom) => this.overlapping.includes(geom.id));
     if (box.isEmpty()) add(() => true);
+    this.showFrame(frame);
     return box.isEmpty() ? new THREE.Sphere(new THREE.Vector3(), 1) : box.getBoundingSphere(new THREE.Sphere());
   }
 }

@@ -59,7 +59,7 @@ function showScene(bodies) {
   $('nothing').hidden = row.frames.length > 0;
   $('slider').hidden = $('after').hidden = !several;
   document.querySelectorAll('.motion').forEach((label) => { label.hidden = !several; });
-  $('before').textContent = several ? 'as given' : 'what overlaps';
+  $('before').textContent = several ? row.before ?? 'as given' : 'what overlaps';
   if (!bodies) return stage.clear();
   $('slider').max = row.frames.length - 1;
   $('ghost').checked = true;
@@ -113,6 +113,12 @@ function onKey(event) {
   keys[event.key]();
 }
 
+// A whole motion, else the first row that is bad news or was moved.
+function firstRow() {
+  const first = (wanted) => page.rows.findIndex(wanted);
+  return [first((one) => one.status === 'motion'), first((one) => one.wrong || one.status === 'solved'), 0].find((k) => k >= 0);
+}
+
 async function begin() {
   stage = new Stage($('canvas'));
   stage.resize();
@@ -131,9 +137,10 @@ async function begin() {
   showSection('options', page.options.length);
   $('versions').textContent = page.versions;
   list = new RowList(page, choose, drawThumbnail);
-  const first = page.rows.findIndex((one) => one.wrong || one.status === 'solved');
-  begun = choose(Math.max(0, first));
+  const asked = new URLSearchParams(window.location.hash.slice(1));  // #row=3&frame=5
+  begun = choose(page.rows[asked.get('row')] ? Number(asked.get('row')) : firstRow());
   await begun;
+  if (asked.get('frame')) showFrame(Number(asked.get('frame')));
   document.body.dataset.ready = 'yes';
 }
 

@@ -78,7 +78,7 @@ export class Stage {
     bodies.focus(focus);
     this.marks.traverse((part) => { part.geometry?.dispose(); part.material?.dispose(); });
     this.marks.clear();
-    const size = 0.04 * bodies.bounds().radius;
+    const size = 0.04 * bodies.bounds.radius;
     [this.given, this.found] = [arrows(given, CONTACT, size), arrows(found, AFTER, size)];
     this.marks.add(this.given, this.found);
   }
@@ -109,13 +109,13 @@ export class Stage {
 
   lookAtAll() {
     this.focus(undefined);
-    const {center, radius} = this.bodies.bounds();
+    const {center, radius} = this.bodies.bounds;
     this.look(center, 3.4 * radius);
   }
 
   lookAtContact(contact) {
     this.focus(contact.geoms);
-    this.look(new THREE.Vector3(...contact.position), 1.2 * this.bodies.bounds().radius);
+    this.look(new THREE.Vector3(...contact.position), 1.2 * this.bodies.bounds.radius);
   }
 
   focus(geoms) {
@@ -197,7 +197,7 @@ export class Stage {
   // Draws a row into a small canvas: in a corner of the large one, which is drawn anew before anybody sees it.
   thumbnail(bodies, row, canvas) {
     this.apply({bodies, row, frame: row.frames.length - 1, ghost: true});
-    const {center, radius} = bodies.bounds(), [width, height] = THUMB;
+    const {center, radius} = bodies.bounds, [width, height] = THUMB;
     const camera = new THREE.PerspectiveCamera(40, width / height, 1.9 * radius, 200 * radius);  // what is in the way is cut off
     camera.up.set(0, 0, 1);
     camera.position.copy(center).addScaledVector(new THREE.Vector3(0.6, -0.75, 0.45).normalize(), 3 * radius);
