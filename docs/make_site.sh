@@ -11,5 +11,6 @@ if ! "$venv/bin/python" -c '' 2>/dev/null; then # not there, or of a Python that
 fi
 "$venv/bin/pip" install --quiet --disable-pip-version-check -r docs/requirements.txt
 "$venv/bin/python" docs/site_source.py "$@"
-NO_MKDOCS_2_WARNING=1 "$venv/bin/mkdocs" build --quiet --strict --config-file docs/mkdocs.yml
+# Not --quiet: what is not logged does not count as a warning.
+NO_MKDOCS_2_WARNING=1 "$venv/bin/mkdocs" build --strict --config-file docs/mkdocs.yml
 echo "docs/make_site.sh: build/site/index.html"

@@ -4,7 +4,7 @@
     docs/site_source.py [--program build/bin/mjcf-pdg] [--update]
 
 Folders stay as they are, so that links lead where they led. The commands of the gallery are run as docs/check.py runs them; under
-each block come its picture and a link to its report. A picture that its command does not draw is one of the report, where there is
+each block comes a link to its report. Pictures of poses are drawn by solve --png, those of motions in the report, where there is
 a headless Chromium. --update renews the pictures in docs/gallery/, where README.md and readers of the repository see them.
 """
 
@@ -25,7 +25,7 @@ SOURCE = ROOT / "build/site-source"
 GALLERY = "docs/gallery"  # of pictures and reports
 LINK = re.compile(r"\]\(([^)\s#]+)")
 CODE = re.compile(r"(^```.*?^```$|`[^`\n]*`)", re.DOTALL | re.MULTILINE)
-SIZE = (1000, 640)  # pixels of a picture of a report
+SIZE = (1280, 800)  # pixels of a picture of a report
 
 
 def pages_and_files() -> list[pathlib.Path]:
@@ -47,7 +47,8 @@ def with_mathml(text: str) -> str:
     parts = CODE.split(text)
     for k in range(0, len(parts), 2):
         parts[k] = re.sub(r"\$\$(.+?)\$\$", lambda match: convert(match[1], display="block"), parts[k], flags=re.DOTALL)
-        parts[k] = re.sub(r"\$([^$\n]+)\$", lambda match: convert(match[1]), parts[k])
+        # A line that began with <math> would be a block of its own.
+        parts[k] = re.sub(r"\$([^$\n]+)\$", lambda match: f"<span>{convert(match[1])}</span>", parts[k])
     return "".join(parts)
 
 
@@ -62,7 +63,7 @@ def photograph(report: pathlib.Path, picture: pathlib.Path) -> None:
         return
     flags = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars"]
     subprocess.run([chromium, *flags, f"--screenshot={picture}", f"--window-size={SIZE[0]},{SIZE[1]}",
-                    "--virtual-time-budget=10000", f"file://{report}"], check=True, capture_output=True, timeout=120)
+                    "--virtual-time-budget=10000", f"file://{report}#frame=50%"], check=True, capture_output=True, timeout=120)
 
 
 def gallery(text: str, program: pathlib.Path) -> str:
@@ -75,7 +76,10 @@ def gallery(text: str, program: pathlib.Path) -> str:
 
         def run(match: re.Match) -> str:
             before = set(folder.iterdir())
-            _, faults = check.run_block(match[1], name, environment)
+            block = match[1]
+            if "--trajectory" not in block:
+                block = re.sub(r"( solve .* --html )(\w+)\.html", r"\1\2.html --png \2.png", block)
+            _, faults = check.run_block(block, name, environment)
             if faults:
                 sys.exit("\n".join(["docs/gallery.md:", *faults]))
             shown = match[0]
@@ -86,7 +90,7 @@ def gallery(text: str, program: pathlib.Path) -> str:
                 for made in (report, picture):
                     if made.exists():
                         shutil.copy(made, target)
-                shown += f'\n\n<a href="gallery/{report.name}" target="_blank">Open its report</a>'
+                shown += f"\n\n[Open its report](gallery/{report.name})"
             return shown
 
         return check.BLOCK.sub(run, text)

@@ -60,6 +60,7 @@ function showScene(bodies) {
   $('slider').hidden = $('after').hidden = !several;
   document.querySelectorAll('.motion').forEach((label) => { label.hidden = !several; });
   $('before').textContent = several ? row.before ?? 'as given' : 'what overlaps';
+  $('ghost-words').textContent = row.before ?? 'as given';
   if (!bodies) return stage.clear();
   $('slider').max = row.frames.length - 1;
   $('ghost').checked = true;
@@ -137,10 +138,11 @@ async function begin() {
   showSection('options', page.options.length);
   $('versions').textContent = page.versions;
   list = new RowList(page, choose, drawThumbnail);
-  const asked = new URLSearchParams(window.location.hash.slice(1));  // #row=3&frame=5
+  const asked = new URLSearchParams(window.location.hash.slice(1));  // #row=3&frame=5, or frame=50%
   begun = choose(page.rows[asked.get('row')] ? Number(asked.get('row')) : firstRow());
   await begun;
-  if (asked.get('frame')) showFrame(Number(asked.get('frame')));
+  const at = asked.get('frame') ?? '100%';
+  showFrame(at.endsWith('%') ? Math.round(parseFloat(at) / 100 * (row.frames.length - 1)) : Number(at));
   document.body.dataset.ready = 'yes';
 }
 
