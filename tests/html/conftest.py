@@ -48,7 +48,7 @@ def reports(tmp_path_factory) -> dict[str, pathlib.Path]:
         "motion": (["check", puma, "--motion", "--from", zeros, "--to", "1" + zeros[1:]], 3),
         "audit": (["audit", "models/figure/figure_bench.xml", "--samples", "50"], 3),
         "regress": (["regress", "suite.json"], 3),
-        "plan": (["plan", "models/bridge/bridge.xml", "--start", "start", "--goal", "goal"], 0),
+        "plan": (["plan", "models/placement/placement.xml", "--start", "start", "--goal", "goal"], 0),
         "many": (["solve", "ball.xml", "--qpos-file", "many.csv", "--threads", "2"], 0),
     }
 
@@ -79,7 +79,7 @@ class Reader:
         self.faults: list[str] = []
         page.on("console", lambda message: message.type in ("error", "warning") and self.note(message.text))
         page.on("pageerror", lambda error: self.note(str(error)))
-        page.on("request", lambda request: request.url.startswith(("file:", "data:", "blob:")) or self.note(request.url))
+        page.on("request", lambda request: request.url.startswith(("file:", "data:", "blob:", "about:")) or self.note(request.url))
 
     def note(self, words: str) -> None:
         if RENDERER not in words:
@@ -90,6 +90,7 @@ class Reader:
         self.page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
 
     def scene(self) -> bytes:
+        self.page.evaluate("scrollTo(0, 0)")
         self.settle()
         return self.page.locator("#canvas").screenshot()
 

@@ -8,8 +8,8 @@ import {Stage} from './stage.js';
 const page = JSON.parse($('page').textContent);
 let stage, list, row, frame = 0, begun;
 
-function showFrame(k) {
-  if (row.frames.length === 0) return;
+// Writes what the page says of a place of the slider.
+function writeFrame(k) {
   frame = Math.max(0, Math.min(row.frames.length - 1, k));
   const {label, iteration} = row.frames[frame];
   $('slider').value = frame;
@@ -17,6 +17,11 @@ function showFrame(k) {
   $('frame').textContent = label;
   fillJoints($('joints'), row.joints ?? [], frame);
   markIteration($('sigma'), iteration, row.iterations?.length);
+}
+
+function showFrame(k) {
+  if (row.frames.length === 0) return;
+  writeFrame(k);
   stage.showFrame(frame);
 }
 
@@ -64,9 +69,9 @@ function showScene(bodies) {
   if (!bodies) return stage.clear();
   $('slider').max = row.frames.length - 1;
   $('ghost').checked = true;
+  writeFrame(row.frames.length - 1);  // before, as it may need more lines
   stage.setRow(bodies, row);
   if (!several && bodies.hides(row.contacts_in.flatMap((contact) => contact.geoms))) setColliding(true);
-  showFrame(row.frames.length - 1);
 }
 
 async function choose(index) {

@@ -140,6 +140,7 @@ export class Stage {
   }
 
   look(target, distance) {
+    this.resize();  // the page around may just have changed, and nobody has been told yet
     const far = this.camera.aspect < 1 ? distance / this.camera.aspect : distance;
     this.controls.target.copy(target);
     this.camera.position.copy(target).addScaledVector(this.clearDirection(target, far), far);
