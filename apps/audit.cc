@@ -2,15 +2,18 @@
 #include <ctime>
 #include <exception>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "apps/audit/audit_page.h"
 #include "apps/audit/examine.h"
 #include "apps/audit/mended_text.h"
 #include "apps/cli.h"
 #include "apps/console/interrupt.h"
 #include "apps/console/progress.h"
 #include "apps/console/text.h"
+#include "apps/html/shell_command.h"
 #include "apps/input/plugins.h"
 #include "apps/options.h"
 #include "apps/output/junit.h"
@@ -27,7 +30,7 @@ struct AuditArguments {
   std::vector<std::string> models;
   AuditOptions options;
   unsigned long long samples = 1000, seed = 0;
-  std::string fix, json, junit;
+  std::string fix, json, junit, html;
 };
 
 // A model and what was found, or why it could not be looked at.
@@ -53,7 +56,7 @@ std::string AuditJson(const ModelAudit& one) {
                              {"geom2", GeomJson(*one.scene, pair.geom2)},
                              {"class", NameOf(pair.kind)},
                              {"share", pair.share},
-                             {"depth", pair.depth}});
+                             {"depth", pair.deepest.distance}});
   }
   json["never"] = audit.never;
   // With 95 % confidence a pair never seen to overlap does so in a smaller share of configurations.
@@ -62,7 +65,7 @@ std::string AuditJson(const ModelAudit& one) {
   for (const auto& [body1, body2] : audit.exclude) json["exclude"].push_back({body1, body2});
   json["keyframes"] = Json::array();
   for (const AuditedKey& key : audit.keys) {
-    json["keyframes"].push_back({{"name", key.name},
+    json["keyframes"].push_back({{"name", key.of.label},
                                  {"depth", key.depth},
                                  {"limit_excess", key.limit_excess},
                                  {"equality_residual", key.equality_residual},
@@ -86,7 +89,8 @@ std::string AuditText(const ModelAudit& one) {
   Table pairs({"  pair", "", "overlaps", "share %", "depth mm"});
   for (const AuditedPair& pair : audit.pairs) {
     pairs.AddRow({"  " + one.scene->GeomName(pair.geom1), one.scene->GeomName(pair.geom2),
-                  NameOf(pair.kind), Short(100.0 * pair.share), Short(-1e3 * pair.depth)});
+                  NameOf(pair.kind), Short(100.0 * pair.share),
+                  Short(-1e3 * pair.deepest.distance)});
   }
   if (!audit.pairs.empty()) text += pairs.ToString();
   text += "  " + std::to_string(audit.never) + " pairs never overlap in " +
@@ -94,7 +98,7 @@ std::string AuditText(const ModelAudit& one) {
           Short(100.0 * audit.never_share) + " % of all, with 95 % confidence)\n";
   Table keys({"  keyframe", "depth mm", "limit excess", "equality residual", "force/weight", ""});
   for (const AuditedKey& key : audit.keys) {
-    keys.AddRow({"  " + key.name, Short(1e3 * key.depth), Short(key.limit_excess),
+    keys.AddRow({"  " + key.of.label, Short(1e3 * key.depth), Short(key.limit_excess),
                  Short(key.equality_residual), Short(key.force_over_weight),
                  key.Wrong() ? "wrong" : ""});
   }
@@ -122,7 +126,7 @@ JunitSuite AuditJunit(const ModelAudit& one) {
     const std::string failure = "depth " + Short(1e3 * key.depth) + " mm, limits exceeded by " +
                                 Short(key.limit_excess) + ", equalities violated by " +
                                 Short(key.equality_residual);
-    suite.cases.push_back({"keyframe " + key.name, key.Wrong() ? failure : ""});
+    suite.cases.push_back({"keyframe " + key.of.label, key.Wrong() ? failure : ""});
   }
   return suite;
 }
@@ -140,7 +144,43 @@ ModelAudit AuditModel(const std::string& model, const AuditArguments& arguments)
   return one;
 }
 
-int RunAudit(AuditArguments& arguments) {
+// The report of --html, which holds what `page` has been given.
+class AuditPage {
+ public:
+  AuditPage(const CLI::App& command, const AuditArguments& arguments)
+      : check_options_(GivenOptions(command, {"--samples", "--seed"})),
+        page_({Again(command, arguments), kAuditColumns, OptionsInForce(command)}) {}
+
+  void Add(const ModelAudit& one) {
+    if (one.error.empty()) {
+      AddAudit(one.model, *one.scene, one.audit, check_options_, page_);
+    } else {
+      AddUnaudited(one.model, one.error, page_);
+    }
+  }
+  std::string ToString() const { return page_.ToString(); }
+
+ private:
+  static std::string Again(const CLI::App& command, const AuditArguments& arguments) {
+    std::vector<std::string> words = {"audit"};
+    words.insert(words.end(), arguments.models.begin(), arguments.models.end());
+    for (const std::string& option : GivenOptions(command)) words.push_back(option);
+    return ShellCommand(words);
+  }
+
+  const std::vector<std::string> check_options_;  // those that check has, too
+  Page page_;
+};
+
+void StageMended(const ModelAudit& one, const AuditArguments& arguments, OutputFiles& outputs) {
+  MendOptions options{arguments.fix, arguments.scene.options, {}};
+  options.solve.tolerance = arguments.options.tolerance;
+  const MendedModel mended = Mended(one.model, one.audit, options);
+  for (const std::string& words : mended.left) WriteWarning("--fix: " + words);
+  outputs.Stage(arguments.fix, mended.text);
+}
+
+int RunAudit(const CLI::App& command, AuditArguments& arguments) {
   const std::time_t start = std::time(nullptr);
   arguments.options.samples = arguments.samples;
   arguments.options.seed = arguments.seed;
@@ -151,6 +191,9 @@ int RunAudit(AuditArguments& arguments) {
   outputs.Add("--fix", arguments.fix, arguments.models);
   outputs.Add("--json", arguments.json, arguments.models);
   outputs.Add("--junit", arguments.junit, arguments.models);
+  outputs.Add("--html", arguments.html, arguments.models);
+  std::optional<AuditPage> page;
+  if (!arguments.html.empty()) page.emplace(command, arguments);
   std::string json, text;
   std::vector<JunitSuite> junit;
   bool wrong = false;
@@ -162,13 +205,8 @@ int RunAudit(AuditArguments& arguments) {
       if (Interrupted()) return SayInterrupted("before the end: nothing was written");
       // The only model that cannot be loaded is bad input; among others it is a finding.
       if (!one.error.empty() && arguments.models.size() == 1) throw Error(one.error);
-      if (!arguments.fix.empty()) {
-        MendOptions options{arguments.fix, arguments.scene.options, {}};
-        options.solve.tolerance = arguments.options.tolerance;
-        const MendedModel mended = Mended(model, one.audit, options);
-        for (const std::string& words : mended.left) WriteWarning("--fix: " + words);
-        outputs.Stage(arguments.fix, mended.text);
-      }
+      if (!arguments.fix.empty()) StageMended(one, arguments, outputs);
+      if (page) page->Add(one);
       wrong |= one.Wrong();
       json += AuditJson(one);
       text += AuditText(one);
@@ -178,6 +216,7 @@ int RunAudit(AuditArguments& arguments) {
   }
   outputs.Stage(arguments.json, json);
   outputs.Stage(arguments.junit, FormatJunit(junit, start));
+  if (page) outputs.Stage(arguments.html, page->ToString());
   outputs.Commit();
   if (!outputs.uses_stdout()) WriteStdout(text);
   return wrong ? kExitNotFree : kExitFree;
@@ -206,7 +245,8 @@ Verb AddAuditVerb(CLI::App& program) {
           arguments->fix);
   AddJson(*command, arguments->json);
   AddPath(*command, "--junit", "write the findings as JUnit's XML", arguments->junit);
-  return {command, [arguments] { return RunAudit(*arguments); }};
+  AddHtml(*command, arguments->html);
+  return {command, [command, arguments] { return RunAudit(*command, *arguments); }};
 }
 
 }  // namespace mjcf_pdg::app

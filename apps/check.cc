@@ -1,6 +1,7 @@
 // mjcf-pdg check: which pairs penetrate and which joint limits are exceeded, and by how much; with
 // --motion, how far the way from one configuration to another is free.
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,8 @@
 #include "apps/console/interrupt.h"
 #include "apps/console/progress.h"
 #include "apps/console/text.h"
+#include "apps/html/checked_row.h"
+#include "apps/html/shell_command.h"
 #include "apps/input/configurations.h"
 #include "apps/input/plugins.h"
 #include "apps/options.h"
@@ -26,10 +29,33 @@ struct CheckArguments {
   bool motion = false;
   EndsArguments ends;
   Options options;
-  std::string json;
+  std::string json, html;
 };
 
-int RunCheck(CheckArguments& arguments) {
+// The report of --html.
+class CheckPage {
+ public:
+  explicit CheckPage(const CLI::App& command)
+      : given_(GivenOptions(command)), page_({"", kCheckColumns, OptionsInForce(command)}) {}
+
+  void BeginModel(const std::string& model, const Scene& scene) {
+    again_ = {{"check", model}, given_};
+    page_.BeginModel(model, scene);
+  }
+  void Add(const Scene& scene, const Configuration& row, const Verdict& verdict) {
+    PageRow shown = CheckedPageRow(scene, row, verdict);
+    shown.content["command"] = again_.Of(row);
+    page_.Add(shown);
+  }
+  std::string ToString() const { return page_.ToString(); }
+
+ private:
+  const std::vector<std::string> given_;
+  RowCommand again_;  // of the present model
+  Page page_;
+};
+
+int RunCheck(const CLI::App& command, CheckArguments& arguments) {
   const bool several = arguments.models.size() > 1;
   if (several && arguments.which.file == "-") {
     throw Error("--qpos-file: stdin can be read for one model only");
@@ -38,8 +64,11 @@ int RunCheck(CheckArguments& arguments) {
   std::vector<std::string> inputs = arguments.models;
   inputs.push_back(arguments.which.file);
   outputs.Add("--json", arguments.json, inputs);
+  outputs.Add("--html", arguments.html, inputs);
   outputs.Stream(arguments.json);
   CheckTable table(several, arguments.options.tolerance);
+  std::optional<CheckPage> page;
+  if (!arguments.html.empty()) page.emplace(command);
   CatchInterrupts();
   for (const std::string& model : arguments.models) {
     arguments.scene.model = model;
@@ -48,6 +77,7 @@ int RunCheck(CheckArguments& arguments) {
     Progress progress("checking", rows.size());
     Options options = arguments.options;
     RowName name{several ? model : "", 0};
+    if (page) page->BeginModel(model, scene);
     for (Configuration row; !Interrupted() && rows.Next(row); ++name.index) {
       options.mocap_pos = row.mocap_pos;
       options.mocap_quat = row.mocap_quat;
@@ -55,6 +85,7 @@ int RunCheck(CheckArguments& arguments) {
       if (!arguments.json.empty()) {
         outputs.Append(arguments.json, CheckJson(scene, name, row, verdict));
       }
+      if (page) page->Add(scene, row, verdict);
       table.Add(scene, name, row, verdict);
       progress.Step();
     }
@@ -64,6 +95,7 @@ int RunCheck(CheckArguments& arguments) {
     return SayInterrupted("after " + std::to_string(table.rows()) + " rows" +
                           (kept ? ", which are in " + OutputFiles::PartName(arguments.json) : ""));
   }
+  if (page) outputs.Stage(arguments.html, page->ToString());
   outputs.Commit();
   if (!outputs.uses_stdout()) WriteStdout(table.ToString());
   return table.all_free() ? kExitFree : kExitNotFree;
@@ -83,11 +115,12 @@ void AddMotion(CLI::App& command, CheckArguments& arguments) {
   }
 }
 
-int Run(CheckArguments& arguments) {
-  if (!arguments.motion) return RunCheck(arguments);
+int Run(const CLI::App& command, CheckArguments& arguments) {
+  if (!arguments.motion) return RunCheck(command, arguments);
   if (arguments.models.size() > 1) throw Error("--motion is for a single model");
   arguments.scene.model = arguments.models.front();
-  return RunCheckMotion(arguments.scene, arguments.ends, arguments.options, arguments.json);
+  return RunCheckMotion(command, {arguments.scene, arguments.ends, arguments.options,
+                                  arguments.json, arguments.html});
 }
 
 }  // namespace
@@ -107,7 +140,8 @@ Verb AddCheckVerb(CLI::App& program) {
   AddRest(*command, arguments->options);
   AddTolerance(*command, arguments->options);
   AddJson(*command, arguments->json);
-  return {command, [arguments] { return Run(*arguments); }};
+  AddHtml(*command, arguments->html);
+  return {command, [command, arguments] { return Run(*command, *arguments); }};
 }
 
 }  // namespace mjcf_pdg::app

@@ -2,6 +2,8 @@
 
 #include "apps/cli.h"
 #include "apps/console/text.h"
+#include "apps/html/checked_row.h"
+#include "apps/html/shell_command.h"
 #include "apps/output/output_files.h"
 #include "apps/output/report.h"
 #include "mjcf_pdg/motion.h"
@@ -73,12 +75,26 @@ std::string MotionText(const Scene& scene, const Motion& motion) {
          std::to_string(motion.distance_queries) + "\n";
 }
 
+std::string MotionPage(const CLI::App& command, const MotionArguments& arguments,
+                       const Scene& scene, const Motion& motion) {
+  const std::string& model = arguments.scene.model;
+  const Ends ends = ReadEnds(scene, arguments.ends);
+  std::vector<std::string> again = {
+      "check", model, "--motion", "--from", arguments.ends.from, "--to", arguments.ends.to};
+  for (const std::string& option : GivenOptions(command)) again.push_back(option);
+  Page page({"", {}, OptionsInForce(command)});
+  page.BeginModel(model, scene);
+  PageRow row = MotionPageRow(scene, ends, motion, Sentence(scene, motion));
+  row.content["command"] = ShellCommand(again);
+  page.Add(row);
+  return page.ToString();
+}
+
 }  // namespace
 
-int RunCheckMotion(const SceneArguments& scene_arguments, const EndsArguments& ends_arguments,
-                   const Options& options, const std::string& json) {
-  const Scene scene = LoadScene(scene_arguments);
-  const Ends ends = ReadEnds(scene, ends_arguments);
+int RunCheckMotion(const CLI::App& command, const MotionArguments& arguments) {
+  const Scene scene = LoadScene(arguments.scene);
+  const Ends ends = ReadEnds(scene, arguments.ends);
   const bool equalities = !scene.HeldEqualities().empty();
   if (equalities || scene.HoldsTendonLimits()) {
     WriteWarning(
@@ -86,9 +102,13 @@ int RunCheckMotion(const SceneArguments& scene_arguments, const EndsArguments& e
         (equalities ? "the model's equality constraints" : "tendon limits") + " aside");
   }
   OutputFiles outputs;
-  outputs.Add("--json", json, {scene_arguments.model});
-  const Motion motion = CheckMotion(scene, ends.from, ends.to, options);
-  if (!json.empty()) outputs.Stage(json, MotionJson(scene, motion));
+  outputs.Add("--json", arguments.json, {arguments.scene.model});
+  outputs.Add("--html", arguments.html, {arguments.scene.model});
+  const Motion motion = CheckMotion(scene, ends.from, ends.to, arguments.options);
+  if (!arguments.json.empty()) outputs.Stage(arguments.json, MotionJson(scene, motion));
+  if (!arguments.html.empty()) {
+    outputs.Stage(arguments.html, MotionPage(command, arguments, scene, motion));
+  }
   outputs.Commit();
   if (!outputs.uses_stdout()) WriteStdout(MotionText(scene, motion));
   return motion.outcome == MotionOutcome::kFree ? kExitFree : kExitNotFree;

@@ -21,6 +21,10 @@ packages=(
   patchelf                                         # packages only (preset `package`)
   mandoc pkg-config                                # tests only: manual pages, a consumer of what is installed
 )
+# Where there is none, tests that need it are skipped. Ubuntu has no headless Chromium.
+optional=(
+  chromium-headless-shell                          # tests only: reports in a browser
+)
 
 if [ -n "${MJCF_PDG_SKIP_DEPS:-}" ]; then
   exit 0
@@ -41,11 +45,19 @@ END
   exit 1
 fi
 
-missing=()
-for package in "${packages[@]}"; do
-  status=$(dpkg-query --show --showformat '${db:Status-Status}\n' "$package" 2>/dev/null) || true
-  grep -qx installed <<<"$status" || missing+=("$package")
-done
+is_installed() {
+  grep -qx installed <<<"$(dpkg-query --show --showformat '${db:Status-Status}\n' "$1" 2>/dev/null)"
+}
+list_missing() { # of the optional ones those that there are
+  missing=()
+  for package in "${packages[@]}"; do
+    is_installed "$package" || missing+=("$package")
+  done
+  for package in "${optional[@]}"; do
+    is_installed "$package" || ! apt-cache show "$package" >/dev/null 2>&1 || missing+=("$package")
+  done
+}
+list_missing
 if [ ${#missing[@]} -eq 0 ]; then
   exit 0
 fi
@@ -70,4 +82,5 @@ apt() { # the ${...+...} form: bash before 4.4 calls an empty array unset
 }
 echo "Installing ${missing[*]}"
 apt update || echo "install_deps: apt-get update failed, trying with the lists at hand" >&2
+list_missing # the optional ones may have become known
 apt install -y --no-install-recommends "${missing[@]}"

@@ -1,5 +1,7 @@
 #include "apps/options.h"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <type_traits>
@@ -294,6 +296,55 @@ void AddJson(CLI::App& command, std::string& path) {
   AddPath(command, "--json", "write JSON Lines here; - is stdout, which then carries it alone",
           path)
       ->type_name("FILE|-");
+}
+
+void AddHtml(CLI::App& command, std::string& path) {
+  AddPath(command, "--html",
+          "write a report that opens in any browser: the scene in 3-D and what was found", path);
+}
+
+namespace {
+
+// Options that do not decide what comes out.
+constexpr std::array kElsewhere = {
+    "MODEL",      "SUITE",    "--key",       "--qpos",    "--qpos-file", "--motion", "--from",
+    "--to",       "--start",  "--goal",      "--threads", "--json",      "--resume", "--out-qpos",
+    "--out-mjcf", "--png",    "--animation", "--script",  "--html",      "--trace",  "--fix",
+    "--junit",    "--update", "--discover",  "--help",    "--version"};
+
+bool Elsewhere(const CLI::Option& option) {
+  return std::any_of(kElsewhere.begin(), kElsewhere.end(), [&](const std::string& name) {
+    return option.get_name() == name || option.check_lname(name.substr(2));
+  });
+}
+
+}  // namespace
+
+std::vector<std::string> GivenOptions(const CLI::App& command,
+                                      const std::vector<std::string>& without) {
+  std::vector<std::string> given;
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string name = option->get_name();
+    if (option->count() == 0 || Elsewhere(*option)) continue;
+    if (std::find(without.begin(), without.end(), name) != without.end()) continue;
+    const bool flag = option->get_items_expected_max() == 0;
+    for (const std::string& value : option->results()) {
+      given.push_back(name);
+      if (!flag) given.push_back(value);
+    }
+  }
+  return given;
+}
+
+std::vector<std::pair<std::string, std::string>> OptionsInForce(const CLI::App& command) {
+  std::vector<std::pair<std::string, std::string>> options;
+  for (const CLI::Option* option : command.get_options()) {
+    if (Elsewhere(*option)) continue;
+    std::string value = option->count() == 0 ? option->get_default_str() : "";
+    for (const std::string& given : option->results()) value += (value.empty() ? "" : ", ") + given;
+    if (!value.empty()) options.emplace_back(option->get_name(), value);
+  }
+  return options;
 }
 
 }  // namespace mjcf_pdg::app

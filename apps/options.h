@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mjcf_pdg/scene.h"
@@ -64,6 +65,14 @@ void AddEffort(CLI::App& command, Effort& effort);       // --effort
 void AddTolerance(CLI::App& command, Options& options);  // --tolerance
 void AddRest(CLI::App& command, Options& options);       // --rest
 void AddJson(CLI::App& command, std::string& path);      // --json
+void AddHtml(CLI::App& command, std::string& path);      // --html
+
+// What was given on a parsed command line that decides what comes out, as a command line: all but
+// the model, which configurations, and what is written where. `without` are left out, too.
+std::vector<std::string> GivenOptions(const CLI::App& command,
+                                      const std::vector<std::string>& without = {});
+// Name and value of each such option that was given or has a default.
+std::vector<std::pair<std::string, std::string>> OptionsInForce(const CLI::App& command);
 
 }  // namespace mjcf_pdg::app
 

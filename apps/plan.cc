@@ -9,6 +9,8 @@
 #include "apps/console/interrupt.h"
 #include "apps/console/progress.h"
 #include "apps/console/text.h"
+#include "apps/html/plan_row.h"
+#include "apps/html/shell_command.h"
 #include "apps/input/configurations.h"
 #include "apps/input/npy.h"
 #include "apps/input/plugins.h"
@@ -34,7 +36,7 @@ struct PlanArguments {
   PlanOptions plan;
   double time_limit_ms = 60e3;
   unsigned long long seed = 0;
-  std::string json, out_qpos, out_mjcf, animation;
+  std::string json, out_qpos, out_mjcf, animation, html;
 };
 
 nlohmann::ordered_json EndJson(const Result& end) {
@@ -93,7 +95,21 @@ void StageScene(const Scene& scene, const Configuration& start, const PlanArgume
   output.Stage(arguments.scene.model, {scene, rows, results}, outputs);
 }
 
-int RunPlan(PlanArguments& arguments) {
+std::string PlanPage(const CLI::App& command, const PlanArguments& arguments, const Scene& scene,
+                     const PlannedPath& planned) {
+  const std::string& model = arguments.scene.model;
+  std::vector<std::string> again = {"plan",          model,    "--start",
+                                    arguments.start, "--goal", arguments.goal};
+  for (const std::string& option : GivenOptions(command)) again.push_back(option);
+  Page page({"", {}, OptionsInForce(command)});
+  page.BeginModel(model, scene);
+  PageRow row = PathPageRow(scene, planned);
+  row.content["command"] = ShellCommand(again);
+  page.Add(row);
+  return page.ToString();
+}
+
+int RunPlan(const CLI::App& command, PlanArguments& arguments) {
   const Scene scene = LoadScene(arguments.scene);
   const Configuration start = ReadConfiguration(scene, arguments.start, "--start");
   const Configuration goal = ReadConfiguration(scene, arguments.goal, "--goal");
@@ -102,6 +118,7 @@ int RunPlan(PlanArguments& arguments) {
   plan.options.time_limit = arguments.time_limit_ms / 1e3;
   plan.options.mocap_pos = start.mocap_pos;
   plan.options.mocap_quat = start.mocap_quat;
+  plan.options.report_contacts = !arguments.html.empty();
 
   const std::vector<std::string> inputs = {arguments.scene.model};
   OutputFiles outputs;
@@ -109,6 +126,7 @@ int RunPlan(PlanArguments& arguments) {
   CheckQposFileName("--out-qpos", arguments.out_qpos);
   outputs.Add("--json", arguments.json, inputs);
   outputs.Add("--out-qpos", arguments.out_qpos, inputs);
+  outputs.Add("--html", arguments.html, inputs);
   scene_output.Add(arguments.out_mjcf, arguments.scene.model, inputs, outputs);
   outputs.Add("--animation", arguments.animation, inputs);
   if (scene_output.wanted()) ParseSpec(arguments.scene.model);
@@ -144,6 +162,9 @@ int RunPlan(PlanArguments& arguments) {
                     outputs.StagedName(arguments.animation));
   }
 #endif
+  if (!arguments.html.empty()) {
+    outputs.Stage(arguments.html, PlanPage(command, arguments, scene, {start, goal, path}));
+  }
   outputs.Commit();
   if (!outputs.uses_stdout()) WriteStdout(PlanText(path));
   if (Interrupted())
@@ -197,7 +218,8 @@ Verb AddPlanVerb(CLI::App& program) {
 #ifdef MJCF_PDG_HAVE_RENDER
   AddAnimation(*command, "show the motion along the path", arguments->animation);
 #endif
-  return {command, [arguments] { return RunPlan(*arguments); }};
+  AddHtml(*command, arguments->html);
+  return {command, [command, arguments] { return RunPlan(*command, *arguments); }};
 }
 
 }  // namespace mjcf_pdg::app

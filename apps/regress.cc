@@ -2,6 +2,7 @@
 // results.
 #include <ctime>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <set>
 #include <string>
@@ -11,10 +12,12 @@
 #include "apps/console/interrupt.h"
 #include "apps/console/progress.h"
 #include "apps/console/text.h"
+#include "apps/html/shell_command.h"
 #include "apps/input/plugins.h"
 #include "apps/options.h"
 #include "apps/output/output_files.h"
 #include "apps/regress/discover.h"
+#include "apps/regress/regress_page.h"
 #include "apps/regress/regress_report.h"
 
 namespace mjcf_pdg::app {
@@ -24,7 +27,7 @@ namespace fs = std::filesystem;
 
 struct RegressArguments {
   std::vector<std::string> suites;
-  std::string discover, json, junit;
+  std::string discover, json, junit, html;
   bool update = false;
   unsigned long long threads = 1;
 };
@@ -57,7 +60,7 @@ std::vector<SuiteRun> ReadSuites(const RegressArguments& arguments) {
 }
 
 // Golden results of models that the suite does not have (any more).
-void AddGoneModels(SuiteRun& run) {
+void AddGoneModels(SuiteRun& run, const std::function<void(const CaseReport&)>& end) {
   std::set<std::string> models;
   for (const SuiteCase& one : run.suite.cases) models.insert(one.model);
   for (const auto& [model, rows] : run.golden) {
@@ -66,6 +69,7 @@ void AddGoneModels(SuiteRun& run) {
     report.model = model;
     for (const GoldenRow& row : rows) report.gone.push_back(row.name);
     run.reports.push_back(std::move(report));
+    end(run.reports.back());
   }
 }
 
@@ -104,6 +108,7 @@ void AddOutputs(const RegressArguments& arguments, const std::vector<SuiteRun>& 
   const std::vector<std::string> inputs = Inputs(runs);
   outputs.Add("--json", arguments.json, inputs);
   outputs.Add("--junit", arguments.junit, inputs);
+  outputs.Add("--html", arguments.html, inputs);
   if (!arguments.update) return;
   for (const SuiteRun& run : runs) {
     if (run.discovered) outputs.Add("--update", run.suite.path, arguments.suites);
@@ -111,30 +116,57 @@ void AddOutputs(const RegressArguments& arguments, const std::vector<SuiteRun>& 
   }
 }
 
-// False if it was interrupted.
-bool RunSuites(std::vector<SuiteRun>& runs, std::size_t threads) {
+// False if it was interrupted. `page` gets all rows, unless it is null.
+bool RunSuites(std::vector<SuiteRun>& runs, std::size_t threads, RegressPage* page) {
   std::size_t cases = 0;
   for (const SuiteRun& run : runs) cases += run.suite.cases.size();
   Progress progress("solving models", cases);  // of a single one its rows are shown
   for (SuiteRun& run : runs) {
+    CaseRun how{threads, cases == 1};
+    if (page) how.look = std::bind_front(&RegressPage::Add, page);
+    const auto end = [&](const CaseReport& report) {
+      if (page) page->End(run.suite, report);
+    };
     for (const SuiteCase& one : run.suite.cases) {
-      run.reports.push_back(RunCase(run.suite, one, run.golden[one.model], {threads, cases == 1}));
+      if (page) page->Begin(run.suite, one);
+      run.reports.push_back(RunCase(run.suite, one, run.golden[one.model], how));
       if (Interrupted()) return false;
+      end(run.reports.back());
       progress.Step();
     }
-    AddGoneModels(run);
+    AddGoneModels(run, end);
   }
   return true;
 }
 
-int RunRegress(const RegressArguments& arguments) {
+// The command line that runs the suites again, with `more` at its end.
+std::string Again(const CLI::App& command, const RegressArguments& arguments,
+                  const std::vector<std::string>& more) {
+  std::vector<std::string> words = {"regress"};
+  const auto append = [&](const std::vector<std::string>& list) {
+    words.insert(words.end(), list.begin(), list.end());
+  };
+  append(arguments.suites);
+  if (!arguments.discover.empty()) append({"--discover", arguments.discover});
+  append(GivenOptions(command));
+  append(more);
+  return ShellCommand(words);
+}
+
+int RunRegress(const CLI::App& command, const RegressArguments& arguments) {
   const std::time_t start = std::time(nullptr);
   std::vector<SuiteRun> runs = ReadSuites(arguments);
   OutputFiles outputs;
   AddOutputs(arguments, runs, outputs);
   CatchInterrupts();
-  if (!RunSuites(runs, arguments.threads))
+  std::unique_ptr<RegressPage> page;
+  if (!arguments.html.empty()) {
+    page = std::make_unique<RegressPage>(Again(command, arguments, {}),
+                                         Again(command, arguments, {"--json", "-"}));
+  }
+  if (!RunSuites(runs, arguments.threads, page.get()))
     return SayInterrupted("before the end: nothing was written");
+  if (page) outputs.Stage(arguments.html, page->ToString());
   outputs.Stage(arguments.json, ReportJson(runs));
   outputs.Stage(arguments.junit, FormatJunit(ReportJunit(runs), start));
   bool failed = false;
@@ -168,7 +200,8 @@ Verb AddRegressVerb(CLI::App& program) {
              arguments->threads);
   AddJson(*command, arguments->json);
   AddPath(*command, "--junit", "write the results as JUnit's XML", arguments->junit);
-  return {command, [arguments] { return RunRegress(*arguments); }};
+  AddHtml(*command, arguments->html);
+  return {command, [command, arguments] { return RunRegress(*command, *arguments); }};
 }
 
 }  // namespace mjcf_pdg::app

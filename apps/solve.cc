@@ -1,8 +1,10 @@
 // mjcf-pdg solve: finds the nearest free configuration for every configuration (row) asked about.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -12,7 +14,8 @@
 #include "apps/console/interrupt.h"
 #include "apps/console/progress.h"
 #include "apps/console/text.h"
-#include "apps/html/solve_page.h"
+#include "apps/html/shell_command.h"
+#include "apps/html/solved_row.h"
 #include "apps/input/configurations.h"
 #include "apps/input/npy.h"
 #include "apps/input/qpos_file.h"
@@ -52,13 +55,15 @@ void CheckCombination(const SolveArguments& arguments) {
                                    {"--out-mjcf", &arguments.out_mjcf},
                                    {"--png", &arguments.png},
                                    {"--animation", &arguments.animation},
-                                   {"--html", &arguments.html},
                                    {"--trace", &arguments.trace}}) {
     if (path->empty()) continue;
     if (arguments.models.size() > 1) throw Error(std::string(flag) + " is for a single model");
     if (arguments.resume && path != &arguments.out_qpos) {
       throw Error("--resume goes with --json and --out-qpos, not with " + std::string(flag));
     }
+  }
+  if (arguments.resume && !arguments.html.empty()) {
+    throw Error("--resume goes with --json and --out-qpos, not with --html");
   }
   if (!arguments.trace.empty() && arguments.options.trajectory) {
     throw Error("--trace: the frames of a --trajectory are followed, not searched");
@@ -133,12 +138,15 @@ void StageAnimation(const RepairedRows& repaired, const Options& options, const 
 // One call of solve, over all of its models.
 class SolveRun {
  public:
-  // `given`: the options as GivenOptions has them.
-  SolveRun(SolveArguments& arguments, std::vector<std::string> given)
+  SolveRun(const CLI::App& command, SolveArguments& arguments)
       : arguments_(arguments),
-        given_(std::move(given)),
+        given_(GivenOptions(command)),
         several_(arguments.models.size() > 1),
-        table_(several_) {}
+        table_(several_) {
+    if (!arguments.html.empty()) {
+      page_.emplace(PageHead{"", {"depth mm", "rms mm"}, OptionsInForce(command)});
+    }
+  }
 
   int Run();
 
@@ -147,6 +155,8 @@ class SolveRun {
   void SolveModel(const std::string& model);
   void BeginFiles(const Scene& scene, std::size_t skipped);
   void Tell(const Scene& scene, const std::string& model, const SolvedRow& solved);
+  void Show(const Scene& scene, const std::string& model, const SolvedRow& solved);
+  void ShowTrajectory(const std::string& model);
   void WriteNpySize();
   void StageScene(const Scene& scene);
   void SolveModels();
@@ -161,8 +171,9 @@ class SolveRun {
   OutputFiles outputs_;
   SceneOutput scene_output_;
   SolveTable table_;
-  std::unique_ptr<LeftRows> left_;   // with --resume
-  std::unique_ptr<SolvePage> page_;  // with --html
+  std::unique_ptr<LeftRows> left_;  // with --resume
+  std::optional<Page> page_;        // with --html
+  std::vector<PageFrame> motion_;   // with --html: the answers of a trajectory
   std::unique_ptr<Progress> progress_;
   std::size_t index_ = 0;    // of the present model's next row
   std::size_t told_ = 0;     // rows written by this run
@@ -217,7 +228,7 @@ void SolveRun::Tell(const Scene& scene, const std::string& model, const SolvedRo
   if (!arguments_.json.empty()) {
     outputs_.Append(arguments_.json, SolveJson(scene, name, row, result));
   }
-  if (page_) page_->Add(solved);
+  if (page_) Show(scene, model, solved);
   table_.Add(scene, name, row, result);
   if (!arguments_.out_mjcf.empty() || Draws()) {
     rows_.push_back(row);
@@ -225,6 +236,17 @@ void SolveRun::Tell(const Scene& scene, const std::string& model, const SolvedRo
   }
   ++told_;
   progress_->Step();
+}
+
+void SolveRun::Show(const Scene& scene, const std::string& model, const SolvedRow& solved) {
+  PageRow row = SolvedPageRow(scene, arguments_.options.metric, solved);
+  row.values = {std::max(0.0, -1e3 * solved.result.depth_in), 1e3 * std::sqrt(solved.result.sigma)};
+  if (arguments_.options.trajectory) {
+    motion_.push_back({solved.result.q, solved.row.label});
+  } else {
+    row.content["command"] = RowCommand{{"solve", model}, given_}.Of(solved.row);
+  }
+  page_->Add(row);
 }
 
 // A .npy says in front how many rows it has.
@@ -240,9 +262,7 @@ void SolveRun::SolveModel(const std::string& model) {
   index_ = left_ ? left_->Skip(several_ ? model : "", rows, table_) : 0;
   if (left_ && left_->telling()) CheckSolvesAlike(*left_->telling(), scene, arguments_.options);
   BeginFiles(scene, index_);
-  if (!arguments_.html.empty()) {
-    page_ = std::make_unique<SolvePage>(scene, arguments_.options.metric, model, given_);
-  }
+  if (page_) page_->BeginModel(model, scene);
   progress_ = std::make_unique<Progress>("solving", rows.size(), index_);
   try {
     const std::size_t most = rows.size().value_or(arguments_.threads);
@@ -256,11 +276,27 @@ void SolveRun::SolveModel(const std::string& model) {
     throw;
   }
   progress_.reset();
-  if (!Interrupted()) StageScene(scene);
+  if (Interrupted()) return;
+  ShowTrajectory(model);
+  StageScene(scene);
+}
+
+void SolveRun::ShowTrajectory(const std::string& model) {
+  if (motion_.empty()) return;
+  PageRow row = TrajectoryPageRow(motion_);
+  row.values = {0.0, 0.0};
+  std::vector<std::string> again = {"solve", model};
+  again.insert(again.end(), given_.begin(), given_.end());
+  const WhichArguments& which = arguments_.which;
+  for (const std::string& key : which.keys) again.insert(again.end(), {"--key", key});
+  for (const std::string& q : which.qpos) again.insert(again.end(), {"--qpos", q});
+  if (!which.file.empty()) again.insert(again.end(), {"--qpos-file", which.file});
+  row.content["command"] = ShellCommand(again);
+  page_->Add(row);
+  motion_.clear();
 }
 
 void SolveRun::StageScene(const Scene& scene) {
-  if (page_) outputs_.Stage(arguments_.html, page_->ToString());
   const RepairedRows repaired{scene, rows_, results_};
   if (scene_output_.wanted()) scene_output_.Stage(arguments_.scene.model, repaired, outputs_);
 #ifdef MJCF_PDG_HAVE_RENDER
@@ -318,6 +354,7 @@ int SolveRun::Run() {
     return SayInterrupted("after " + std::to_string(table_.rows()) + " rows" +
                           (left.empty() ? "" : ", which are" + left));
   }
+  if (page_) outputs_.Stage(arguments_.html, page_->ToString());
   outputs_.Commit();
   if (!outputs_.uses_stdout()) WriteStdout(table_.ToString());
   return ExitCode();
@@ -325,7 +362,7 @@ int SolveRun::Run() {
 
 int RunSolve(const CLI::App& command, SolveArguments& arguments) {
   FinishSolveOptions(arguments);
-  return SolveRun(arguments, GivenOptions(command)).Run();
+  return SolveRun(command, arguments).Run();
 }
 
 }  // namespace

@@ -101,19 +101,24 @@ def bad_links(path: pathlib.Path) -> list[str]:
     return bad
 
 
+def prepare(folder: pathlib.Path, program: pathlib.Path, document: str) -> dict:
+    """Makes the folder in which the commands of a document run, and returns their environment."""
+    for name, target in (("models", ROOT / "models"), ("python", ROOT / "python"), ("bin/mjcf-pdg", program)):
+        link = folder / name
+        link.parent.mkdir(exist_ok=True)
+        link.symlink_to(target)
+    for name, text in FILE.findall(document):
+        (folder / name).write_text(text)
+    return os.environ | {"PATH": f"{folder}/bin:{os.environ['PATH']}"}
+
+
 def check(path: pathlib.Path, program: pathlib.Path, update: bool) -> int:
     document, faults = path.read_text(), 0
     for link in bad_links(path):
         print(f"{path.relative_to(ROOT)}: leads nowhere: {link}", file=sys.stderr)
         faults += 1
     with tempfile.TemporaryDirectory() as folder:
-        for name, target in (("models", ROOT / "models"), ("python", ROOT / "python"), ("bin/mjcf-pdg", program)):
-            link = pathlib.Path(folder, name)
-            link.parent.mkdir(exist_ok=True)
-            link.symlink_to(target)
-        for name, text in FILE.findall(document):
-            pathlib.Path(folder, name).write_text(text)
-        environment = os.environ | {"PATH": f"{folder}/bin:{os.environ['PATH']}"}
+        environment = prepare(pathlib.Path(folder), program, document)
 
         def replace(match: re.Match) -> str:
             nonlocal faults

@@ -106,13 +106,17 @@ class Scene:
         links = sum(1 for _ in body.iter("body"))
         return links, sum(self.triangles.get(geom.get("name"), 0) for geom in body.iter("geom"))
 
-    def key(self, name, pose):
-        """A keyframe from joint name -> value (see joint_qpos); what is not named stays at zero."""
+    def qpos(self, name, pose):
+        """Of a pose called `name`: joint name -> its part of qpos; see key."""
         joints = {j.get("name"): j for j in self.world.iter() if j.tag in ("joint", "freejoint")}
         unknown = sorted(set(pose) - set(joints))
         if unknown:
-            raise KeyError(f"keyframe {name}: no joint {unknown}")
-        values = {joint: joint_qpos(joints[joint], pose.get(joint)) for joint in joints}
+            raise KeyError(f"{name}: no joint {unknown}")
+        return {joint: joint_qpos(joints[joint], pose.get(joint)) for joint in joints}
+
+    def key(self, name, pose):
+        """A keyframe from joint name -> value (see joint_qpos); what is not named stays at zero."""
+        values = self.qpos(f"keyframe {name}", pose)
         targets = [values[drive.get("joint")] for drive in self.actuator]
         element(self.keyframe, "key", name=name, qpos=values.values(), **({"ctrl": targets} if targets else {}))
 

@@ -14,5 +14,9 @@ cmake --preset "$preset" -D MJCF_PDG_BUILD_TESTS=ON
 cmake --build --preset "$preset" --parallel "$(nproc)"
 ctest --preset "$preset" --parallel "$(nproc)" --no-tests=error </dev/null
 case "$preset" in
-  release | ci) bash python/run_tests.sh </dev/null ;; # its answers are held against those of build/bin/mjcf-pdg
+  release | ci) # of build/bin/mjcf-pdg
+    bash python/run_tests.sh </dev/null
+    bash tests/html/run.sh </dev/null
+    bash docs/make_site.sh </dev/null
+    ;;
 esac

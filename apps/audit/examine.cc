@@ -24,10 +24,11 @@ constexpr double kGravity = 9.81;  // where a model has none [m/s²]
 
 using DataPtr = std::unique_ptr<mjData, void (*)(mjData*)>;
 
-// How often a pair overlapped, where, and how deep.
+// How often a pair overlapped, and where it did deepest.
 struct Seen {
   std::size_t random = 0, posed = 0;  // random configurations; qpos0 and keyframes
-  double depth = 0.0;
+  Contact deepest;
+  Configuration where;
 };
 using SeenPairs = std::map<std::array<int, 2>, Seen>;
 
@@ -41,9 +42,14 @@ class Overlaps {
     }
   }
 
-  bool Counts(const Contact& contact) const {
-    const auto allowed = allowed_.find(std::minmax(contact.geom[0], contact.geom[1]));
-    return contact.distance < -(tolerance_ + (allowed == allowed_.end() ? 0.0 : allowed->second));
+  std::vector<Contact> Of(const Verdict& verdict) const {
+    std::vector<Contact> counting;
+    for (const Contact& contact : verdict.contacts) {
+      const auto allowed = allowed_.find(std::minmax(contact.geom[0], contact.geom[1]));
+      const double free = tolerance_ + (allowed == allowed_.end() ? 0.0 : allowed->second);
+      if (contact.distance < -free) counting.push_back(contact);
+    }
+    return counting;
   }
 
  private:
@@ -51,13 +57,14 @@ class Overlaps {
   std::map<std::pair<int, int>, double> allowed_;
 };
 
-void Note(const Verdict& verdict, const Overlaps& overlaps, std::size_t Seen::* count,
+void Note(const Configuration& row, const std::vector<Contact>& contacts, std::size_t Seen::* count,
           SeenPairs& seen) {
-  for (const Contact& contact : verdict.contacts) {
-    if (!overlaps.Counts(contact)) continue;
+  for (const Contact& contact : contacts) {
     Seen& pair = seen[contact.geom];
     ++(pair.*count);
-    pair.depth = std::min(pair.depth, contact.distance);
+    if (contact.distance >= pair.deepest.distance) continue;
+    pair.deepest = contact;
+    pair.where = row;
   }
 }
 
@@ -84,21 +91,18 @@ double ForceOverWeight(const mjModel& m, const mjData& d) {
   return mass > 0.0 ? force / (mass * (gravity > 0.0 ? gravity : kGravity)) : 0.0;
 }
 
-AuditedKey ExamineKey(const Scene& scene, const Configuration& row, const Verdict& verdict,
-                      const Overlaps& overlaps, mjData* d) {
-  const mjModel& m = *scene.model();
+AuditedKey ExamineKey(const mjModel& m, const Configuration& row, const Verdict& verdict,
+                      std::vector<Contact> contacts, mjData* d) {
   AuditedKey key;
-  key.name = row.label;
-  key.key = row.key;
+  key.of = row;
+  key.contacts = std::move(contacts);
   if (row.key < 0) {
     mj_resetData(&m, d);
   } else {
     mj_resetDataKeyframe(&m, d, row.key);
   }
   mj_forward(&m, d);
-  for (const Contact& contact : verdict.contacts) {
-    if (overlaps.Counts(contact)) key.depth = std::max(key.depth, -contact.distance);
-  }
+  for (const Contact& contact : key.contacts) key.depth = std::max(key.depth, -contact.distance);
   key.limit_excess = verdict.limit_excess;
   key.equality_residual = EqualityResidual(*d);
   key.force_over_weight = ForceOverWeight(m, *d);
@@ -122,7 +126,7 @@ std::vector<Configuration> Poses(const Scene& scene) {
 std::vector<AuditedPair> Classify(const SeenPairs& seen, std::size_t samples, std::size_t poses) {
   std::vector<AuditedPair> pairs;
   for (const auto& [geoms, found] : seen) {
-    AuditedPair pair{geoms[0], geoms[1], Overlap::kSometimes, 0.0, found.depth};
+    AuditedPair pair{geoms[0], geoms[1], Overlap::kSometimes, 0.0, found.deepest, found.where};
     pair.share = static_cast<double>(found.random) / static_cast<double>(samples);
     if (found.random == samples && found.posed == poses) {
       pair.kind = Overlap::kPermanent;
@@ -220,15 +224,18 @@ Audit Examine(const Scene& scene, const AuditOptions& options) {
     asked.mocap_pos = row.mocap_pos;
     asked.mocap_quat = row.mocap_quat;
     const Verdict verdict = Verify(scene, row.q, asked);
-    Note(verdict, overlaps, &Seen::posed, seen);
-    audit.keys.push_back(ExamineKey(scene, row, verdict, overlaps, d.get()));
+    const std::vector<Contact> contacts = overlaps.Of(verdict);
+    Note(row, contacts, &Seen::posed, seen);
+    audit.keys.push_back(ExamineKey(*scene.model(), row, verdict, contacts, d.get()));
   }
   asked.mocap_pos.clear();
   asked.mocap_quat.clear();
   Random random(options.seed);
   for (; audit.samples < options.samples && !Interrupted(); ++audit.samples) {
-    const Verdict verdict = Verify(scene, RandomConfiguration(scene, random), asked);
-    Note(verdict, overlaps, &Seen::random, seen);
+    Configuration row;
+    row.label = "random " + std::to_string(audit.samples);
+    row.q = RandomConfiguration(scene, random);
+    Note(row, overlaps.Of(Verify(scene, row.q, asked)), &Seen::random, seen);
   }
   audit.pairs = Classify(seen, audit.samples, poses.size());
   audit.never = static_cast<std::size_t>(scene.num_kept_pairs()) - audit.pairs.size();

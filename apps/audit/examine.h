@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "apps/input/configurations.h"
+#include "mjcf_pdg/pdg.h"
 #include "mjcf_pdg/scene.h"
 
 namespace mjcf_pdg::app {
@@ -30,12 +32,15 @@ struct AuditedPair {
   int geom1 = -1, geom2 = -1;
   Overlap kind = Overlap::kSometimes;
   double share = 0.0;  // of the random configurations in which it overlaps
-  double depth = 0.0;  // the deepest overlap seen, negative [m]
+  // The deepest overlap that was seen; its distance is negative. In which configuration: a
+  // keyframe, qpos0 or a random one.
+  Contact deepest;
+  Configuration where;
 };
 
 struct AuditedKey {
-  std::string name;                // "qpos0" for the model's default
-  int key = -1;                    // -1: qpos0
+  Configuration of;                // labelled "qpos0" for the model's default
+  std::vector<Contact> contacts;   // overlaps that count, deepest first
   double depth = 0.0;              // deepest overlap that counts, positive [m]
   double limit_excess = 0.0;       // largest violation of a joint limit [rad or m]
   double equality_residual = 0.0;  // largest violation of an active equality [rad or m]

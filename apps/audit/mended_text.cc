@@ -29,11 +29,11 @@ constexpr char kDefaultKey[] = "qpos0_pdg";
 // <size nkey>) are told apart by their names.
 const TextSpan* FindKey(const std::string& text, const std::vector<TextSpan>& tags,
                         const AuditedKey& key, int nkey) {
-  if (static_cast<int>(tags.size()) == nkey) return &tags[static_cast<std::size_t>(key.key)];
+  if (static_cast<int>(tags.size()) == nkey) return &tags[static_cast<std::size_t>(key.of.key)];
   for (const TextSpan& tag : tags) {
     const std::string written = tag.Of(text);
     const std::optional<TextSpan> name = FindAttribute(written, "name");
-    if (name && name->Of(written) == Escaped(key.name)) return &tag;
+    if (name && name->Of(written) == Escaped(key.of.label)) return &tag;
   }
   return nullptr;
 }
@@ -76,17 +76,6 @@ struct Mending {
   std::vector<std::string> left;  // what stays wrong, and why
 };
 
-// What the solver says to a keyframe `key` of the scene, or to qpos0.
-Result Repaired(const Scene& scene, Solver& solver, int key) {
-  Configuration row;
-  row.q = scene.DefaultQpos();
-  if (key >= 0) {
-    for (RowSource source(scene, {}); source.Next(row) && row.key != key;) continue;
-  }
-  solver.SetMocap(row.mocap_pos, row.mocap_quat);
-  return solver.Solve(row.q);
-}
-
 // <size nkey> counts more keyframes than stand in the text: those are qpos0, and the next <key> of
 // the text becomes the first of them.
 bool IsOnlyCounted(const std::string& text, const std::vector<TextSpan>& tags, int key) {
@@ -101,18 +90,19 @@ void MendKeys(const Scene& scene, const Audit& audit, const std::string& text,
   for (const AuditedKey& key : audit.keys) {
     if (!key.Wrong()) continue;
     const auto leave = [&](const std::string& why) {
-      mending.left.push_back((key.key < 0 ? "" : "keyframe ") + key.name + " stays: " + why);
+      mending.left.push_back((key.of.key < 0 ? "" : "keyframe ") + key.of.label + " stays: " + why);
     };
-    const Result result = Repaired(scene, solver, key.key);
+    solver.SetMocap(key.of.mocap_pos, key.of.mocap_quat);
+    const Result result = solver.Solve(key.of.q);
     if (result.status == Status::kAlreadyFree) {  // with the <exclude> lines
       if (key.violates) leave("an equality constraint that it violates is none of those held");
     } else if (result.status == Status::kUnsolved) {
       leave(result.reason);
-    } else if (key.key < 0) {
+    } else if (key.of.key < 0) {
       mending.begin = result.q;
     } else if (const TextSpan* tag = FindKey(text, tags, key, static_cast<int>(model.nkey))) {
       mending.keys.emplace_back(*tag, result.q);
-    } else if (IsOnlyCounted(text, tags, key.key)) {
+    } else if (IsOnlyCounted(text, tags, key.of.key)) {
       mending.keyframe.push_back(WithQpos("<key/>", result.q));
     } else {
       leave("no <key> of the model's text is its");
@@ -195,7 +185,7 @@ MendedModel Mended(const std::string& model, const Audit& audit, const MendOptio
   bool any_wrong = false, key_wrong = false;
   for (const AuditedKey& key : audit.keys) {
     any_wrong |= key.Wrong();
-    key_wrong |= key.Wrong() && key.key >= 0;
+    key_wrong |= key.Wrong() && key.of.key >= 0;
   }
   if (key_wrong) text = WithIncludesOf(std::move(text), "key", from);
   if (any_wrong) {

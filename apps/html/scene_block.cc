@@ -112,7 +112,8 @@ Json GeomJson(const mjModel& m, int g) {
   const mjtNum* q = m.geom_quat + 4 * g;
   const int material = m.geom_matid[g];
   const float* rgba = material >= 0 ? m.mat_rgba + 4 * material : m.geom_rgba + 4 * g;
-  return {{"body", m.geom_bodyid[g]},
+  return {{"id", g},
+          {"body", m.geom_bodyid[g]},
           {"type", ShapeName(m.geom_type[g])},
           {"size", {size[0], size[1], size[2]}},
           {"pose", {p[0], p[1], p[2], q[0], q[1], q[2], q[3]}},

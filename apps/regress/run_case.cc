@@ -69,7 +69,9 @@ void RunRows(const Suite& suite, const SuiteCase& one, const std::vector<GoldenR
   std::unique_ptr<Progress> progress;
   std::map<std::string, GoldenRow> golden_rows;
   for (const GoldenRow& row : golden) golden_rows[row.name] = row;
-  const auto tell = [&](const Configuration& row, const Result& result) {
+  const auto tell = [&](const SolvedRow& solved) {
+    const Configuration& row = solved.row;
+    const Result& result = solved.result;
     RowReport told;
     told.now = {row.label, result.status, result.sigma, result.stats.collision_queries};
     told.reason = result.reason;
@@ -81,6 +83,7 @@ void RunRows(const Suite& suite, const SuiteCase& one, const std::vector<GoldenR
       report.queries.now += told.now.queries;
     }
     told.change = Compare(suite, one, told.before ? &*told.before : nullptr, told.now);
+    if (how.look) how.look(scene, solved, told);
     report.rows.push_back(std::move(told));
     if (progress) progress->Step();
   };
@@ -97,8 +100,7 @@ void RunRows(const Suite& suite, const SuiteCase& one, const std::vector<GoldenR
     };
     progress.reset();  // ends its line before the next one is drawn
     if (how.progress) progress = std::make_unique<Progress>("solving rows", named.size());
-    SolveRows(scene, {one.options, how.threads}, next,
-              [&](const SolvedRow& solved) { tell(solved.row, solved.result); });
+    SolveRows(scene, {one.options, how.threads, 0.0, static_cast<bool>(how.look)}, next, tell);
   }
 }
 

@@ -3,11 +3,13 @@
 #define MJCF_PDG_APPS_REGRESS_RUN_CASE_H_
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/regress/golden.h"
+#include "apps/solve/solve_rows.h"
 
 namespace mjcf_pdg::app {
 
@@ -30,9 +32,14 @@ struct CaseReport {
   bool Failed() const;
 };
 
+// Is given each row when it is compared, with the iterations of its search.
+using LookAtRow =
+    std::function<void(const Scene& scene, const SolvedRow& solved, const RowReport& report)>;
+
 struct CaseRun {
   std::size_t threads = 1;
   bool progress = false;  // a bar for its rows
+  LookAtRow look = {};    // empty: nobody looks
 };
 
 // Never throws for what is wrong with the case: that is its report. `golden`: its model's rows.

@@ -1,26 +1,11 @@
 #include "apps/solve/solve_arguments.h"
 
-#include <array>
-
 #include "apps/input/plugins.h"
 
 namespace mjcf_pdg::app {
 namespace {
 
 constexpr double kReportedDistances = 1.0;  // Options::report_distances_to [m]
-
-// Options that do not decide how a row is solved.
-constexpr std::array kElsewhere = {"MODEL",       "--key",    "--qpos",   "--qpos-file",
-                                   "--threads",   "--json",   "--resume", "--out-qpos",
-                                   "--out-mjcf",  "--png",    "--html",   "--trace",
-                                   "--animation", "--script", "--help",   "--version"};
-
-bool Elsewhere(const CLI::Option& option) {
-  for (const char* name : kElsewhere) {
-    if (option.get_name() == name || option.check_lname(std::string(name).substr(2))) return true;
-  }
-  return false;
-}
 
 }  // namespace
 
@@ -66,10 +51,7 @@ void AddSolveFlags(CLI::App& command, SolveArguments& arguments) {
       "copies of its assets",
       arguments.out_mjcf)
       ->type_name("FILE|DIR/");
-  AddPath(
-      command, "--html",
-      "write a report that opens in any browser: the scene in 3-D, the search, contacts, joints",
-      arguments.html);
+  AddHtml(command, arguments.html);
   AddPath(command, "--trace",
           "write every iteration of the search as JSON Lines, for mjcf-pdg replay", arguments.trace)
       ->type_name("FILE|-");
@@ -88,19 +70,6 @@ void FinishSolveOptions(SolveArguments& arguments) {
   arguments.options.seed = arguments.seed;
   arguments.options.report_contacts = true;
   arguments.options.report_distances_to = kReportedDistances;
-}
-
-std::vector<std::string> GivenOptions(const CLI::App& command) {
-  std::vector<std::string> given;
-  for (const CLI::Option* option : command.get_options()) {
-    if (option->count() == 0 || Elsewhere(*option)) continue;
-    const bool flag = option->get_items_expected_max() == 0;
-    for (const std::string& value : option->results()) {
-      given.push_back(option->get_name());
-      if (!flag) given.push_back(value);
-    }
-  }
-  return given;
 }
 
 }  // namespace mjcf_pdg::app

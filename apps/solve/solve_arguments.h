@@ -32,10 +32,6 @@ void AddSolveFlags(CLI::App& command, SolveArguments& arguments);
 // Completes `arguments.options` when the command line has been parsed.
 void FinishSolveOptions(SolveArguments& arguments);
 
-// What was given on a parsed command line that decides how a row is solved, as a command line: all
-// but the model, which rows, and what is written where.
-std::vector<std::string> GivenOptions(const CLI::App& command);
-
 }  // namespace mjcf_pdg::app
 
 #endif  // MJCF_PDG_APPS_SOLVE_SOLVE_ARGUMENTS_H_

@@ -32,13 +32,13 @@ nb::dict ToDict(const Scene& scene, const app::AuditedPair& pair) {
   d["geom2"] = GeomOf(scene, pair.geom2);
   d["class"] = app::NameOf(pair.kind);
   d["share"] = pair.share;
-  d["depth"] = pair.depth;
+  d["depth"] = pair.deepest.distance;
   return d;
 }
 
 nb::dict ToDict(const app::AuditedKey& key) {
   nb::dict d;
-  d["name"] = Text(key.name);
+  d["name"] = Text(key.of.label);
   d["depth"] = key.depth;
   d["limit_excess"] = key.limit_excess;
   d["equality_residual"] = key.equality_residual;

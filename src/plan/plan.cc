@@ -78,12 +78,16 @@ bool Planning::Repair(const std::vector<double>& q, const char* end, Result& res
 }
 
 bool Planning::Prove(const std::vector<VectorXd>& path) {
-  bool certified = true;
+  std::vector<EdgeProof> edges;
   for (std::size_t k = 1; k < path.size(); ++k) {
+    const std::int64_t before = prover_->queries();
     if (!prover_->IsFree(path[k - 1], path[k])) return false;
-    certified = certified && prover_->certified();
+    edges.push_back({prover_->certified(), static_cast<int>(prover_->queries() - before),
+                     space_->Distance(path[k - 1], path[k])});
   }
-  path_.certified = certified;
+  path_.certified =
+      std::all_of(edges.begin(), edges.end(), [](const EdgeProof& edge) { return edge.certified; });
+  path_.edges = std::move(edges);
   return true;
 }
 
@@ -112,10 +116,8 @@ void Planning::Keep(const og::PathGeometric& path) {
     }
   }
   path_.found = true;
-  for (std::size_t k = 0; k < q.size(); ++k) {
-    path_.q.emplace_back(q[k].data(), q[k].data() + q[k].size());
-    if (k > 0) path_.length += space_->Distance(q[k - 1], q[k]);
-  }
+  for (const VectorXd& at : q) path_.q.emplace_back(at.data(), at.data() + at.size());
+  for (const EdgeProof& edge : path_.edges) path_.length += edge.length;
 }
 
 void Planning::Search(const VectorXd& start, const VectorXd& goal) {

@@ -17,7 +17,8 @@ namespace mjcf_pdg {
 
 struct PlanOptions {
   std::string planner = "birrt-pdg";  // PlannerNames
-  // Of these count tolerance, clearance, seed, the mocap poses and time_limit, for all of Plan [s].
+  // Of these count tolerance, clearance, seed, the mocap poses, report_contacts (of the ends as
+  // given) and time_limit, for all of Plan [s].
   Options options = {};
   // The length of a step [m]; 0: a tenth of the largest distance of random configurations.
   double range = 0.0;
@@ -25,11 +26,19 @@ struct PlanOptions {
   std::function<bool()> go_on = {};  // asked between samples whether to go on; empty: always
 };
 
+// What the last proof of an edge of a path took.
+struct EdgeProof {
+  bool certified = false;  // proven; false if an SDF was near and it was only sampled
+  int poses = 0;           // configurations that were posed
+  double length = 0.0;     // √σ [m]
+};
+
 struct Path {
   bool found = false;
   // Every edge has been proven free; false if an SDF was near one and it was only sampled.
   bool certified = false;
   std::vector<std::vector<double>> q;  // from start to goal, nq entries each; empty if not found
+  std::vector<EdgeProof> edges;        // one less than q
   double length = 0.0;                 // Σ√σ of the edges [m]
   // What became of the ends: free already, repaired, or not to be repaired, and then nothing is
   // planned. They are repaired to the nearest configuration that is free.

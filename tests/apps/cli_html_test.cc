@@ -1,86 +1,59 @@
-// solve --html: what is in the file. How it behaves in a browser: apps/html/web/check_report.mjs.
-#include <zlib.h>
-
-#include <cstdint>
+// --html: what is in the file. How it behaves in a browser: tests/html.
 #include <cstring>
 #include <regex>
 
 #include "tests/support/cli_test.h"
+#include "tests/support/report_file.h"
 
 namespace mjcf_pdg::test {
 namespace {
 
-std::string FromBase64(const std::string& text) {
-  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string bytes;
-  std::uint32_t bits = 0;
-  int count = 0;
-  for (const char c : text) {
-    if (c == '=') break;
-    bits = bits << 6 | static_cast<std::uint32_t>(digits.find(c));
-    count += 6;
-    if (count >= 8) bytes += static_cast<char>(bits >> (count -= 8) & 255);
+// What the page shows as the fact `name` of a row.
+nlohmann::json Fact(const Block& row, const std::string& name) {
+  for (const nlohmann::json& fact : row.json["facts"]) {
+    if (fact[0] == name) return fact[1];
   }
-  return bytes;
+  return nullptr;
 }
 
-// The text of <script id="ID">.
-std::string Script(const std::string& page, const std::string& id) {
-  const std::string head = "id=\"" + id + "\">";
-  const std::size_t begin = page.find(head);
-  if (begin == std::string::npos) return "";
-  const std::size_t end = page.find("</script>", begin);
-  return page.substr(begin + head.size(), end - begin - head.size());
-}
-
-struct Block {
-  nlohmann::json json;
-  std::string bytes;
-};
-
-Block Unpack(const std::string& text) {
-  const std::string packed = FromBase64(text);
-  std::string bytes(std::size_t{1} << 22, '\0');
-  uLongf size = bytes.size();
-  EXPECT_EQ(uncompress(reinterpret_cast<Bytef*>(bytes.data()), &size,
-                       reinterpret_cast<const Bytef*>(packed.data()), packed.size()),
-            Z_OK);
-  std::uint32_t length = 0;
-  std::memcpy(&length, bytes.data(), 4);
-  return {nlohmann::json::parse(bytes.substr(4, length)),
-          bytes.substr(4 + length, size - 4 - length)};
+// The z of body `body` (of `nbody`) in a frame.
+float HeightIn(const Block& row, std::size_t frame, std::size_t body, std::size_t nbody) {
+  float z = 0.0f;
+  std::memcpy(&z, row.bytes.data() + (7 * (frame * nbody + body) + 2) * sizeof z, sizeof z);
+  return z;
 }
 
 TEST_F(CliTest, AReportHoldsSceneRowsAndSearch) {
   ASSERT_EQ(Run({"solve", "scene.xml", "--seed", "3", "--html", "r.html"}).exit_code, 0);
   const std::string page = Read("r.html");
-  EXPECT_FALSE(std::regex_search(page.substr(0, 6000), std::regex("(src|href)=\"?http")));
-  const nlohmann::json rows = nlohmann::json::parse(Script(page, "page"))["rows"];
+  EXPECT_FALSE(std::regex_search(page.substr(0, 9000), std::regex("(src|href)=\"?http")));
+  const nlohmann::json rows = Head(page)["rows"];
   ASSERT_EQ(rows.size(), 2u);
   EXPECT_EQ(rows[0]["label"], "deep");
   EXPECT_EQ(rows[0]["status"], "solved");
-  EXPECT_NEAR(rows[0]["depth"].get<double>(), 50.0, 1e-2);
+  EXPECT_EQ(Head(page)["columns"][0], "depth mm");
+  EXPECT_NEAR(rows[0]["values"][0].get<double>(), 50.0, 1e-2);
+  EXPECT_NE(Head(page)["options"].dump().find(R"(["--seed","3"])"), std::string::npos);
+  EXPECT_NE(Head(page)["options"].dump().find(R"(["--method","auto"])"), std::string::npos);
   EXPECT_EQ(rows[1]["status"], "already_free");
 
-  const Block scene = Unpack(Script(page, "scene"));
+  const Block scene = Unpack(Script(page, "scene0"));
   ASSERT_EQ(scene.json["geoms"].size(), 2u);
   EXPECT_EQ(scene.json["geoms"][1]["type"], "sphere");
 
   const Block row = Unpack(Script(page, "row0"));
   EXPECT_EQ(row.json["contacts_in"].size(), 1u);
   EXPECT_EQ(row.json["joints"][0]["name"], "z");
-  EXPECT_NEAR(row.json["joints"][0]["moved"].get<double>(), 50.0, 1e-2);
+  EXPECT_EQ(row.json["joints"][0]["moved"].front(), 0.0);
+  EXPECT_NEAR(row.json["joints"][0]["moved"].back().get<double>(), 50.0, 1e-2);
   EXPECT_GE(row.json["iterations"].size(), 2u);
   EXPECT_EQ(row.json["command"], "mjcf-pdg solve scene.xml --seed 3 --qpos '0.0 0.0'");
   // Poses of the world and the ball in each frame: z of the ball, as given and in the answer.
   const std::size_t frames = row.json["frames"].size(), pose = 7 * sizeof(float);
   ASSERT_GE(frames, 3u);
   ASSERT_EQ(row.bytes.size(), frames * 2 * pose);
-  float first = 0.0f, last = 0.0f;
-  std::memcpy(&first, row.bytes.data() + pose + 2 * sizeof(float), sizeof first);
-  std::memcpy(&last, row.bytes.data() + row.bytes.size() - pose + 2 * sizeof(float), sizeof last);
-  EXPECT_FLOAT_EQ(first, 0.15f);
-  EXPECT_NEAR(last, 0.2f, 1e-5f);
+  EXPECT_FLOAT_EQ(HeightIn(row, 0, 1, 2), 0.15f);
+  EXPECT_NEAR(HeightIn(row, frames - 1, 1, 2), 0.2f, 1e-5f);
 }
 
 // The command that a report shows makes the row again.
@@ -93,8 +66,8 @@ TEST_F(CliTest, AReportsCommandMakesTheRowAgain) {
   const std::size_t quote = command.find('\'');
   const std::string qpos = command.substr(quote + 1, command.size() - quote - 2);
   const nlohmann::json again = SolveJson({model, "--qpos", qpos}).at(0);
-  EXPECT_EQ(row.json["facts"][2][1], again["sigma"]);
-  EXPECT_GT(Unpack(Script(page, "scene")).json["meshes"].size(), 0u);
+  EXPECT_EQ(Fact(row, "σ, m²"), again["sigma"]);
+  EXPECT_GT(Unpack(Script(page, "scene0")).json["meshes"].size(), 0u);
 }
 
 TEST_F(CliTest, NamesCannotLeaveTheirPlaceInAReport) {
@@ -105,11 +78,114 @@ TEST_F(CliTest, NamesCannotLeaveTheirPlaceInAReport) {
             "</script><b>");
 }
 
-TEST_F(CliTest, AReportIsForOneModelAndWrittenWholeOrNotAtAll) {
-  ExpectRefused({"solve", "scene.xml", "scene.xml", "--html", "r.html"},
-                "--html is for a single model");
+TEST_F(CliTest, AReportIsWrittenWholeOrNotAtAll) {
   ExpectRefused({"solve", "scene.xml", "--html", "scene.xml"}, "--html");
   ExpectRefused({"solve", "scene.xml", "--key", "none", "--html", "r.html"}, "none");
+  ExpectRefused({"check", "scene.xml", "--html", "scene.xml"}, "--html");
+  ExpectRefused({"audit", "scene.xml", "--html", "scene.xml"}, "--html");
+}
+
+TEST_F(CliTest, AReportOfSeveralModelsHasTheSceneOfEach) {
+  ASSERT_EQ(Run({"solve", "scene.xml", MJCF_PDG_MODEL_DIR "/loops/leg.xml", "--html", "r.html"})
+                .exit_code,
+            0);
+  const std::string page = Read("r.html");
+  EXPECT_EQ(Head(page)["models"].size(), 2u);
+  EXPECT_EQ(Head(page)["rows"].back()["model"], 1);
+  EXPECT_EQ(Unpack(Script(page, "scene0")).json["nbody"], 2);
+  EXPECT_GT(Unpack(Script(page, "scene1")).json["nbody"], 2);
+}
+
+TEST_F(CliTest, AReportOfCheckHasTheContacts) {
+  ASSERT_EQ(Run({"check", "scene.xml", "--html", "r.html"}).exit_code, 3);
+  const std::string page = Read("r.html");
+  const nlohmann::json rows = Head(page)["rows"];
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0]["wrong"], true);
+  EXPECT_EQ(rows[1]["status"], "free");
+  const Block row = Unpack(Script(page, "row0"));
+  EXPECT_EQ(row.json["frames"].size(), 1u);
+  EXPECT_NEAR(row.json["contacts_in"][0]["distance"].get<double>(), -0.05, 1e-5);
+  EXPECT_EQ(row.json["contacts_in"][0]["geom2"], "wall");
+  EXPECT_EQ(row.json["command"], "mjcf-pdg check scene.xml --qpos '0.0 0.0'");
+}
+
+// The ball falls on the wall: the slider has where that is, and where it would have gone.
+TEST_F(CliTest, AReportOfAMotionGoesToWhereItStops) {
+  ASSERT_EQ(
+      Run({"check", "scene.xml", "--motion", "--from", "0 0.4", "--to", "0 0", "--html", "r.html"})
+          .exit_code,
+      3);
+  const Block row = Unpack(Script(Read("r.html"), "row0"));
+  EXPECT_NEAR(Fact(row, "free up to t").get<double>(), 0.875, 1e-3);
+  const std::size_t frames = row.json["frames"].size();
+  EXPECT_FLOAT_EQ(HeightIn(row, 0, 1, 2), 0.55f);
+  EXPECT_NEAR(HeightIn(row, frames - 2, 1, 2), 0.2f, 1e-3f);
+  EXPECT_FLOAT_EQ(HeightIn(row, frames - 1, 1, 2), 0.15f);
+  EXPECT_EQ(row.json["tables"][0]["rows"][0], nlohmann::json({"sphere", "wall"}));
+  EXPECT_EQ(row.json["tables"][0]["frames"][0], frames - 2);
+}
+
+TEST_F(CliTest, AReportOfAuditHasPairsAndKeyframes) {
+  ASSERT_EQ(Run({"audit", "scene.xml", "--samples", "50", "--html", "r.html", "--json", "a.json"})
+                .exit_code,
+            3);
+  const std::string page = Read("r.html");
+  const nlohmann::json rows = Head(page)["rows"], audit = ParseLines(Read("a.json")).at(0);
+  ASSERT_EQ(rows.size(), audit["pairs"].size() + audit["keyframes"].size());
+  EXPECT_EQ(rows[0]["label"], "sphere / wall");
+  EXPECT_EQ(rows[0]["status"], audit["pairs"][0]["class"]);
+  EXPECT_EQ(rows.back()["status"], "keyframe, free");
+  // Where the pair is shown it overlaps as deep as is said, by the command beside it.
+  const Block pair = Unpack(Script(page, "row0"));
+  EXPECT_EQ(pair.json["contacts_in"][0]["distance"], audit["pairs"][0]["depth"]);
+  const std::string command = pair.json["command"];
+  const std::size_t quote = command.find('\'');
+  const std::string qpos = command.substr(quote + 1, command.size() - quote - 2);
+  const nlohmann::json again =
+      ParseLines(Run({"check", "scene.xml", "--qpos", qpos, "--json", "-"}).out).at(0);
+  EXPECT_EQ(again["min_distance"], audit["pairs"][0]["depth"]);
+  EXPECT_EQ(Head(page)["again"], "mjcf-pdg audit scene.xml --samples 50");
+  EXPECT_EQ(Head(page)["tables"][0]["rows"].back()[1], audit["never"]);
+}
+
+TEST_F(CliTest, AReportOfAuditTellsOfAModelThatDoesNotLoad) {
+  Write("broken.xml", "<mujoco>");
+  ASSERT_EQ(
+      Run({"audit", "broken.xml", "scene.xml", "--samples", "10", "--html", "r.html"}).exit_code,
+      3);
+  const std::string page = Read("r.html");
+  EXPECT_EQ(Head(page)["rows"][0]["status"], "failed");
+  const Block row = Unpack(Script(page, "row0"));
+  EXPECT_EQ(row.json["frames"].size(), 0u);
+  EXPECT_NE(row.json["reason"].get<std::string>().find("broken.xml"), std::string::npos);
+}
+
+TEST_F(CliTest, AReportOfRegressSaysWhatChanged) {
+  Write("m/scene.xml", kBallAndWall);
+  ASSERT_EQ(Run({"regress", "--discover", "m", "--update"}).exit_code, 0);
+  const std::string golden = Read("m/pdg.golden.json");
+  // A nearer golden result than there is, and one of a model that is gone.
+  std::string altered =
+      std::regex_replace(golden, std::regex("\"sigma\": 0\\.[0-9]*[1-9][0-9]*"), "\"sigma\": 1e-6");
+  ASSERT_NE(altered, golden);
+  altered.replace(altered.rfind("\n]"), 0,
+                  ",\n  {\"model\": \"lost.xml\", \"row\": \"qpos0\", \"status\": \"solved\", "
+                  "\"sigma\": 1, \"queries\": 1}");
+  Write("m/pdg.golden.json", altered);
+  ASSERT_EQ(Run({"regress", "m/pdg.json", "--html", "r.html"}).exit_code, 3);
+  const std::string page = Read("r.html");
+  const nlohmann::json rows = Head(page)["rows"];
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_EQ(rows[0]["status"], "sigma_up");
+  EXPECT_EQ(rows[0]["wrong"], true);
+  EXPECT_EQ(rows[1]["status"], "already_free");
+  EXPECT_EQ(rows[2]["status"], "gone");
+  const Block row = Unpack(Script(page, "row0"));
+  EXPECT_EQ(row.json["tables"][0]["rows"][1][1], 1e-6);
+  EXPECT_NEAR(row.json["contacts_in"][0]["distance"].get<double>(), -0.05, 1e-5);
+  EXPECT_GE(row.json["iterations"].size(), 2u);
+  EXPECT_EQ(row.json["command"], "mjcf-pdg regress m/pdg.json --json -");
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // mjcf-pdg plan: what it writes, its exit codes, what it refuses.
 #include "tests/support/cli_test.h"
+#include "tests/support/report_file.h"
 
 namespace mjcf_pdg::test {
 namespace {
@@ -130,6 +131,33 @@ TEST_F(CliPlanTest, BadInputIsOneLineAndNothingIsWritten) {
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
   }
   EXPECT_EQ(Files(), before);
+}
+
+TEST_F(CliPlanTest, AReportGoesAlongThePathEdgeByEdge) {
+  ASSERT_EQ(Run(Ends("deep", "goal", {"--json", "p.json", "--html", "r.html"})).exit_code, 0);
+  const Json plan = Json::parse(Read("p.json"));
+  const Block row = Unpack(Script(Read("r.html"), "row0"));
+  const Json& edges = row.json["tables"][0];
+  ASSERT_EQ(edges["rows"].size(), plan["path"].size() - 1);
+  double length = 0.0;
+  for (const Json& edge : edges["rows"]) {
+    length += edge[1].get<double>() / 1e3;
+    EXPECT_EQ(edge[2], "proven free");
+    EXPECT_GT(edge[3], 0);
+  }
+  EXPECT_NEAR(length, plan["length"].get<double>(), 1e-9);
+  // The start as given, in the wall; then the path, each edge from its configuration on.
+  EXPECT_EQ(row.json["contacts_in"].size(), 1u);
+  const auto x = [&](std::size_t frame) {  // of the ball, which is body 1 of 2
+    float value = 0.0f;
+    std::memcpy(&value, row.bytes.data() + 7 * (2 * frame + 1) * sizeof value, sizeof value);
+    return value;
+  };
+  EXPECT_FLOAT_EQ(x(0), -0.15f);
+  for (std::size_t e = 0; e < edges["frames"].size(); ++e) {
+    EXPECT_FLOAT_EQ(x(edges["frames"][e]), plan["path"][e][0].get<float>());
+  }
+  EXPECT_FLOAT_EQ(x(row.json["frames"].size() - 1), 0.5f);
 }
 
 }  // namespace

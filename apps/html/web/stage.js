@@ -1,46 +1,35 @@
-// The scene in 3-D: q_in as an orange ghost, what the slider shows in blue, contacts of q_in as arrows along their normals.
+// The scene in 3-D: bodies, contacts as arrows along their normals, the camera.
 import * as THREE from 'three';
 import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
+import {AFTER, BEFORE, Bodies} from './bodies.js';
+import {unpack} from './packed.js';
 
-// Orange and blue of Okabe and Ito: told apart with every kind of colour vision.
-const BEFORE = 0xe69f00, AFTER = 0x0072b2, CONTACT = 0xd55e00;
+const CONTACT = 0xd55e00;  // vermilion of Okabe and Ito
+const THUMB = [64, 48];    // pixels of a thumbnail
 
-function meshGeometry(mesh, bytes) {
-  const packed = new Uint16Array(bytes, mesh.vertices, 3 * mesh.nv);
-  const position = new Float32Array(packed.length);
-  for (let k = 0; k < packed.length; ++k) {
-    position[k] = mesh.low[k % 3] + (mesh.high[k % 3] - mesh.low[k % 3]) * packed[k] / 65535;
+function arrows(contacts, colour, size) {
+  const group = new THREE.Group();
+  for (const contact of contacts) {
+    const length = Math.max(2 * size, -contact.distance), head = Math.min(size, 0.4 * length);
+    const material = new THREE.MeshBasicMaterial({color: colour, depthTest: false});
+    const arrow = new THREE.Group();
+    for (const geometry of [new THREE.SphereGeometry(0.2 * size, 12, 8),
+      new THREE.CylinderGeometry(0.08 * size, 0.08 * size, length - head, 8).translate(0, 0.5 * (length - head), 0),
+      new THREE.ConeGeometry(0.4 * head, head, 12).translate(0, length - 0.5 * head, 0)]) {
+      const part = new THREE.Mesh(geometry, material);
+      part.renderOrder = 1;
+      arrow.add(part);
+    }
+    arrow.position.set(...contact.position);
+    arrow.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), new THREE.Vector3(...contact.normal));
+    group.add(arrow);
   }
-  const geometry = new THREE.BufferGeometry();
-  geometry.setAttribute('position', new THREE.BufferAttribute(position, 3));
-  geometry.setIndex(new THREE.BufferAttribute(new Uint32Array(bytes, mesh.faces, 3 * mesh.nf), 1));
-  const flat = geometry.toNonIndexed();  // shaded face by face, as no normals are kept
-  flat.computeVertexNormals();
-  return flat;
-}
-
-function shape(geom, meshes) {
-  const [x, y, z] = geom.size;
-  switch (geom.type) {
-    case 'plane': return new THREE.PlaneGeometry(2 * (x || 10), 2 * (y || 10));
-    case 'sphere': return new THREE.SphereGeometry(x, 32, 20);
-    case 'capsule': return new THREE.CapsuleGeometry(x, 2 * y, 12, 24).rotateX(Math.PI / 2);
-    case 'ellipsoid': return new THREE.SphereGeometry(1, 32, 20).scale(x, y, z);
-    case 'cylinder': return new THREE.CylinderGeometry(x, x, 2 * y, 32).rotateX(Math.PI / 2);
-    case 'box': return new THREE.BoxGeometry(2 * x, 2 * y, 2 * z);
-    default: return meshes[geom.mesh];
-  }
-}
-
-function place(object, pose, at) {
-  object.position.set(pose[at], pose[at + 1], pose[at + 2]);
-  object.quaternion.set(pose[at + 4], pose[at + 5], pose[at + 6], pose[at + 3]);
+  return group;
 }
 
 export class Stage {
-  constructor(canvas, scene, bytes) {
+  constructor(canvas) {
     this.canvas = canvas;
-    this.nbody = scene.nbody;
     this.renderer = new THREE.WebGLRenderer({canvas, antialias: true});
     this.camera = new THREE.PerspectiveCamera(40, 1, 0.001, 1000);
     this.camera.up.set(0, 0, 1);
@@ -51,117 +40,92 @@ export class Stage {
     const sun = new THREE.DirectionalLight(0xffffff, 1.6);
     sun.position.set(2, -3, 5);
     this.world.add(sun);
-    this.contacts = new THREE.Group();
-    this.world.add(this.contacts);
-    const meshes = scene.meshes.map((mesh) => meshGeometry(mesh, bytes));
-    this.now = this.bodies(scene, meshes, false);
-    this.ghost = this.bodies(scene, meshes, true);
-    this.showGroups(false);
+    this.marks = new THREE.Group();
+    this.world.add(this.marks);
+    this.models = new Map();  // promises of Bodies, made when a row of theirs is first seen
+    this.beside = this.colliding = false;
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
   }
 
-  bodies(scene, meshes, ghost) {
-    const bodies = [];
-    for (let b = 0; b < scene.nbody; ++b) bodies.push(new THREE.Group());
-    for (const geom of scene.geoms) {
-      if (ghost && geom.type === 'plane') continue;
-      const material = new THREE.MeshStandardMaterial({
-        color: ghost ? BEFORE : new THREE.Color(...geom.rgba.slice(0, 3)),
-        roughness: 0.75, side: THREE.DoubleSide, transparent: ghost || geom.rgba[3] < 1,
-        opacity: ghost ? 0.4 : Math.max(0.25, geom.rgba[3]), depthWrite: !ghost,
-        polygonOffset: ghost, polygonOffsetFactor: 1, polygonOffsetUnits: 4});  // what has not moved is not orange
-      const mesh = new THREE.Mesh(shape(geom, meshes), material);
-      mesh.userData = {geom, own: material.color.clone()};
-      place(mesh, geom.pose, 0);
-      bodies[geom.body].add(mesh);
+  bodiesOf(model) {
+    if (!this.models.has(model)) {
+      this.models.set(model, unpack(`scene${model}`).then(({json, bytes}) => new Bodies(json, bytes, this.colliding)));
     }
-    bodies.forEach((body) => this.world.add(body));
-    return bodies;
+    return this.models.get(model);
   }
 
-  // MuJoCo shows groups 0 to 2; what collides is often in a group that it hides.
-  showGroups(colliding) {
-    for (const body of [...this.now, ...this.ghost]) {
-      for (const mesh of body.children) {
-        const {geom} = mesh.userData;
-        mesh.visible = colliding ? geom.collides : geom.group < 3;
-      }
-    }
-    this.draw();
-  }
-
-  // `poses`: frames × nbody × (position, quaternion w x y z); `contacts`: of q_in.
-  setRow(poses, contacts) {
-    this.poses = poses;
-    this.frames = poses.length / (7 * this.nbody);
-    const last = 7 * this.nbody * (this.frames - 1);
-    this.now.forEach((body, b) => {
-      let moved = 0;
-      for (let k = 7 * b; k < 7 * b + 7; ++k) moved = Math.max(moved, Math.abs(poses[k] - poses[last + k]));
-      const moves = moved > 1e-6;
-      this.ghost[b].userData.moves = moves;
-      body.children.forEach((mesh) => mesh.material.color.set(moves ? AFTER : mesh.userData.own));
-      place(this.ghost[b], poses, 7 * b);
-    });
-    this.showGhost(true);
-    this.showFrame(this.frames - 1);
-    this.setContacts(contacts);
+  // Shows a row, {poses, contacts_in, contacts}, as it ends.
+  setRow(bodies, row) {
+    this.view = {bodies, row, frame: row.frames.length - 1, ghost: true, focus: undefined};
+    this.apply(this.view);
     this.lookAtAll();
   }
 
-  showGhost(on) {
-    this.ghost.forEach((body) => { body.visible = on && body.userData.moves; });
+  clear() {
+    this.view = undefined;
     this.draw();
+  }
+
+  // Puts what a view has into the world.
+  apply({bodies, row, frame, ghost, focus}) {
+    if (this.bodies) this.world.remove(this.bodies.group);
+    this.bodies = bodies;
+    this.world.add(bodies.group);
+    const {contacts_in: given = [], contacts: found = []} = row;
+    bodies.setRow(row.poses, given.flatMap((contact) => contact.geoms));
+    bodies.showFrame(frame);
+    bodies.showGhost(ghost);
+    bodies.focus(focus);
+    this.marks.traverse((part) => { part.geometry?.dispose(); part.material?.dispose(); });
+    this.marks.clear();
+    const size = 0.04 * bodies.bounds.radius;
+    [this.given, this.found] = [arrows(given, CONTACT, size), arrows(found, AFTER, size)];
+    this.marks.add(this.given, this.found);
   }
 
   showFrame(frame) {
-    this.now.forEach((body, b) => place(body, this.poses, 7 * (this.nbody * frame + b)));
+    this.view.frame = frame;
+    this.bodies.showFrame(frame);
     this.draw();
   }
 
-  setContacts(contacts) {
-    this.contacts.clear();
-    const size = 0.03 * this.radius();
-    for (const contact of contacts) {
-      const at = new THREE.Vector3(...contact.position), normal = new THREE.Vector3(...contact.normal);
-      const length = Math.max(size * 2, -contact.distance);
-      const arrow = new THREE.ArrowHelper(normal, at, length, CONTACT, 0.4 * length, 0.2 * length);
-      const ball = new THREE.Mesh(new THREE.SphereGeometry(0.2 * size, 12, 8), new THREE.MeshBasicMaterial({color: CONTACT}));
-      ball.position.copy(at);
-      [arrow.line, arrow.cone, ball].forEach((part) => { part.material.depthTest = false; part.renderOrder = 1; });
-      this.contacts.add(arrow, ball);
-    }
+  showGhost(on) {
+    this.view.ghost = on;
+    this.bodies.showGhost(on);
+    this.draw();
   }
 
-  // Of what moves, or of everything: a sphere to look at.
-  bounds() {
-    const box = new THREE.Box3();
-    this.world.updateMatrixWorld(true);
-    const add = (moving) => this.now.forEach((body, b) => {
-      if (moving && !this.ghost[b].userData.moves) return;
-      for (const mesh of body.children) {
-        if (mesh.visible && mesh.userData.geom.type !== 'plane') box.expandByObject(mesh);
-      }
-    });
-    add(true);
-    if (box.isEmpty()) add(false);
-    return box.isEmpty() ? new THREE.Sphere(new THREE.Vector3(), 1) : box.getBoundingSphere(new THREE.Sphere());
+  showColliding(on) {
+    this.colliding = on;  // for models that are made later
+    this.models.forEach((made) => made.then((bodies) => { bodies.showColliding(on); this.draw(); }));
   }
 
-  radius() { return this.bounds().radius; }
+  // The configuration as given at the left, what the slider shows at the right.
+  showBeside(on) {
+    this.beside = on;
+    this.resize();
+    this.lookAtAll();
+  }
 
   lookAtAll() {
-    const sphere = this.bounds();
-    this.look(sphere.center, 3.4 * sphere.radius);
+    this.focus(undefined);
+    const {center, radius} = this.bodies.bounds;
+    this.look(center, 3.4 * radius);
   }
 
   lookAtContact(contact) {
-    this.look(new THREE.Vector3(...contact.position), 1.2 * this.radius());
+    this.focus(contact.geoms);
+    this.look(new THREE.Vector3(...contact.position), 1.2 * this.bodies.bounds.radius);
+  }
+
+  focus(geoms) {
+    this.view.focus = geoms;
+    this.bodies.focus(geoms);
   }
 
   // Of directions around the target, the one from which least that stands still hides it.
   clearDirection(target, far) {
-    const still = this.now.filter((_, b) => !this.ghost[b].userData.moves);
+    const still = this.bodies.now.filter((_, b) => !this.bodies.moves[b]);
     const ray = new THREE.Raycaster();
     let best, fewest = Infinity;
     for (let k = 0; k < 12 && fewest > 0; ++k) {
@@ -169,13 +133,14 @@ export class Stage {
       const direction = new THREE.Vector3(Math.cos(turn), Math.sin(turn), 0.45).normalize();
       ray.set(target.clone().addScaledVector(direction, far), direction.clone().negate());
       ray.far = far;
-      const hits = ray.intersectObjects(still).filter((hit) => hit.object.visible).length;
+      const hits = this.bodies.frames > 1 ? ray.intersectObjects(still).filter((hit) => hit.object.visible).length : 0;
       if (hits < fewest) [best, fewest] = [direction, hits];
     }
     return best;
   }
 
   look(target, distance) {
+    this.resize();  // the page around may just have changed, and nobody has been told yet
     const far = this.camera.aspect < 1 ? distance / this.camera.aspect : distance;
     this.controls.target.copy(target);
     this.camera.position.copy(target).addScaledVector(this.clearDirection(target, far), far);
@@ -193,9 +158,10 @@ export class Stage {
 
   resize() {
     const {clientWidth: width, clientHeight: height} = this.canvas.parentElement;
+    [this.width, this.height] = [width, height];
     this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
     this.renderer.setSize(width, height, false);
-    this.camera.aspect = width / height;
+    this.camera.aspect = width / (this.beside ? 2 : 1) / height;
     this.camera.updateProjectionMatrix();
     this.draw();
   }
@@ -203,6 +169,46 @@ export class Stage {
   draw() {
     if (this.asked) return;
     this.asked = true;
-    requestAnimationFrame(() => { this.asked = false; this.renderer.render(this.world, this.camera); });
+    requestAnimationFrame(() => { this.asked = false; this.drawNow(); });
+  }
+
+  drawNow() {
+    if (!this.view) return;
+    const {bodies, frame, ghost} = this.view;
+    if (!this.beside) return this.drawPart(this.camera, 0, this.width, this.height);
+    bodies.showGhost(false);
+    bodies.showFrame(0, BEFORE);
+    this.found.visible = false;
+    this.drawPart(this.camera, 0, this.width / 2, this.height);
+    this.found.visible = true;
+    this.given.visible = false;
+    bodies.showFrame(frame);
+    this.drawPart(this.camera, this.width / 2, this.width / 2, this.height);
+    this.given.visible = true;
+    bodies.showGhost(ghost);
+  }
+
+  drawPart(camera, left, width, height) {
+    this.renderer.setScissorTest(true);
+    this.renderer.setScissor(left, 0, width, height);
+    this.renderer.setViewport(left, 0, width, height);
+    this.renderer.render(this.world, camera);
+  }
+
+  // Draws a row into a small canvas: in a corner of the large one, which is drawn anew before anybody sees it.
+  thumbnail(bodies, row, canvas) {
+    this.apply({bodies, row, frame: row.frames.length - 1, ghost: true});
+    const {center, radius} = bodies.bounds, [width, height] = THUMB;
+    const camera = new THREE.PerspectiveCamera(40, width / height, 1.9 * radius, 200 * radius);  // what is in the way is cut off
+    camera.up.set(0, 0, 1);
+    camera.position.copy(center).addScaledVector(new THREE.Vector3(0.6, -0.75, 0.45).normalize(), 3 * radius);
+    camera.lookAt(center);
+    this.drawPart(camera, 0, width, height);
+    const scale = this.renderer.getPixelRatio();
+    [canvas.width, canvas.height] = [width * scale, height * scale];
+    const area = [canvas.width, canvas.height];
+    canvas.getContext('2d').drawImage(this.canvas, 0, this.canvas.height - area[1], ...area, 0, 0, ...area);
+    if (this.view) this.apply(this.view);
+    this.drawNow();
   }
 }

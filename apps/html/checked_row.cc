@@ -1,0 +1,78 @@
+#include "apps/html/checked_row.h"
+
+#include <algorithm>
+
+#include "apps/console/text.h"
+#include "apps/html/joint_moves.h"
+#include "apps/html/straight_motion.h"
+
+namespace mjcf_pdg::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kMotionFrames = 40;  // on the slider, from end to end
+
+Json Facts(const Verdict& verdict) {
+  Json facts = Json::array({PageFact("smallest distance, mm", 1e3 * verdict.min_distance),
+                            PageFact("joint limits exceeded by, rad or m", verdict.limit_excess),
+                            PageFact("certified (no SDF)", verdict.certified ? "yes" : "no")});
+  if (verdict.equality_residual > 0.0) {
+    facts.push_back(PageFact("equalities violated by, m or rad", verdict.equality_residual));
+  }
+  if (verdict.tendon_excess > 0.0) {
+    facts.push_back(PageFact("tendon limits exceeded by, m", verdict.tendon_excess));
+  }
+  return facts;
+}
+
+}  // namespace
+
+PageRow CheckedPageRow(const Scene& scene, const Configuration& row, const Verdict& verdict) {
+  const double depth = verdict.contacts.empty() ? 0.0 : -1e3 * verdict.contacts.front().distance;
+  PageRow page;
+  page.of = row;
+  page.status = verdict.free ? "free" : "not_free";
+  page.wrong = !verdict.free;
+  page.values = {static_cast<double>(verdict.contacts.size()), std::max(0.0, depth),
+                 verdict.limit_excess};
+  page.frames = {{row.q, "as given"}};
+  page.content = {{"facts", Facts(verdict)},
+                  {"reason", verdict.reason},
+                  {"contacts_in", PageContacts(scene, verdict.contacts)}};
+  return page;
+}
+
+PageRow MotionPageRow(const Scene& scene, const Ends& ends, const Motion& motion,
+                      const std::string& words) {
+  PageRow page;
+  page.of.label = "motion";
+  page.status = motion.outcome == MotionOutcome::kFree ? "free" : "not_free";
+  page.wrong = motion.outcome != MotionOutcome::kFree;
+  const auto place = [](double t) { return "t = " + Short(t); };
+  page.frames = {{ends.from, "from"}};
+  for (int k = 1; k < kMotionFrames; ++k) {
+    const double t = static_cast<double>(k) / kMotionFrames;
+    if (t < motion.t) page.frames.push_back({OnTheWay(scene, ends.from, ends.to, t), place(t)});
+  }
+  PageTable stop{"What ends the motion", {"geom 1", "geom 2"}, Json::array(), {}};
+  if (motion.outcome != MotionOutcome::kFree) {
+    page.frames.push_back({motion.q, place(motion.t) + ": " + words});
+    for (const std::array<int, 2>& pair : motion.pairs) {
+      stop.rows.push_back({scene.GeomName(pair[0]), scene.GeomName(pair[1])});
+      stop.frames.push_back(page.frames.size() - 1);
+    }
+  }
+  page.frames.push_back(
+      {ends.to, page.wrong ? "to, which is not reached" : "to: free all the way"});
+  if (!stop.frames.empty()) page.tables.push_back(stop);
+  page.content = {{"facts", Json::array({PageFact("free up to t", motion.t),
+                                         PageFact("proven", motion.certified ? "yes" : "no"),
+                                         PageFact("poses", motion.poses),
+                                         PageFact("distance queries", motion.distance_queries)})},
+                  {"reason", words},
+                  {"joints", PageJoints(scene, Metric::kSequential, page.frames)}};
+  return page;
+}
+
+}  // namespace mjcf_pdg::app

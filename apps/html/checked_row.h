@@ -1,0 +1,26 @@
+// A checked configuration or motion in a report: of `check`.
+#ifndef MJCF_PDG_APPS_HTML_CHECKED_ROW_H_
+#define MJCF_PDG_APPS_HTML_CHECKED_ROW_H_
+
+#include <string>
+#include <vector>
+
+#include "apps/html/page.h"
+#include "mjcf_pdg/motion.h"
+#include "mjcf_pdg/pdg.h"
+
+namespace mjcf_pdg::app {
+
+inline const std::vector<std::string> kCheckColumns = {"overlaps", "depth mm", "limit excess"};
+
+// Without command; `values` are those of kCheckColumns.
+PageRow CheckedPageRow(const Scene& scene, const Configuration& row, const Verdict& verdict);
+
+// The slider goes from `from` to where the motion is free, and there to `to`. `words` say what
+// ended it.
+PageRow MotionPageRow(const Scene& scene, const Ends& ends, const Motion& motion,
+                      const std::string& words);
+
+}  // namespace mjcf_pdg::app
+
+#endif  // MJCF_PDG_APPS_HTML_CHECKED_ROW_H_

@@ -1,0 +1,144 @@
+// The bodies of a model: one set that the slider moves, and one at q_in, a ghost, of which only what moves is seen.
+import * as THREE from 'three';
+
+// Orange and blue of Okabe and Ito: told apart with every kind of colour vision.
+export const BEFORE = 0xe69f00, AFTER = 0x0072b2;
+const POSE = 7;  // numbers of a body's pose
+
+function meshGeometry(mesh, bytes) {
+  const packed = new Uint16Array(bytes, mesh.vertices, 3 * mesh.nv);
+  const position = new Float32Array(packed.length);
+  for (let k = 0; k < packed.length; ++k) {
+    position[k] = mesh.low[k % 3] + (mesh.high[k % 3] - mesh.low[k % 3]) * packed[k] / 65535;
+  }
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute('position', new THREE.BufferAttribute(position, 3));
+  geometry.setIndex(new THREE.BufferAttribute(new Uint32Array(bytes, mesh.faces, 3 * mesh.nf), 1));
+  return geometry;
+}
+
+function shape(geom, meshes) {
+  const [x, y, z] = geom.size;
+  switch (geom.type) {
+    case 'plane': return new THREE.PlaneGeometry(2 * (x || 10), 2 * (y || 10));
+    case 'sphere': return new THREE.SphereGeometry(x, 32, 20);
+    case 'capsule': return new THREE.CapsuleGeometry(x, 2 * y, 12, 24).rotateX(Math.PI / 2);
+    case 'ellipsoid': return new THREE.SphereGeometry(1, 32, 20).scale(x, y, z);
+    case 'cylinder': return new THREE.CylinderGeometry(x, x, 2 * y, 32).rotateX(Math.PI / 2);
+    case 'box': return new THREE.BoxGeometry(2 * x, 2 * y, 2 * z);
+    default: return meshes[geom.mesh];
+  }
+}
+
+function place(object, pose, at) {
+  object.position.set(pose[at], pose[at + 1], pose[at + 2]);
+  object.quaternion.set(pose[at + 4], pose[at + 5], pose[at + 6], pose[at + 3]);
+}
+
+export class Bodies {
+  // `scene` and `bytes`: a block of apps/html/scene_block.cc.
+  constructor(scene, bytes, colliding) {
+    this.count = scene.nbody;
+    const meshes = scene.meshes.map((mesh) => meshGeometry(mesh, bytes));
+    this.group = new THREE.Group();
+    this.now = this.make(scene, meshes, false);
+    this.ghost = this.make(scene, meshes, true);
+    this.showColliding(colliding);
+  }
+
+  make(scene, meshes, ghost) {
+    const bodies = Array.from({length: this.count}, () => new THREE.Group());
+    for (const geom of scene.geoms) {
+      if (ghost && geom.type === 'plane') continue;
+      const own = new THREE.Color(...geom.rgba.slice(0, 3));
+      const material = new THREE.MeshStandardMaterial({
+        color: ghost ? BEFORE : own, roughness: 0.75, side: THREE.DoubleSide, flatShading: geom.type === 'mesh',
+        polygonOffset: ghost, polygonOffsetFactor: 1, polygonOffsetUnits: 4});  // what has not moved is not orange
+      const mesh = new THREE.Mesh(shape(geom, meshes), material);
+      mesh.userData = {geom, own, opacity: ghost ? 0.4 : Math.max(0.25, geom.rgba[3])};
+      place(mesh, geom.pose, 0);
+      bodies[geom.body].add(mesh);
+    }
+    this.group.add(...bodies);
+    return bodies;
+  }
+
+  * meshes(bodies = [...this.now, ...this.ghost]) {
+    for (const body of bodies) yield* body.children;
+  }
+
+  // `overlapping`: ids of geoms that stand out where nothing moves.
+  setRow(poses, overlapping) {
+    this.poses = poses;
+    const stride = POSE * this.count;
+    this.frames = poses.length / stride;
+    this.moves = this.now.map((_, b) => {
+      for (let k = stride + POSE * b; k < poses.length; k += stride) {
+        for (let j = 0; j < POSE; ++j) if (Math.abs(poses[k + j] - poses[POSE * b + j]) > 1e-6) return true;
+      }
+      return false;
+    });
+    this.overlapping = this.frames > 1 ? [] : overlapping;
+    this.ghost.forEach((body, b) => place(body, poses, POSE * b));
+    this.focus();
+    this.showGhost(true);
+    this.showFrame(this.frames - 1);
+    this.bounds = this.measure();
+  }
+
+  showFrame(frame, colour = AFTER) {
+    this.frame = frame;
+    this.now.forEach((body, b) => {
+      place(body, this.poses, POSE * (this.count * frame + b));
+      for (const mesh of body.children) {
+        const {geom, own} = mesh.userData;
+        const stands_out = geom.type !== 'plane' && this.overlapping.includes(geom.id);
+        mesh.material.color.set(this.moves[b] ? colour : stands_out ? BEFORE : own);
+      }
+    });
+  }
+
+  showGhost(on) {
+    this.ghost.forEach((body, b) => { body.visible = on && this.moves[b]; });
+  }
+
+  // MuJoCo shows groups 0 to 2; what collides is often in a group that it hides.
+  showColliding(on) {
+    this.colliding = on;
+    for (const mesh of this.meshes()) {
+      const {geom} = mesh.userData;
+      mesh.visible = on ? geom.collides : geom.group < 3;
+    }
+    if (this.poses) this.bounds = this.measure();
+  }
+
+  hides(geoms) {
+    return [...this.meshes(this.now)].some((mesh) => !mesh.visible && geoms.includes(mesh.userData.geom.id));
+  }
+
+  // All but these geoms become nearly transparent; without: none.
+  focus(geoms) {
+    for (const mesh of this.meshes()) {
+      const opacity = mesh.userData.opacity * (geoms && !geoms.includes(mesh.userData.geom.id) ? 0.2 : 1);
+      Object.assign(mesh.material, {opacity, transparent: opacity < 1, depthWrite: opacity === 1});
+    }
+  }
+
+  // A sphere around what moves, as given and at the end, or what stands out, or else around everything.
+  measure() {
+    const box = new THREE.Box3(), frame = this.frame;
+    const add = (wanted) => [this.now, this.ghost].forEach((bodies) => bodies.forEach((body, b) => {
+      for (const mesh of body.children) {
+        const {geom} = mesh.userData;
+        if (mesh.visible && geom.type !== 'plane' && wanted(b, geom)) box.expandByObject(mesh);
+      }
+    }));
+    this.showFrame(this.frames - 1);
+    this.group.updateMatrixWorld(true);
+    add((b) => this.moves[b]);
+    if (box.isEmpty()) add((b, geom) => this.overlapping.includes(geom.id));
+    if (box.isEmpty()) add(() => true);
+    this.showFrame(frame);
+    return box.isEmpty() ? new THREE.Sphere(new THREE.Vector3(), 1) : box.getBoundingSphere(new THREE.Sphere());
+  }
+}

@@ -1,0 +1,103 @@
+#include "apps/regress/regress_page.h"
+
+#include <cmath>
+#include <limits>
+
+#include "apps/html/solved_row.h"
+#include "apps/output/report.h"
+
+namespace mjcf_pdg::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+double Rms(const GoldenRow& row) { return 1e3 * std::sqrt(row.sigma); }
+
+// Status, √σ and queries: golden and now.
+PageTable Compared(const RowReport& report) {
+  PageTable table{"Against the golden result", {"", "golden", "now"}, Json::array(), {}};
+  if (!report.before) return table;
+  const GoldenRow &before = *report.before, &now = report.now;
+  table.rows = {{"status", StatusName(before.status), StatusName(now.status)},
+                {"σ, m²", before.sigma, now.sigma},
+                {"√σ, mm", Rms(before), Rms(now)},
+                {"collision queries", before.queries, now.queries}};
+  return table;
+}
+
+// Suites do not ask for contacts, which take queries: they are looked for here.
+SolvedRow WithContacts(const Scene& scene, Options options, SolvedRow solved) {
+  options.mocap_pos = solved.row.mocap_pos;
+  options.mocap_quat = solved.row.mocap_quat;
+  const std::vector<double>& q_in = solved.row.q;
+  Verdict given = Verify(scene, q_in, options, &q_in);
+  Verdict found = Verify(scene, solved.result.q, options, &q_in);
+  solved.result.depth_in = given.min_distance;
+  solved.result.min_distance = found.min_distance;
+  solved.result.contacts_in = std::move(given.contacts);
+  solved.result.contacts = std::move(found.contacts);
+  return solved;
+}
+
+}  // namespace
+
+RegressPage::RegressPage(const std::string& again, std::string rows_again)
+    : rows_again_(std::move(rows_again)),
+      page_({again, {"golden rms mm", "rms mm", "queries"}, Json::array()}) {}
+
+void RegressPage::Begin(const Suite& suite, const SuiteCase& one) {
+  name_ = (suite.folder / one.model).string();
+  options_ = one.options;
+  begun_ = false;
+}
+
+void RegressPage::Add(const Scene& scene, const SolvedRow& solved, const RowReport& report) {
+  if (!begun_) page_.BeginModel(name_, scene);
+  begun_ = true;
+  PageRow row = SolvedPageRow(scene, options_.metric, WithContacts(scene, options_, solved));
+  row.status = report.change == Change::kNone ? row.status : NameOf(report.change);
+  row.wrong = IsRegression(report.change);
+  row.values = {report.before ? Rms(*report.before) : kNone, Rms(report.now),
+                static_cast<double>(report.now.queries)};
+  row.content["command"] = rows_again_;
+  row.tables.push_back(Compared(report));
+  page_.Add(row);
+}
+
+void RegressPage::AddUnsolved(const PageRow& row) {
+  if (!begun_) page_.BeginModel(name_);
+  begun_ = true;
+  page_.Add(row);
+}
+
+void RegressPage::End(const Suite& suite, const CaseReport& report) {
+  if (report.rows.empty()) {  // maybe never begun
+    name_ = (suite.folder / report.model).string();
+    begun_ = false;
+  }
+  PageRow row;
+  row.values = {kNone, kNone, kNone};
+  for (const std::string& name : report.gone) {
+    row.of.label = name;
+    row.status = NameOf(Change::kGone);
+    AddUnsolved(row);
+  }
+  if (!report.error.empty()) {
+    row.of.label = report.model;
+    row.status = "failed";
+    row.wrong = true;
+    row.content["reason"] = report.error;
+    AddUnsolved(row);
+  }
+  const char* words = !report.error.empty() ? "failed" : report.more_queries ? "more" : "";
+  models_.rows.push_back({name_, report.queries.before, report.queries.now, words});
+}
+
+std::string RegressPage::ToString() {
+  page_.AddTable(models_);
+  return page_.ToString();
+}
+
+}  // namespace mjcf_pdg::app

@@ -1,0 +1,41 @@
+// What `regress` found, as a report.
+#ifndef MJCF_PDG_APPS_REGRESS_REGRESS_PAGE_H_
+#define MJCF_PDG_APPS_REGRESS_REGRESS_PAGE_H_
+
+#include <string>
+#include <utility>
+
+#include "apps/html/page.h"
+#include "apps/regress/run_case.h"
+#include "apps/regress/suite.h"
+
+namespace mjcf_pdg::app {
+
+// Collects rows as they are solved, case by case.
+class RegressPage {
+ public:
+  // `again` runs all suites again; `rows_again` writes the numbers of their rows.
+  RegressPage(const std::string& again, std::string rows_again);
+
+  // The rows that follow are of this case.
+  void Begin(const Suite& suite, const SuiteCase& one);
+  void Add(const Scene& scene, const SolvedRow& solved, const RowReport& report);
+  // What is known when the rows of a model are solved, or why they are not; also of a model that
+  // the golden results alone have.
+  void End(const Suite& suite, const CaseReport& report);
+  std::string ToString();
+
+ private:
+  void AddUnsolved(const PageRow& row);
+
+  const std::string rows_again_;
+  Page page_;
+  PageTable models_{"Queries of each model", {"model", "golden", "now", ""}, {}, {}};
+  std::string name_;    // of the present model
+  Options options_;     // of the present case
+  bool begun_ = false;  // the present model is on the page
+};
+
+}  // namespace mjcf_pdg::app
+
+#endif  // MJCF_PDG_APPS_REGRESS_REGRESS_PAGE_H_

@@ -1,0 +1,123 @@
+"""Reports of every command, and a browser that looks at them."""
+
+import json
+import os
+import pathlib
+import subprocess
+
+import pytest
+from playwright.sync_api import Page, sync_playwright
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM = os.environ["MJCF_PDG_CLI"]
+SCREENSHOTS = pathlib.Path(os.environ["MJCF_PDG_SCREENSHOTS"])
+SIZES = {"desk": (1280, 960), "phone": (390, 844)}
+
+# What Chromium says of its own software renderer is no fault of a page.
+RENDERER = "GPU stall due to ReadPixels"
+
+BALL_AND_WALL = """<mujoco><worldbody>
+  <geom name="wall" type="box" size="1 1 .1"/>
+  <body name="ball" pos="0 0 .15">
+    <joint name="x" type="slide" axis="1 0 0"/><joint name="z" type="slide" axis="0 0 1"/>
+    <geom name="sphere" size=".1"/>
+  </body></worldbody></mujoco>"""
+
+
+def run(folder: pathlib.Path, *arguments: str, exits: int) -> None:
+    done = subprocess.run([PROGRAM, *arguments], cwd=folder, capture_output=True, text=True, timeout=120)
+    assert done.returncode == exits, done.stderr
+
+
+@pytest.fixture(scope="session")
+def reports(tmp_path_factory) -> dict[str, pathlib.Path]:
+    """A report by name, made when it is asked for."""
+    folder = tmp_path_factory.mktemp("reports")
+    (folder / "models").symlink_to(ROOT / "models")
+    (folder / "ball.xml").write_text(BALL_AND_WALL)
+    (folder / "many.csv").write_text("".join(f"{k % 50 / 100} {-k % 7 / 100}\n" for k in range(3000)))
+    (folder / "suite.json").write_text(json.dumps({"version": 1, "cases": [
+        {"model": "ball.xml", "configurations": ["qpos0", {"random": 5, "seed": 1}]}, {"model": "models/loops/leg.xml"}]}))
+    # A golden result that is nearer than any answer: a regression.
+    (folder / "suite.golden.json").write_text(json.dumps({"version": 1, "rows": [
+        {"model": "ball.xml", "row": "qpos0", "status": "solved", "sigma": 1e-6, "queries": 1}]}))
+    puma, zeros = "models/puma/puma_car.xml", "0 0 0 0 0 0 0 0 0"
+    commands = {
+        "solve": (["solve", puma], 0),
+        "check": (["check", "models/hand/hand_bottle.xml", "--key", "home", "--key", "tight_grasp"], 3),
+        "motion": (["check", puma, "--motion", "--from", zeros, "--to", "1" + zeros[1:]], 3),
+        "audit": (["audit", "models/figure/figure_bench.xml", "--samples", "50"], 3),
+        "regress": (["regress", "suite.json"], 3),
+        "plan": (["plan", "models/placement/placement.xml", "--start", "start", "--goal", "goal"], 0),
+        "many": (["solve", "ball.xml", "--qpos-file", "many.csv", "--threads", "2"], 0),
+    }
+
+    class Reports(dict):
+        def __missing__(self, name: str) -> pathlib.Path:
+            arguments, exits = commands[name]
+            run(folder, *arguments, "--html", f"{name}.html", exits=exits)
+            self[name] = folder / f"{name}.html"
+            return self[name]
+
+    return Reports()
+
+
+@pytest.fixture(scope="session")
+def browser():
+    arguments = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=os.environ["MJCF_PDG_CHROMIUM"], args=arguments)
+        yield chromium
+        chromium.close()
+
+
+class Reader:
+    """Somebody who reads a report."""
+
+    def __init__(self, page: Page, name: str):
+        self.page, self.name = page, name
+        self.faults: list[str] = []
+        page.on("console", lambda message: message.type in ("error", "warning") and self.note(message.text))
+        page.on("pageerror", lambda error: self.note(str(error)))
+        page.on("request", lambda request: request.url.startswith(("file:", "data:", "blob:", "about:")) or self.note(request.url))
+
+    def note(self, words: str) -> None:
+        if RENDERER not in words:
+            self.faults.append(words)
+
+    def settle(self) -> None:
+        """Waits until what was asked for is drawn."""
+        self.page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+    def scene(self) -> bytes:
+        self.page.evaluate("scrollTo(0, 0)")
+        self.settle()
+        return self.page.locator("#canvas").screenshot()
+
+    def screenshot(self, of: str) -> None:
+        self.settle()
+        SCREENSHOTS.mkdir(exist_ok=True)
+        self.page.screenshot(path=SCREENSHOTS / f"{self.name}-{of}.png")
+
+    def texts(self, selector: str) -> list[str]:
+        return self.page.locator(selector).all_inner_texts()
+
+
+@pytest.fixture
+def open_report(browser, reports):
+    """open_report(name, size): a reader for whom it is open; at the end nothing must have gone wrong."""
+    readers = []
+
+    def open_one(name: str, size: str = "desk") -> Reader:
+        width, height = SIZES[size]
+        page = browser.new_page(viewport={"width": width, "height": height})
+        reader = Reader(page, f"{name}-{size}")
+        readers.append(reader)
+        page.goto(f"file://{reports[name]}")
+        page.wait_for_selector("body[data-ready]")
+        return reader
+
+    yield open_one
+    for reader in readers:
+        assert reader.faults == []
+        reader.page.close()

@@ -1,0 +1,220 @@
+"""Reports in a browser: every control does what it says, on a desk and on a phone, and nothing is loaded or complained of."""
+
+import hashlib
+import io
+import subprocess
+
+import pytest
+from conftest import PROGRAM, ROOT, SIZES
+from PIL import Image, ImageChops, ImageStat
+
+COMMANDS = ["solve", "check", "motion", "audit", "regress", "plan"]
+
+
+def alike(first: bytes, second: bytes) -> bool:
+    """Whether two pictures differ by no more than where the browser rounds half pixels; another view differs by 10 and more."""
+    difference = ImageChops.difference(*(Image.open(io.BytesIO(one)).convert("L") for one in (first, second)))
+    return ImageStat.Stat(difference).mean[0] < 3
+
+
+def skip_what_is_not_built(name: str) -> None:
+    if name == "plan" and " plan " not in subprocess.run([PROGRAM, "--help"], capture_output=True, text=True).stdout:
+        pytest.skip("a build without OMPL has no plan")
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_report_opens_and_fits(open_report, name, size):
+    skip_what_is_not_built(name)
+    reader = open_report(name, size)
+    reader.screenshot("opened")
+    assert reader.page.inner_text("#title")
+    assert reader.page.evaluate("document.documentElement.scrollWidth") == SIZES[size][0]
+    assert len(set(Image.open(io.BytesIO(reader.scene())).convert("RGB").getdata())) > 50  # something is drawn
+    assert reader.texts("#facts tr")
+    assert reader.page.inner_text("#command").startswith("mjcf-pdg ")
+    assert "MuJoCo" in reader.page.inner_text("#versions")
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("name", ["solve", "motion", "plan"])
+def test_the_slider_goes_from_what_was_given_to_the_end(open_report, name, size):
+    skip_what_is_not_built(name)
+    reader = open_report(name, size)
+    end, words, moved = reader.scene(), reader.page.inner_text("#frame"), reader.texts("#joints tr")
+    reader.page.focus("#slider")
+    reader.page.keyboard.press("Home")
+    given = reader.scene()
+    assert given != end
+    assert reader.page.inner_text("#frame") != words
+    assert reader.page.get_attribute("#slider", "aria-valuetext") == reader.page.inner_text("#frame")
+    assert reader.texts("#joints tr") != moved
+    reader.page.keyboard.press("ArrowRight")
+    assert reader.page.input_value("#slider") == "1"
+    reader.page.keyboard.press("End")
+    assert reader.page.inner_text("#frame") == words
+    assert reader.texts("#joints tr") == moved
+    assert reader.scene() == end
+
+
+def test_an_iteration_of_the_plot_leads_to_its_place(open_report):
+    reader = open_report("solve")
+    reader.page.locator("#sigma .reachable").first.click(force=True)
+    assert "step" in reader.page.inner_text("#frame")
+    assert reader.page.get_attribute("#sigma .shown", "visibility") == "visible"
+    reader.screenshot("iteration")
+
+
+def test_an_edge_of_a_path_leads_to_its_place(open_report):
+    skip_what_is_not_built("plan")
+    reader = open_report("plan")
+    end = reader.scene()
+    reader.page.click("#row-tables tbody tr:nth-child(2)")
+    assert reader.page.inner_text("#frame").startswith("edge 2 of")
+    assert reader.scene() != end
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("name", ["solve", "check", "audit"])
+def test_the_camera_goes_to_a_contact(open_report, name, size):
+    reader = open_report(name, size)
+    before = reader.scene()
+    reader.page.click("#contacts_in tr:first-child")
+    assert "chosen" in reader.page.get_attribute("#contacts_in tr:first-child", "class")
+    there = reader.scene()
+    assert not alike(there, before)
+    reader.screenshot("contact")
+    reader.page.keyboard.press("f")
+    assert alike(reader.scene(), before)
+    reader.page.focus("#contacts_in tr:first-child")
+    reader.page.keyboard.press("Enter")
+    assert alike(reader.scene(), there)
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_rows_are_filtered_sorted_and_stepped_through(open_report, size):
+    reader = open_report("solve", size)
+    page = reader.page
+    assert page.inner_text("#count") == "15 of 15"
+    page.keyboard.press("/")
+    page.keyboard.type("own solved")
+    assert page.inner_text("#count") == "3 of 15"
+    assert all("own" in name for name in reader.texts("#rows tr .name"))
+    page.keyboard.press("Escape")
+    page.fill("#filter", "")
+    page.select_option("#sort", label="depth mm, largest first")
+    depths = [float(depth) for depth in reader.texts("#rows tr td:nth-child(4)")]
+    assert depths == sorted(depths, reverse=True) and depths[0] > 0
+    page.click("#rows tr:nth-child(2)")
+    page.wait_for_function("document.body.dataset.row === document.querySelector('#rows tr:nth-child(2)').dataset.index")
+    title = page.inner_text("#title")
+    page.keyboard.press("n")
+    page.wait_for_function("title => document.getElementById('title').textContent !== title", arg=title)
+    assert page.locator("#rows tr.chosen").count() == 1
+    assert "chosen" in page.get_attribute("#rows tr:nth-child(3)", "class")
+    reader.screenshot("sorted")
+
+
+def test_thumbnails_are_drawn_and_the_scene_stays(open_report):
+    reader = open_report("solve")
+    scene = reader.scene()
+    # Until that of the fourth row has a colour, and the view is as it was.
+    reader.page.wait_for_function("""() => {
+      const canvas = document.querySelectorAll('canvas.thumb')[3];
+      return canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.some(Boolean);
+    }""")
+    assert reader.scene() == scene
+
+
+def test_thousands_of_rows_are_listed_as_they_are_scrolled_to(open_report):
+    reader = open_report("many")
+    page = reader.page
+    assert page.inner_text("#count") == "3000 of 3000"
+    assert page.locator("#rows tr").count() == 100
+    page.evaluate("document.getElementById('list').scrollTop = 1e6")
+    page.wait_for_function("document.getElementById('rows').children.length > 100")
+    page.fill("#filter", "row2999")
+    assert page.locator("#rows tr").count() == 1
+    page.click("#rows tr")
+    page.wait_for_function("document.body.dataset.row === '2999'")
+    assert page.inner_text("#title").startswith("row2999")
+
+
+def test_dark_and_light(open_report):
+    reader = open_report("solve")
+    page = reader.page
+    colour = "getComputedStyle(document.body).backgroundColor"
+    light, scene = page.evaluate(colour), reader.scene()
+    page.keyboard.press("d")
+    assert page.get_attribute("html", "data-theme") == "dark"
+    assert page.evaluate(colour) != light and reader.scene() != scene
+    reader.screenshot("dark")
+    page.click("#dark")
+    assert page.evaluate(colour) == light and reader.scene() == scene
+
+
+@pytest.mark.parametrize("key", ["g", "s"])
+def test_what_was_given_is_hidden_or_beside(open_report, key):
+    reader = open_report("solve")
+    before = reader.scene()
+    reader.page.keyboard.press(key)
+    assert reader.scene() != before
+    reader.screenshot({"g": "alone", "s": "beside"}[key])
+    reader.page.keyboard.press(key)
+    assert reader.scene() == before
+
+
+def test_what_collides_is_shown_instead(open_report):
+    reader = open_report("check")
+    before = reader.scene()
+    reader.page.keyboard.press("c")
+    assert reader.page.is_checked("#colliding")
+    reader.page.keyboard.press("c")
+    assert reader.scene() == before
+
+
+def test_regress_says_what_changed(open_report):
+    reader = open_report("regress")
+    assert reader.page.inner_text("#title").endswith("sigma up")
+    assert "Against the golden result" in reader.page.inner_text("#row-tables")
+    assert "Queries of each model" in reader.page.inner_text("#page-tables")
+    assert reader.page.inner_text("#again") == "mjcf-pdg regress suite.json"
+
+
+def test_a_link_says_where_to_begin(open_report, reports):
+    reader = open_report("solve")
+    reader.page.goto("about:blank")
+    reader.page.goto(f"file://{reports['solve']}#row=3&frame=0")
+    reader.page.wait_for_selector("body[data-ready]")
+    assert reader.page.inner_text("#title").startswith("reach_through_window")
+    assert reader.page.inner_text("#frame") == "as given"
+
+
+def mean(image: Image.Image, mask: list[bool]) -> tuple[float, ...]:
+    pixels = [pixel for pixel, inside in zip(image.getdata(), mask) if inside]
+    assert len(pixels) > 500
+    return tuple(sum(channel) / len(pixels) for channel in zip(*pixels))
+
+
+# Of 255; two neighbouring shades of the same body differ by some 20.
+@pytest.mark.parametrize("deficiency", ["deuteranopia", "tritanopia"])
+def test_before_and_after_are_told_apart_by_everybody(open_report, deficiency):
+    reader = open_report("solve")
+    reader.page.keyboard.press("s")
+    seen = Image.open(io.BytesIO(reader.scene())).convert("RGB")
+    orange = [r > b + 60 for r, g, b in seen.getdata()]
+    blue = [b > r + 40 for r, g, b in seen.getdata()]
+    session = reader.page.context.new_cdp_session(reader.page)
+    session.send("Emulation.setEmulatedVisionDeficiency", {"type": deficiency})
+    image = Image.open(io.BytesIO(reader.scene())).convert("RGB")
+    assert ImageChops.difference(seen, image).getbbox()
+    before, after = mean(image, orange), mean(image, blue)
+    reader.screenshot(deficiency)
+    assert max(abs(a - b) for a, b in zip(before, after)) > 60
+
+
+def test_the_bundle_is_made_of_these_sources():
+    web = ROOT / "apps/html/web"
+    names = ["package.json", *sorted(path.name for path in web.glob("*.js") if path.name != "bundle.js")]
+    sources = hashlib.sha256(b"".join((web / name).read_bytes() for name in names)).hexdigest()
+    assert (web / "bundle.js").read_text().splitlines()[0] == f"// sources: {sources}", "run apps/html/web/make_bundle.sh"
