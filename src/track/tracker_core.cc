@@ -158,14 +158,17 @@ bool TrackerCore::Follow() {
   const double reach = tune::kReach * moved + Noise();
   const LocalResult* found = &follower.Follow({optimum, own_free, Obstacles(), reach});
   iterations = found->iterations;
+  double length = found->length;
   if (own_free && !(found->sigma < own_sigma)) return true;
   if (!found->free || !Free(found->q)) {
     candidate = found->q;
     found = &follower.Retreat(candidate);
     iterations += found->iterations;
+    length += found->length;
     if (!found->free || !Free(found->q)) return own_free;
   }
-  const bool jumps = follower.Farther(optimum, found->q, tune::kJump * moved + Noise());
+  const double limit = tune::kJump * moved + Noise();
+  const bool jumps = follower.Farther(optimum, found->q, limit, length);
   const double kept = 1.0 - options.switch_gain;
   if (own_free && jumps && found->sigma > kept * kept * own_sigma) return true;
   switched = jumps;
