@@ -51,20 +51,35 @@ class Robot:
 
 
 def load(path: str, arguments: argparse.Namespace) -> tuple[mujoco.MjModel, Robot]:
-    """The model with obstacles around, and where its base floats, welded to where it is."""
+    """The model with obstacles around, its base held where it is: welded if it floats, braked if it stands on wheels."""
     spec = mujoco.MjSpec.from_file(path)
     model = spec.compile()
     rng = np.random.default_rng(arguments.seed)
     robot = Robot(model, arguments.amplitude, rng)
-    for body in {int(model.body_rootid[b]) for b in robot.bodies}:
-        if model.body_jntnum[body] and model.jnt_type[model.body_jntadr[body]] == int(mujoco.mjtJoint.mjJNT_FREE):
-            at = robot.home[model.jnt_qposadr[model.body_jntadr[body]] :][:7]
+    for joint in base_joints(model, robot.bodies):
+        at = robot.home[model.jnt_qposadr[joint] :]
+        if model.jnt_type[joint] == int(mujoco.mjtJoint.mjJNT_FREE):
             weld = spec.add_equality(type=mujoco.mjtEq.mjEQ_WELD, objtype=mujoco.mjtObj.mjOBJ_BODY)
-            weld.name1, weld.name2 = model.body(body).name, "world"
-            weld.data[:11] = [0, 0, 0, *at, 1]
+            weld.name1, weld.name2 = model.body(int(model.jnt_bodyid[joint])).name, "world"
+            weld.data[:11] = [0, 0, 0, *at[:7], 1]
+        elif model.jnt_type[joint] in SCALARS:
+            brake = spec.add_equality(type=mujoco.mjtEq.mjEQ_JOINT, objtype=mujoco.mjtObj.mjOBJ_JOINT)
+            brake.name1 = model.joint(joint).name
+            brake.data[0] = at[0] - model.qpos0[model.jnt_qposadr[joint]]
     add_obstacles(spec, model, robot, arguments.obstacles, rng)
     spec.option.timestep = TIMESTEP
     return spec.compile(), robot
+
+
+def base_joints(model: mujoco.MjModel, bodies: list[int]) -> list[int]:
+    """The joints without servos between the world and the first of `bodies` on each way."""
+    base: set[int] = set()
+    for body in bodies:
+        above = int(model.body_parentid[body])
+        while above and above not in bodies:
+            base.add(above)
+            above = int(model.body_parentid[above])
+    return [j for j in range(model.njnt) if int(model.jnt_bodyid[j]) in base]
 
 
 def add_obstacles(spec, model: mujoco.MjModel, robot: Robot, count: int, rng: np.random.Generator) -> None:
