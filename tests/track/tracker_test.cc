@@ -92,7 +92,7 @@ TEST_F(TrackerTest, AnswersStayOnTheirSideUntilAnotherIsNearer) {
     }
     // The nearest of all sides is 0.4 away or nearer; before and after that it is left and right.
     const double nearest = std::min(into, 0.4);
-    EXPECT_LE(std::sqrt(result.sigma), nearest / (1.0 - 0.1) + 0.02) << k << ": found in 20 ticks";
+    EXPECT_LE(std::sqrt(result.sigma), nearest / (1.0 - 0.1) + 0.01) << k << ": found in 10 ticks";
     ++followed;
   }
   EXPECT_GT(followed, 1000);
