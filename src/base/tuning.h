@@ -170,6 +170,11 @@ inline constexpr int kFollowSteps = 2, kRepairSteps = 8, kRetreatSteps = 4;
 // The first for frames of a trajectory, which lie farther apart; and how often so many follow while
 // nothing nearer is found.
 inline constexpr int kFrameSteps = 3, kMoreFrameSteps = 2;
+// A step that is free and leads to the σ that it promised up to this share [1] is enough for a
+// tick: the second one found no lower Σσ and cost a query. So many more correct a step that ended
+// in an overlap.
+inline constexpr double kEnough = 0.01;
+inline constexpr int kCorrections = 2;
 // An answer moves by at most this many times what the command moved [1], and this [size], in steps
 // of the descent; farther than the second number times, it has jumped.
 inline constexpr double kReach = 6.0, kNoise = 1e-5, kJump = 8.0;
@@ -182,6 +187,9 @@ inline constexpr int kReserve = 2, kFewestQueries = 6;
 // Queries of a tick for another optimum, each a step of the descent beside: as few as there can be,
 // for the search in every tick, not its bursts, is what a deadline sees.
 inline constexpr int kSearchQueries = 1;
+// Steps of a descent of that search: of those that beat the present answer nine in ten had done so
+// by then, and those that do not become free go on to the end.
+inline constexpr int kSearchSteps = 8;
 // A way that leads no farther than this share of it is blocked [1]; then no other optimum is sought
 // for so many ticks, a tenth of a second at 1 kHz.
 inline constexpr double kLeastShare = 1e-3;

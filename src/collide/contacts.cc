@@ -133,23 +133,24 @@ double ContactFinder::DistanceBound(int pair) const {
 }
 
 // A separating-axis test of the geoms' oriented boxes that tries only the six face normals: it may
-// take boxes for near that are not.
+// take boxes for near that are not. Most pairs that it is asked about part at one of the first.
 bool ContactFinder::BoxesNear(int geom1, int geom2, double margin) const {
   const mjModel& m = model_;
   const mjData& d = *posed_.data();
-  const Matrix3d R1 = AsMatrix(d.geom_xmat + 9 * geom1);
-  const Matrix3d R2 = AsMatrix(d.geom_xmat + 9 * geom2);
-  const Vector3d half1 = AsVector(m.geom_aabb + 6 * geom1 + 3);
-  const Vector3d half2 = AsVector(m.geom_aabb + 6 * geom2 + 3);
+  const auto R1 = AsMatrix(d.geom_xmat + 9 * geom1), R2 = AsMatrix(d.geom_xmat + 9 * geom2);
+  const auto half1 = AsVector(m.geom_aabb + 6 * geom1 + 3);
+  const auto half2 = AsVector(m.geom_aabb + 6 * geom2 + 3);
   const Vector3d t = AsVector(d.geom_xpos + 3 * geom2) + R2 * AsVector(m.geom_aabb + 6 * geom2) -
                      AsVector(d.geom_xpos + 3 * geom1) - R1 * AsVector(m.geom_aabb + 6 * geom1);
-  const Matrix3d overlap = (R1.transpose() * R2).cwiseAbs();
-  const Eigen::Array3d gap1 =
-      (R1.transpose() * t).cwiseAbs().array() - half1.array() - (overlap * half2).array();
-  if (gap1.maxCoeff() > margin) return false;
-  const Eigen::Array3d gap2 = (R2.transpose() * t).cwiseAbs().array() - half2.array() -
-                              (overlap.transpose() * half1).array();
-  return gap2.maxCoeff() <= margin;
+  Matrix3d overlap;  // |R1ᵀ R2|
+  for (int k = 0; k < 3; ++k) {
+    overlap.row(k) = (R1.col(k).transpose() * R2).cwiseAbs();
+    if (std::abs(R1.col(k).dot(t)) - half1[k] - overlap.row(k).dot(half2) > margin) return false;
+  }
+  for (int k = 0; k < 3; ++k) {
+    if (std::abs(R2.col(k).dot(t)) - half2[k] - overlap.col(k).dot(half1) > margin) return false;
+  }
+  return true;
 }
 
 bool ContactFinder::BoundsNear(const KeptPair& kept, double margin) const {

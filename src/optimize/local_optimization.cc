@@ -234,6 +234,12 @@ bool LocalOptimization::HasConverged(Descent& d) {
   return false;
 }
 
+// At the last step, which has been taken.
+bool LocalOptimization::IsEnough(const Descent& d) const {
+  return Free(d.current) && d.length < tune::kFullStep * d.radius &&
+         std::abs(d.current.sigma - step_.sigma()) < d.options.enough * d.current.sigma;
+}
+
 // Goes back to the best iterate with half the trust radius. Returns false when that is too small.
 bool LocalOptimization::ReturnToBest(Descent& d) {
   d.radius = 0.5 * std::min(d.radius, features_.learning() ? d.first_length : d.length);
@@ -282,15 +288,18 @@ const LocalResult& LocalOptimization::Resume(const LocalOptions& options) {
   Descent& d = descent_;
   const int iterations = options.renewed ? 0 : d.result.iterations;
   if (options.renewed) {
+    const double damping = damping_;
     static_cast<Progress&>(d) = {};
     d.best = d.current;
     BeginSteps(options, d);
+    damping_ = std::min(damping_, damping);
   }
   d.options = options;
   d.options.max_iterations += iterations;
   static_cast<LocalOutcome&>(d.result) = {};
   d.result.iterations = iterations;
-  for (Iterate* it : {&d.current, &d.best}) it->sigma = work_.norm.Sigma(it->q);
+  d.current.sigma = work_.norm.Sigma(d.current.q);
+  d.best.sigma = options.renewed ? d.current.sigma : work_.norm.Sigma(d.best.q);
   d.finder_at_current = false;
   return Go(d);
 }
@@ -299,7 +308,8 @@ const LocalResult& LocalOptimization::Go(Descent& d) {
   d.result.ended = true;
   Keep(d.current, d.result);
   for (;;) {
-    if (d.result.iterations >= d.options.max_iterations || work_.Spent()) {
+    const int most = d.options.max_iterations + (Free(d.current) ? 0 : d.options.corrections);
+    if (d.result.iterations >= most || work_.Spent()) {
       d.result.ended = false;
       break;
     }
@@ -307,6 +317,7 @@ const LocalResult& LocalOptimization::Go(Descent& d) {
     const BudgetMeter::Clock::time_point begin = work_.budget.Now();
     Step(d);
     work_.budget.Stepped(begin);
+    d.result.length += d.length;
     Observe(d.trial, true);
     d.sigma_before = d.result.sigma;
     Keep(d.trial, d.result);
@@ -316,7 +327,7 @@ const LocalResult& LocalOptimization::Go(Descent& d) {
       continue;
     }
     Advance(d);
-    if (HasConverged(d)) break;
+    if (HasConverged(d) || IsEnough(d)) break;
     const int patience = features_.learning() ? tune::kPatienceWithPlanes : tune::kPatience;
     if (d.without_progress > patience && !ReturnToBest(d)) break;
   }

@@ -46,7 +46,12 @@ struct LocalOptions {
   bool retreats = false;     // keeps every pair farther apart than required, by a tolerance
   double least_margin = tuning::descent::kLeastMargin;  // pairs within it have rows later [size]
   Component start = Component::kNone;                   // what the start is called, for an observer
-  bool renewed = false;  // Resume: trust radius and patience are those of a descent that begins
+  // Resume: trust radius and patience are those of a descent that begins; the damping stays.
+  bool renewed = false;
+  // A step that is free, not cut, and leads to the σ that it promised up to this share of it [1]
+  // ends the descent: to follow what moves, more is not needed.
+  double enough = 0.0;
+  int corrections = 0;  // steps beyond max_iterations, as long as the last one is not free
 
   // A last descent to full precision, from a configuration close to its optimum.
   static LocalOptions Polishing();
@@ -62,7 +67,8 @@ struct LocalOutcome {
   bool reached_known = false;  // ended close to LocalOptions::known
   bool hopeless = false;       // ended because of LocalOptions::give_up_sigma
   int iterations = 0;
-  bool ended = false;  // by itself; false: max_iterations or the budget stopped it
+  double length = 0.0;  // of its steps together, each by its linearized norm [√σ, m]
+  bool ended = false;   // by itself; false: max_iterations or the budget stopped it
 };
 
 struct LocalResult : LocalOutcome {
@@ -127,6 +133,7 @@ class LocalOptimization {
   bool GivesUp(Descent& d);
   void Advance(Descent& d);
   bool HasConverged(Descent& d);
+  bool IsEnough(const Descent& d) const;
   bool ReturnToBest(Descent& d);
   // Poses q and finds the pairs within `margin` [m].
   void Look(const VectorXd& q, double margin, Iterate& out);

@@ -47,12 +47,14 @@ void Elsewhere::Begin(const VectorXd& own, double own_sigma) {
   }
 }
 
-// The start of a descent, or its next step: one query, unless obstacles have moved.
+// The start of a descent, or its next step: one query, unless obstacles have moved. What begins at
+// the own optimum is near what is known, but may lead away from it with the wider reach of a
+// search.
 const LocalResult& Elsewhere::Step(const Wanted& wanted) {
   LocalOptions options;
   options.convergence = tuning::descent::kCoarseConvergence;
   options.give_up_sigma = wanted.sigma;
-  options.known = &wanted.own;
+  if (start_ != Component::kMotionCoherence) options.known = &wanted.own;
   options.known_sigma = wanted.own_sigma;
   const bool same = obstacles_ == wanted.obstacles;
   obstacles_ = wanted.obstacles;
@@ -74,7 +76,7 @@ bool Elsewhere::Search(const Wanted& wanted) {
   while (work_.finder.queries() < last && !work_.Spent()) {
     const LocalResult& result = Step(wanted);
     const bool better = result.free && result.sigma < wanted.sigma;
-    const bool over = result.ended || steps_ == tuning::descent::kCoarseSteps;
+    const bool over = result.ended || steps_ == tuning::track::kSearchSteps;
     if (better || over) running_ = false;
     if (!better) continue;
     q_ = result.q;

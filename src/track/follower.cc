@@ -17,6 +17,8 @@ const LocalResult& Follower::Follow(const Start& start) {
   if (start.free) {
     options.largest_step = start.reach / pace_.steps;
     options.margin = options.least_margin = tune::kMargin;
+    options.enough = pace_.enough;
+    options.corrections = tune::kCorrections;
   }
   const bool resumes =
       resumable_ && start.free && start.obstacles == obstacles_ && local_.at() == start.q;
@@ -45,10 +47,12 @@ double Follower::Apart(const VectorXd& from, const VectorXd& to) {
   return std::sqrt(apart_.Sigma(to));
 }
 
-// The quadratic form at the workspace's q_in, which is ready, decides where it says much less than
-// the limit: inertias seldom differ by the square of this.
-bool Follower::Farther(const VectorXd& from, const VectorXd& to, double limit) {
+// Lengths by a linearized norm, of the steps or of the whole at the workspace's q_in, which is
+// ready, decide where they are much less than the limit: inertias seldom differ by the square of
+// this.
+bool Follower::Farther(const VectorXd& from, const VectorXd& to, double limit, double length) {
   constexpr double kMuchLess = 0.25;  // [1]
+  if (length <= kMuchLess * limit) return false;
   work_.norm.Linearize(work_.problem().q_in, r_, J_);
   Change(work_.problem().tables, from, to, X_, nullptr);
   r_.noalias() = J_ * X_;

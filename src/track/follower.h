@@ -3,6 +3,8 @@
 #ifndef MJCF_PDG_SRC_TRACK_FOLLOWER_H_
 #define MJCF_PDG_SRC_TRACK_FOLLOWER_H_
 
+#include <limits>
+
 #include "base/tuning.h"
 #include "optimize/local_optimization.h"
 #include "problem/workspace.h"
@@ -10,10 +12,11 @@
 namespace mjcf_pdg {
 
 // How many steps a tick's descent from a free configuration makes, and how often it goes on by as
-// many if it has found nothing nearer yet.
+// many if it has found nothing nearer yet; how well a step keeps its promise that is the last.
 struct FollowPace {
   int steps = tuning::track::kFollowSteps;
   int more = 0;
+  double enough = tuning::track::kEnough;  // see LocalOptions
 };
 
 class Follower {
@@ -40,8 +43,10 @@ class Follower {
 
   // √σ(from, to) [m].
   double Apart(const VectorXd& from, const VectorXd& to);
-  // Whether that is more than `limit` [m].
-  bool Farther(const VectorXd& from, const VectorXd& to, double limit);
+  // Whether that is more than `limit` [m]. `length` is that of the steps that lead there, each by
+  // its linearized norm, where it is known [√σ, m].
+  bool Farther(const VectorXd& from, const VectorXd& to, double limit,
+               double length = std::numeric_limits<double>::infinity());
 
   std::int64_t lcp_steps() const { return local_.lcp_steps(); }
 

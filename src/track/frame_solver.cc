@@ -23,10 +23,11 @@ FrameSolver::FrameSolver(const Scene& scene, const Options& options, bool search
     // Nothing but where a frame's descents end bounds its queries.
     TrackOptions track{.options = options, .queries = std::numeric_limits<int>::max()};
     track.options.trajectory = false;
-    const Pace pace{
-        .follow = {.steps = tuning::track::kFrameSteps, .more = tuning::track::kMoreFrameSteps},
-        .search_queries = searches ? tuning::track::kSearchQueries : 0,
-        .bounds = options.report_lower_bound};
+    const Pace pace{.follow = {.steps = tuning::track::kFrameSteps,
+                               .more = tuning::track::kMoreFrameSteps,
+                               .enough = 0.0},
+                    .search_queries = searches ? tuning::track::kSearchQueries : 0,
+                    .bounds = options.report_lower_bound};
     tracker_ = std::make_unique<TrackerCore>(scene, track, pace);
     if (!TrianglesCollide(tracker_->work)) return;
     tracker_.reset();

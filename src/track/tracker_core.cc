@@ -153,19 +153,23 @@ void TrackerCore::Begin() {
 
 // Moves `optimum` to where the command has moved it. Returns false if nothing there is free.
 bool TrackerCore::Follow() {
-  const bool own_free = !obstacles_moved || Free(optimum);
+  const bool known = !obstacles_moved || (Limited() && at == optimum);  // see Evaded
+  const bool own_free = known || Free(optimum);
   const double own_sigma = own_free ? work.norm.Sigma(optimum) : kInfinity;
   const double reach = tune::kReach * moved + Noise();
   const LocalResult* found = &follower.Follow({optimum, own_free, Obstacles(), reach});
   iterations = found->iterations;
+  double length = found->length;
   if (own_free && !(found->sigma < own_sigma)) return true;
   if (!found->free || !Free(found->q)) {
     candidate = found->q;
     found = &follower.Retreat(candidate);
     iterations += found->iterations;
+    length += found->length;
     if (!found->free || !Free(found->q)) return own_free;
   }
-  const bool jumps = follower.Farther(optimum, found->q, tune::kJump * moved + Noise());
+  const double limit = tune::kJump * moved + Noise();
+  const bool jumps = follower.Farther(optimum, found->q, limit, length);
   const double kept = 1.0 - options.switch_gain;
   if (own_free && jumps && found->sigma > kept * kept * own_sigma) return true;
   switched = jumps;
@@ -192,21 +196,52 @@ void TrackerCore::TrySwitch() {
   start = elsewhere.start();
 }
 
+// Obstacles may have run into the follower where it stands: then it goes to what is free beside
+// that, if max_step lets it.
+bool TrackerCore::Evaded() {
+  if (!obstacles_moved || Free(at)) return true;
+  const LocalResult* beside = &follower.Follow({at, false, Obstacles(), kInfinity});
+  candidate = beside->q;
+  if (!beside->free || !Free(candidate)) {
+    beside = &follower.Retreat(candidate);
+    if (!beside->free) return false;
+    candidate = beside->q;
+    if (!Free(candidate)) return false;
+  }
+  if (approach.Cut(at, candidate) < 1.0) return false;
+  if (at == optimum) optimum = candidate;
+  at = candidate;
+  return true;
+}
+
 // Moves the follower. Returns false if nothing free is known.
 bool TrackerCore::Approached(bool command_free) {
   start = Component::kMotionCoherence;
   blocked = std::max(0, blocked - 1);
+  stood = at;
+  if (Limited() && !Evaded()) return false;
+  evaded = at;
   if (command_free) {
     switched = blocked == 0 && follower.Farther(optimum, command, tune::kJump * moved + Noise());
     optimum = command;
-  } else {
-    if (!Follow()) return false;
+  } else if (Follow()) {
     if (!on_way && blocked == 0) TrySwitch();
+  } else {
+    if (!Limited()) return false;
+    optimum = at;  // what it was on its way to is lost
   }
   if (!Limited()) {
     at = optimum;
     return true;
   }
+  if (!Moved(command_free)) return false;
+  if (evaded == stood || approach.Cut(stood, at) == 1.0) return true;
+  at = evaded;  // to evade and to go on is too far for one tick
+  return Free(at);
+}
+
+// Towards the optimum, as far as the way leads. Returns false if the follower is not free then.
+bool TrackerCore::Moved(bool command_free) {
   on_way = true;
   if (switched && !command_free)
     return Free(at);  // the search took the queries: off in the next tick

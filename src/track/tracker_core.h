@@ -58,7 +58,9 @@ struct TrackerCore {
   void Begin();
   bool Follow();
   void TrySwitch();
+  bool Evaded();
   bool Approached(bool command_free);
+  bool Moved(bool command_free);
   bool MoveTowards(const VectorXd& target);
   bool SlideTowards(const VectorXd& target);
   const VectorXd* Rest() const { return options.options.rest > 0.0 ? &at_rest : nullptr; }
@@ -82,6 +84,7 @@ struct TrackerCore {
   double moved = 0.0;  // how far the command has moved since the last tick [√σ, m]
   std::vector<double> q_in, asked, merged;
   VectorXd command, last_command, optimum, at, last_at, candidate, at_rest;
+  VectorXd stood, evaded;  // where it stood before this tick, and before it went on
 };
 
 }  // namespace mjcf_pdg

@@ -173,6 +173,34 @@ TEST_F(TrackerServoTest, WhatIsNotFreeIsNotCalledFreeInALaterTick) {
   }
 }
 
+// A ball on its way up to a free command, on which a clamp closes that leaves no room there.
+TEST_F(TrackerServoTest, WhatStandsFreeStaysFreeThoughItsAimIsLost) {
+  const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
+    <body mocap="true" pos="5 0 1"><geom type="box" pos="0 0 -.55" size=".5 .5 .5"/>
+      <geom type="box" pos="0 0 .55" size=".5 .5 .5"/></body>
+    <body><joint type="slide" axis="0 0 1" range="-1 1" limited="true"/>
+      <geom size=".1"/></body></worldbody></mujoco>)");
+  const DataPtr d(mj_makeData(scene.model()));
+  TrackOptions options;
+  options.queries = 6;
+  options.max_step = 0.001;
+  Tracker tracker(scene, options);
+  tracker.Reset(Q{-0.8});
+  Result result;
+  int held = 0;
+  for (int k = 0; k < 60; ++k) {
+    d->mocap_pos[0] = k < 30 ? 5.0 : 0.0;
+    const Status status = tracker.Step(d.get(), Q{0.9}, result);
+    ASSERT_NE(status, Status::kUnsolved) << k << ": " << result.reason;
+    Options here;
+    here.mocap_pos.assign(d->mocap_pos, d->mocap_pos + 3);
+    here.mocap_quat.assign(d->mocap_quat, d->mocap_quat + 4);
+    ASSERT_TRUE(Verify(scene, result.q, here).free) << k;
+    held += k >= 30;
+  }
+  EXPECT_GT(held, 20);
+}
+
 TEST_F(TrackerServoTest, ProvenMotionsTakeNothingFromTheHeap) {
   if (!AllocationCounter::Works()) GTEST_SKIP() << "no hook into this C library's malloc";
   const Scene scene = Scene::FromString(kArmAtWall);

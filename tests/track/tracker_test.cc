@@ -92,7 +92,7 @@ TEST_F(TrackerTest, AnswersStayOnTheirSideUntilAnotherIsNearer) {
     }
     // The nearest of all sides is 0.4 away or nearer; before and after that it is left and right.
     const double nearest = std::min(into, 0.4);
-    EXPECT_LE(std::sqrt(result.sigma), nearest / (1.0 - 0.1) + 0.02) << k << ": found in 20 ticks";
+    EXPECT_LE(std::sqrt(result.sigma), nearest / (1.0 - 0.1) + 0.01) << k << ": found in 10 ticks";
     ++followed;
   }
   EXPECT_GT(followed, 1000);
@@ -264,20 +264,39 @@ TEST_F(TrackerTest, TheLowerBoundIsThatOfASolve) {
   }
 }
 
+// The answers of some ticks among an obstacle that moves, one after the other.
+std::vector<Q> AnswersInScene(const Scene& scene, const TrackOptions& options) {
+  const DataPtr d(mj_makeData(scene.model()));
+  Tracker tracker(scene, options);
+  Result result;
+  std::vector<Q> answers;
+  for (int k = 0; k < 400; ++k) {
+    d->mocap_pos[0] = 0.8;
+    d->mocap_pos[1] = 0.4 * std::sin(0.02 * k);
+    const double way = 0.006 * k;
+    tracker.Step(d.get(), Q{1.5 * std::sin(way), 1.9 * std::sin(1.7 * way), way}, result);
+    answers.push_back(result.q);
+  }
+  return answers;
+}
+
 TEST_F(TrackerTest, ThreadsMayTrackInOneScene) {
   const Scene scene = Scene::FromString(kArm);
-  std::vector<Q> ends(4);
+  std::vector<TrackOptions> options(3);
+  options[1].max_step = 0.01;
+  options[2].certify_motion = true;
+  std::vector<std::vector<Q>> alone, together(2 * options.size());
+  for (const TrackOptions& o : options) alone.push_back(AnswersInScene(scene, o));
   std::vector<std::thread> threads;
-  for (Q& end : ends) {
-    threads.emplace_back([&scene, &end] {
-      Tracker tracker(scene);
-      Result result;
-      for (int k = 0; k < 300; ++k) tracker.Step(Q{0.01 * k, 0.006 * k, 0.0}, result);
-      end = result.q;
-    });
+  for (std::size_t k = 0; k < together.size(); ++k) {
+    threads.emplace_back(
+        [&, k] { together[k] = AnswersInScene(scene, options[k % options.size()]); });
   }
   for (std::thread& thread : threads) thread.join();
-  for (const Q& end : ends) EXPECT_EQ(end, ends[0]) << "the same ticks, the same answers";
+  for (std::size_t k = 0; k < together.size(); ++k) {
+    EXPECT_EQ(together[k], alone[k % options.size()]) << k << ": the same ticks, the same answers";
+  }
+  EXPECT_NE(alone[0], alone[1]) << "max_step decided nothing";
 }
 
 TEST_F(TrackerTest, ResetSaysWhereTheFollowerStands) {
