@@ -11,7 +11,7 @@ function arrows(contacts, colour, size) {
   const group = new THREE.Group();
   for (const contact of contacts) {
     const length = Math.max(2 * size, -contact.distance), head = Math.min(size, 0.4 * length);
-    const material = new THREE.MeshBasicMaterial({color: colour, depthTest: false});
+    const material = new THREE.MeshBasicMaterial({color: colour, depthTest: false, transparent: true});  // drawn last
     const arrow = new THREE.Group();
     for (const geometry of [new THREE.SphereGeometry(0.2 * size, 12, 8),
       new THREE.CylinderGeometry(0.08 * size, 0.08 * size, length - head, 8).translate(0, 0.5 * (length - head), 0),
