@@ -90,6 +90,7 @@ export class Stage {
   }
 
   showGhost(on) {
+    if (!this.view) return;
     this.view.ghost = on;
     this.bodies.showGhost(on);
     this.draw();
@@ -108,6 +109,7 @@ export class Stage {
   }
 
   lookAtAll() {
+    if (!this.view) return;
     this.focus(undefined);
     const {center, radius} = this.bodies.bounds;
     this.look(center, 3.4 * radius);
