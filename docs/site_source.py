@@ -68,6 +68,7 @@ def photograph(report: pathlib.Path, picture: pathlib.Path) -> None:
 
 def gallery(text: str, program: pathlib.Path) -> str:
     """The page of the gallery with what its commands wrote, which is put beside it."""
+    draws = "--png" in subprocess.run([program, "solve", "--help"], capture_output=True, text=True, check=True).stdout
     target = SOURCE / GALLERY
     target.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as name:
@@ -77,7 +78,7 @@ def gallery(text: str, program: pathlib.Path) -> str:
         def run(match: re.Match) -> str:
             before = set(folder.iterdir())
             block = match[1]
-            if "--trajectory" not in block:
+            if draws and "--trajectory" not in block:
                 block = re.sub(r"( solve .* --html )(\w+)\.html", r"\1\2.html --png \2.png", block)
             _, faults = check.run_block(block, name, environment)
             if faults:

@@ -1,5 +1,6 @@
 #include "apps/audit/audit_page.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 

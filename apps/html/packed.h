@@ -8,7 +8,7 @@
 
 namespace mjcf_pdg::app {
 
-// The block that `unpack` in web/report.js takes apart: the text's length (32 bits), the text, then
+// The block that `unpack` in web/packed.js takes apart: the text's length (32 bits), the text, then
 // `bytes` (little endian, as they lie in memory).
 std::string Pack(const nlohmann::ordered_json& json, std::string_view bytes);
 

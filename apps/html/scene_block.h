@@ -12,7 +12,7 @@
 
 namespace mjcf_pdg::app {
 
-// The scene as web/stage.js draws it, packed. Each mesh is there once, its vertices rounded to
+// The scene as web/bodies.js draws it, packed. Each mesh is there once, its vertices rounded to
 // 1/65535 of its size.
 std::string SceneBlock(const mjModel& m);
 

@@ -96,6 +96,22 @@ TEST_F(CliTest, AReportOfSeveralModelsHasTheSceneOfEach) {
   EXPECT_GT(Unpack(Script(page, "scene1")).json["nbody"], 2);
 }
 
+TEST_F(CliTest, AReportOfATrajectoryHasAllFramesInOneRow) {
+  Write("clip.csv", "0 0\n.1 0\n.2 .3\n");
+  ASSERT_EQ(
+      Run({"solve", "scene.xml", "--qpos-file", "clip.csv", "--trajectory", "--html", "r.html"})
+          .exit_code,
+      0);
+  const std::string page = Read("r.html");
+  ASSERT_EQ(Head(page)["rows"].size(), 4u);
+  EXPECT_EQ(Head(page)["rows"][3]["status"], "motion");
+  const Block row = Unpack(Script(page, "row3"));
+  ASSERT_EQ(row.json["frames"].size(), 3u);
+  EXPECT_NEAR(HeightIn(row, 0, 1, 2), 0.2f, 1e-5f);
+  EXPECT_FLOAT_EQ(HeightIn(row, 2, 1, 2), 0.45f);
+  EXPECT_EQ(row.json["command"], "mjcf-pdg solve scene.xml --trajectory --qpos-file clip.csv");
+}
+
 TEST_F(CliTest, AReportOfCheckHasTheContacts) {
   ASSERT_EQ(Run({"check", "scene.xml", "--html", "r.html"}).exit_code, 3);
   const std::string page = Read("r.html");

@@ -179,6 +179,16 @@ def test_regress_says_what_changed(open_report):
     assert "Against the golden result" in reader.page.inner_text("#row-tables")
     assert "Queries of each model" in reader.page.inner_text("#page-tables")
     assert reader.page.inner_text("#again") == "mjcf-pdg regress suite.json"
+    reader.page.fill("#filter", "gone")
+    reader.page.click("#rows tr")
+    reader.page.wait_for_selector("#nothing:visible")  # this row has no pose
+    reader.page.focus("#rows tr")
+    for key in ["ArrowRight", "End", "f", "s", "s", "g", "g", "c", "c"]:
+        reader.page.keyboard.press(key)
+    reader.page.fill("#filter", "leg")
+    reader.page.click("#rows tr")
+    reader.page.wait_for_selector("#nothing", state="hidden")
+    assert "leg.xml" in reader.page.inner_text("#model")
 
 
 def test_a_link_says_where_to_begin(open_report, reports):

@@ -32,7 +32,7 @@ function showSection(id, filled) {
 
 function fillContacts(id, other) {
   const contacts = row[id] ?? [];
-  const cells = (c) => [c.geom1, c.geom2, -1e3 * c.distance, c.normal.map((n) => n.toFixed(2)).join(' ')];
+  const cells = (c) => [c.geom1, c.geom2, -1e3 * c.distance, c.normal.map((n) => (Math.round(100 * n) / 100 || 0).toFixed(2)).join(' ')];
   showSection(id, contacts.length);
   fill($(id), contacts.map(cells), (k) => {
     mark($(other), -1);

@@ -11,7 +11,7 @@ function arrows(contacts, colour, size) {
   const group = new THREE.Group();
   for (const contact of contacts) {
     const length = Math.max(2 * size, -contact.distance), head = Math.min(size, 0.4 * length);
-    const material = new THREE.MeshBasicMaterial({color: colour, depthTest: false});
+    const material = new THREE.MeshBasicMaterial({color: colour, depthTest: false, transparent: true});  // drawn last
     const arrow = new THREE.Group();
     for (const geometry of [new THREE.SphereGeometry(0.2 * size, 12, 8),
       new THREE.CylinderGeometry(0.08 * size, 0.08 * size, length - head, 8).translate(0, 0.5 * (length - head), 0),
@@ -90,6 +90,7 @@ export class Stage {
   }
 
   showGhost(on) {
+    if (!this.view) return;
     this.view.ghost = on;
     this.bodies.showGhost(on);
     this.draw();
@@ -108,6 +109,7 @@ export class Stage {
   }
 
   lookAtAll() {
+    if (!this.view) return;
     this.focus(undefined);
     const {center, radius} = this.bodies.bounds;
     this.look(center, 3.4 * radius);
