@@ -11,37 +11,37 @@ namespace {
 
 struct Binding {
   KeyPress press;
-  Command command;
+  Action action;
   int index = 0;
 };
 
 constexpr std::array kBindings = {
-    Binding{{' '}, Command::kPlayPause},
-    Binding{{kKeyLeft}, Command::kStepBack},
-    Binding{{kKeyRight}, Command::kStepForward},
-    Binding{{kKeyUp}, Command::kPreviousRow},
-    Binding{{kKeyDown}, Command::kNextRow},
-    Binding{{kKeyBackspace}, Command::kReset},
-    Binding{{kKeyEnter}, Command::kSolve},
-    Binding{{kKeyEscape}, Command::kFreeCamera},
-    Binding{{']'}, Command::kNextCamera},
-    Binding{{'['}, Command::kPreviousCamera},
-    Binding{{'A', true}, Command::kAlign},
-    Binding{{kKeyPageUp}, Command::kSelectParent},
-    Binding{{kKeyTab}, Command::kToggleLeft},
-    Binding{{kKeyTab, false, true}, Command::kToggleRight},
-    Binding{{kKeyF1}, Command::kHelp},
-    Binding{{kKeyF5}, Command::kFullScreen},
-    Binding{{kKeyF6}, Command::kNextFrame},
-    Binding{{kKeyF7}, Command::kNextLabel},
-    Binding{{'C', true}, Command::kCopyCommand},
-    Binding{{'C', true, true}, Command::kCopyCommand, 1},
-    Binding{{'R', true}, Command::kCopyRepaired},
-    Binding{{'R', true, true}, Command::kCopyRepaired, 1},
-    Binding{{'V', true}, Command::kPaste},
-    Binding{{'S', true}, Command::kSave},
-    Binding{{'P', true}, Command::kScreenshot},
-    Binding{{'Q', true}, Command::kQuit},
+    Binding{{' '}, Action::kPlayPause},
+    Binding{{kKeyLeft}, Action::kStepBack},
+    Binding{{kKeyRight}, Action::kStepForward},
+    Binding{{kKeyUp}, Action::kPreviousRow},
+    Binding{{kKeyDown}, Action::kNextRow},
+    Binding{{kKeyBackspace}, Action::kReset},
+    Binding{{kKeyEnter}, Action::kSolve},
+    Binding{{kKeyEscape}, Action::kFreeCamera},
+    Binding{{']'}, Action::kNextCamera},
+    Binding{{'['}, Action::kPreviousCamera},
+    Binding{{'A', true}, Action::kAlign},
+    Binding{{kKeyPageUp}, Action::kSelectParent},
+    Binding{{kKeyTab}, Action::kToggleLeft},
+    Binding{{kKeyTab, false, true}, Action::kToggleRight},
+    Binding{{kKeyF1}, Action::kHelp},
+    Binding{{kKeyF5}, Action::kFullScreen},
+    Binding{{kKeyF6}, Action::kNextFrame},
+    Binding{{kKeyF7}, Action::kNextLabel},
+    Binding{{'C', true}, Action::kCopyQpos},
+    Binding{{'C', true, true}, Action::kCopyQpos, 1},
+    Binding{{'R', true}, Action::kCopyRepaired},
+    Binding{{'R', true, true}, Action::kCopyRepaired, 1},
+    Binding{{'V', true}, Action::kPaste},
+    Binding{{'S', true}, Action::kSave},
+    Binding{{'P', true}, Action::kScreenshot},
+    Binding{{'Q', true}, Action::kQuit},
 };
 
 constexpr std::array<std::pair<const char*, int>, 14> kNames = {{{"escape", kKeyEscape},
@@ -83,18 +83,18 @@ bool Take(std::string& text, const std::string& prefix) {
 
 KeyAction ActionOf(const KeyPress& press) {
   for (const Binding& binding : kBindings) {
-    if (Is(binding.press, press)) return {binding.command, binding.index};
+    if (Is(binding.press, press)) return {binding.action, binding.index};
   }
   if (press.ctrl) return {};
   if (press.key >= '0' && press.key < '0' + mjNGROUP) {
-    return {press.shift ? Command::kSiteGroup : Command::kGeomGroup, press.key - '0'};
+    return {press.shift ? Action::kSiteGroup : Action::kGeomGroup, press.key - '0'};
   }
   if (press.shift) return {};
   if (const int flag = FlagOf(mjVISSTRING, press.key); flag >= 0) {
-    return {Command::kVisualFlag, flag};
+    return {Action::kVisualFlag, flag};
   }
   if (const int flag = FlagOf(mjRNDSTRING, press.key); flag >= 0) {
-    return {Command::kRenderFlag, flag};
+    return {Action::kRenderFlag, flag};
   }
   return {};
 }

@@ -31,7 +31,7 @@ struct KeyPress {
   bool ctrl = false, shift = false;
 };
 
-enum class Command {
+enum class Action {
   kNone,
   kPlayPause,       // Space
   kStepBack,        // left
@@ -51,7 +51,7 @@ enum class Command {
   kFullScreen,      // F5
   kNextFrame,       // F6
   kNextLabel,       // F7
-  kCopyCommand,     // Ctrl+C; index 1 (Shift): with all digits
+  kCopyQpos,        // Ctrl+C; index 1 (Shift): with all digits
   kCopyRepaired,    // Ctrl+R; index 1 (Shift): with all digits
   kPaste,           // Ctrl+V
   kSave,            // Ctrl+S
@@ -64,7 +64,7 @@ enum class Command {
 };
 
 struct KeyAction {
-  Command command = Command::kNone;
+  Action action = Action::kNone;
   int index = 0;
 };
 

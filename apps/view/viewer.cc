@@ -35,83 +35,86 @@ Viewer::Viewer(const Scene& scene, const Options& options, std::vector<Configura
 
 void Viewer::Press(const KeyPress& press) { Do(ActionOf(press)); }
 
-void Viewer::Do(const KeyAction& action) {
+void Viewer::Do(const KeyAction& act) {
   const auto toggle = [](mjtByte& flag) { flag = !flag; };
-  const std::size_t index = static_cast<std::size_t>(action.index);
-  switch (action.command) {
-    case Command::kNone:
+  const std::size_t index = static_cast<std::size_t>(act.index);
+  switch (act.action) {
+    case Action::kNone:
       return;
-    case Command::kPlayPause:
+    case Action::kPlayPause:
       running_ = !running_;
+      if (running_ && timeline_ == Timeline::kSearch && step_ + 1 == record_->steps.size()) {
+        step_ = 0;
+      }
       return;
-    case Command::kStepBack:
+    case Action::kStepBack:
       return Step(-1);
-    case Command::kStepForward:
+    case Action::kStepForward:
       return Step(1);
-    case Command::kPreviousRow:
+    case Action::kPreviousRow:
       return ShowRow(row_ > 0 ? row_ - 1 : 0);
-    case Command::kNextRow:
+    case Action::kNextRow:
       return ShowRow(std::min(row_ + 1, rows_.size() - 1));
-    case Command::kReset:
+    case Action::kReset:
       return ShowRow(row_);
-    case Command::kSolve:
+    case Action::kSolve:
       return Solve();
-    case Command::kFreeCamera:
+    case Action::kFreeCamera:
       ghost_.camera.type = mjCAMERA_FREE;
       return;
-    case Command::kNextCamera:
+    case Action::kNextCamera:
       return CycleCamera(1);
-    case Command::kPreviousCamera:
+    case Action::kPreviousCamera:
       return CycleCamera(-1);
-    case Command::kAlign:
+    case Action::kAlign:
       return mjv_defaultFreeCamera(&model(), &ghost_.camera);
-    case Command::kSelectParent:
+    case Action::kSelectParent:
       if (ghost_.perturb.select > 0) {
         ghost_.perturb.select = model().body_parentid[ghost_.perturb.select];
         drag_.reset();
       }
       return;
-    case Command::kToggleLeft:
+    case Action::kToggleLeft:
       panels.left = !panels.left;
       return;
-    case Command::kToggleRight:
+    case Action::kToggleRight:
       panels.right = !panels.right;
       return;
-    case Command::kHelp:
+    case Action::kHelp:
       panels.help = !panels.help;
       return;
-    case Command::kFullScreen:
+    case Action::kFullScreen:
       full_screen_ = true;
       return;
-    case Command::kNextFrame:
+    case Action::kNextFrame:
       ghost_.option.frame = (ghost_.option.frame + 1) % mjNFRAME;
       return;
-    case Command::kNextLabel:
+    case Action::kNextLabel:
       ghost_.option.label = (ghost_.option.label + 1) % mjNLABEL;
       return;
-    case Command::kCopyCommand:
-      return Copy(session_.command(), action.index == 1);
-    case Command::kCopyRepaired:
-      if (const std::vector<double>* q = ghost_q()) Copy(*q, action.index == 1);
+    case Action::kCopyQpos:
+      return Copy(session_.command(), act.index == 1);
+    case Action::kCopyRepaired:
+      if (const std::vector<double>* q = ghost_q()) Copy(*q, act.index == 1);
       return;
-    case Command::kPaste:
+    case Action::kPaste:
       paste_ = true;
       return;
-    case Command::kSave:
+    case Action::kSave:
       return Save();
-    case Command::kScreenshot:
+    case Action::kScreenshot:
       screenshot_ = "screenshot.png";
       return;
-    case Command::kQuit:
+    case Action::kQuit:
       done_ = true;
       return;
-    case Command::kGeomGroup:
+    case Action::kGeomGroup:
       return toggle(ghost_.option.geomgroup[index]);
-    case Command::kSiteGroup:
+    case Action::kSiteGroup:
       return toggle(ghost_.option.sitegroup[index]);
-    case Command::kVisualFlag:
+    case Action::kVisualFlag:
       return toggle(ghost_.option.flags[index]);
-    case Command::kRenderFlag:
+    case Action::kRenderFlag:
       return toggle(ghost_.scene.flags[index]);
   }
 }
@@ -234,7 +237,7 @@ void Viewer::Step(int by) {
   if (timeline_ == Timeline::kSearch) {
     ShowStep(by < 0 && step_ == 0 ? 0 : step_ + static_cast<std::size_t>(by));
   } else if (timeline_ == Timeline::kRows) {
-    Do({by < 0 ? Command::kPreviousRow : Command::kNextRow});
+    Do({by < 0 ? Action::kPreviousRow : Action::kNextRow});
   } else if (by > 0) {
     single_tick_ = true;
   }

@@ -55,7 +55,7 @@ class Viewer {
   void ReleaseButton();
   void MoveMouse(const Held& held, double dx, double dy);
   void Scroll(double clicks);
-  void Do(const KeyAction& action);
+  void Do(const KeyAction& act);
   void SetJoint(int joint, double value);  // of a hinge or slide
   void ShowRow(std::size_t row);
   void ShowStep(std::size_t step);     // of the search
@@ -122,11 +122,11 @@ class Viewer {
   std::size_t FindRow(const std::string& label) const;
   void Start(const ScriptEvent& event);
   void Copy(const std::vector<double>& q, bool all_digits);
-  // Calls `action`, and says what went wrong in it instead of ending the program.
-  template <typename Action>
-  void Try(Action action) {
+  // Calls `work`, and says what went wrong in it instead of ending the program.
+  template <typename Work>
+  void Try(Work work) {
     try {
-      action();
+      work();
     } catch (const std::exception& e) {
       Say(OneLine(e.what()));
     }

@@ -25,7 +25,7 @@ std::string Dict(const std::string& descr, const std::string& fortran, const std
 
 TEST_F(CliInputTest, RefusesUnknownVerbsAndFlags) {
   ExpectRefused({}, "verb");
-  ExpectRefused({"view", "scene.xml"}, "no verb 'view'");
+  ExpectRefused({"watch", "scene.xml"}, "no verb 'watch'");
   ExpectRefused({"--frobnicate"}, "");
   ExpectRefused({"solve"}, "MODEL");
   ExpectRefused({"solve", "scene.xml", "--frobnicate"}, "--frobnicate");

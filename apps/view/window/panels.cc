@@ -119,7 +119,7 @@ void Panels::DrawSearch(Viewer& viewer) {
   if (viewer.searching()) {
     ImGui::TextUnformatted("solving ...");
   } else if (ImGui::Button("Solve [Enter]")) {
-    viewer.Do({Command::kSolve});
+    viewer.Do({Action::kSolve});
   }
   const std::optional<SearchRecord>& record = viewer.record();
   if (!record) return;
@@ -171,9 +171,9 @@ void Panels::DrawSave(Viewer& viewer) {
   ImGui::InputText("##save", &viewer.save_path);
   ImGui::SameLine();
   if (ImGui::Button("Save [Ctrl+S]")) viewer.Save();
-  if (ImGui::Button("Copy qpos")) viewer.Do({Command::kCopyCommand, 1});
+  if (ImGui::Button("Copy qpos")) viewer.Do({Action::kCopyQpos, 1});
   ImGui::SameLine();
-  if (ImGui::Button("Copy repaired qpos")) viewer.Do({Command::kCopyRepaired, 1});
+  if (ImGui::Button("Copy repaired qpos")) viewer.Do({Action::kCopyRepaired, 1});
 }
 
 void Panels::DrawLook(Viewer& viewer) {

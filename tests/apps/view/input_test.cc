@@ -10,19 +10,19 @@ namespace {
 
 KeyAction Of(const std::string& name) { return ActionOf(ParseKey(name)); }
 
-void ExpectAction(const std::string& name, Command command, int index = 0) {
-  const KeyAction action = Of(name);
-  EXPECT_EQ(action.command, command) << name;
-  EXPECT_EQ(action.index, index) << name;
+void ExpectAction(const std::string& name, Action action, int index = 0) {
+  const KeyAction found = Of(name);
+  EXPECT_EQ(found.action, action) << name;
+  EXPECT_EQ(found.index, index) << name;
 }
 
 TEST(ViewInputTest, TheLettersOfSimulateToggleWhatTheyToggleThere) {
-  ExpectAction("c", Command::kVisualFlag, mjVIS_CONTACTPOINT);
-  ExpectAction("f", Command::kVisualFlag, mjVIS_CONTACTFORCE);
-  ExpectAction("h", Command::kVisualFlag, mjVIS_CONVEXHULL);
-  ExpectAction("t", Command::kVisualFlag, mjVIS_TRANSPARENT);
-  ExpectAction("s", Command::kRenderFlag, mjRND_SHADOW);
-  ExpectAction("w", Command::kRenderFlag, mjRND_WIREFRAME);
+  ExpectAction("c", Action::kVisualFlag, mjVIS_CONTACTPOINT);
+  ExpectAction("f", Action::kVisualFlag, mjVIS_CONTACTFORCE);
+  ExpectAction("h", Action::kVisualFlag, mjVIS_CONVEXHULL);
+  ExpectAction("t", Action::kVisualFlag, mjVIS_TRANSPARENT);
+  ExpectAction("s", Action::kRenderFlag, mjRND_SHADOW);
+  ExpectAction("w", Action::kRenderFlag, mjRND_WIREFRAME);
 }
 
 TEST(ViewInputTest, EveryKeyOfMujocosTableIsBound) {
@@ -30,33 +30,33 @@ TEST(ViewInputTest, EveryKeyOfMujocosTableIsBound) {
   for (int flag = 0; flag < mjNVISFLAG; ++flag) {
     const std::string key = mjVISSTRING[flag][2];
     if (key.empty()) continue;
-    ExpectAction(key, Command::kVisualFlag, flag);
+    ExpectAction(key, Action::kVisualFlag, flag);
     ++bound;
   }
   EXPECT_GE(bound, 20);
 }
 
 TEST(ViewInputTest, KeysOfSimulate) {
-  ExpectAction("space", Command::kPlayPause);
-  ExpectAction("left", Command::kStepBack);
-  ExpectAction("right", Command::kStepForward);
-  ExpectAction("backspace", Command::kReset);
-  ExpectAction("escape", Command::kFreeCamera);
-  ExpectAction("]", Command::kNextCamera);
-  ExpectAction("pageup", Command::kSelectParent);
-  ExpectAction("tab", Command::kToggleLeft);
-  ExpectAction("shift+tab", Command::kToggleRight);
-  ExpectAction("f6", Command::kNextFrame);
-  ExpectAction("ctrl+c", Command::kCopyCommand, 0);
-  ExpectAction("ctrl+shift+c", Command::kCopyCommand, 1);
-  ExpectAction("ctrl+q", Command::kQuit);
-  ExpectAction("3", Command::kGeomGroup, 3);
-  ExpectAction("shift+3", Command::kSiteGroup, 3);
+  ExpectAction("space", Action::kPlayPause);
+  ExpectAction("left", Action::kStepBack);
+  ExpectAction("right", Action::kStepForward);
+  ExpectAction("backspace", Action::kReset);
+  ExpectAction("escape", Action::kFreeCamera);
+  ExpectAction("]", Action::kNextCamera);
+  ExpectAction("pageup", Action::kSelectParent);
+  ExpectAction("tab", Action::kToggleLeft);
+  ExpectAction("shift+tab", Action::kToggleRight);
+  ExpectAction("f6", Action::kNextFrame);
+  ExpectAction("ctrl+c", Action::kCopyQpos, 0);
+  ExpectAction("ctrl+shift+c", Action::kCopyQpos, 1);
+  ExpectAction("ctrl+q", Action::kQuit);
+  ExpectAction("3", Action::kGeomGroup, 3);
+  ExpectAction("shift+3", Action::kSiteGroup, 3);
 }
 
 TEST(ViewInputTest, OtherKeysDoNothing) {
   for (const char* name : {"6", "9", "ctrl+t", "ctrl+3", "shift+c", "shift+space", "!"}) {
-    ExpectAction(name, Command::kNone);
+    ExpectAction(name, Action::kNone);
   }
 }
 

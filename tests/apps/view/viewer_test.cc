@@ -175,8 +175,10 @@ TEST_F(ViewerTest, ASearchBesideTheFramesIsShownWhenItHasEnded) {
   viewer.Press(ParseKey("left"));
   viewer.NextFrame();
   EXPECT_EQ(viewer.step(), viewer.record()->steps.size() - 2);
-  viewer.ShowStep(0);
-  viewer.Press(ParseKey("space"));
+  viewer.Press(ParseKey("right"));
+  viewer.Press(ParseKey("space"));  // at the end: from the beginning
+  viewer.NextFrame();
+  EXPECT_EQ(viewer.step(), 1u);
   for (std::size_t frame = 0; frame <= viewer.record()->steps.size(); ++frame) viewer.NextFrame();
   EXPECT_EQ(viewer.step(), viewer.record()->steps.size() - 1) << "played to its end";
   EXPECT_FALSE(viewer.running());
