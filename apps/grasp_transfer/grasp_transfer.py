@@ -17,13 +17,11 @@ import json
 import pathlib
 import sys
 
+import mjcf_pdg
 import mujoco
 import numpy as np
-
-import mjcf_pdg
-
-from lift import Lift, lift
-from scene import FINGERS, HAND_NQ, for_lift, for_repair, touching_fingers
+from lift import RISEN, Lift, lift
+from scene import FINGERS, for_lift, for_repair, touching_fingers
 from vessels import Vessel, difference, excess, random_cup
 
 DATABASE = pathlib.Path(__file__).resolve().parent / "database.json"
@@ -36,15 +34,19 @@ RUNS = ("raw", "repaired")
 class Grasp:
     vessel: Vessel
     q: np.ndarray  # (HAND_NQ,), free, the fingers touch
+    force: float  # the largest in its own lift [N]
 
 
 def read_database() -> list[Grasp]:
-    entries = json.loads(DATABASE.read_text())
-    return [Grasp(Vessel(e["kind"], tuple(map(tuple, e["profile"])), e["wall"]), np.array(e["q"])) for e in entries]
+    grasps = []
+    for entry in json.loads(DATABASE.read_text()):
+        vessel = Vessel(entry["kind"], tuple(map(tuple, entry["profile"])), entry["wall"])
+        grasps.append(Grasp(vessel, np.array(entry["q"]), entry["force"]))
+    return grasps
 
 
 def most_similar(database: list[Grasp], cup: Vessel, any_width: bool) -> Grasp:
-    """By vessels.difference, among those nowhere wider than the cup if there are any: PDg opens a hand, and does not close it."""
+    """By vessels.difference, among those nowhere wider than the cup if there are any: PDg opens hands, but closes none."""
     narrower = [grasp for grasp in database if excess(grasp.vessel, cup) <= 0.0]
     choice = database if any_width or not narrower else narrower
     return min(choice, key=lambda grasp: difference(grasp.vessel, cup))
@@ -70,12 +72,13 @@ def transfer(cup: Vessel, grasp: Grasp) -> Transfer:
     result = mjcf_pdg.solve(model, grasp.q, exact_mesh=True, root="palm", allow=allowed(model))
     poses = dict(zip(RUNS, (grasp.q, result.q)))
     fingers = {run: touching_fingers(simulated, q) for run, q in poses.items()}
-    return Transfer(cup, difference(grasp.vessel, cup), result, fingers, {run: lift(simulated, q) for run, q in poses.items()})
+    lifts = {run: lift(simulated, q) for run, q in poses.items()}
+    return Transfer(cup, difference(grasp.vessel, cup), result, fingers, lifts)
 
 
 def burst_limit(database: list[Grasp]) -> float:
-    """Twice the largest force in lifts of the database's own grasps, which start free [N]: a hand does not press so hard."""
-    return 2.0 * max(lift(for_lift(grasp.vessel), grasp.q).force for grasp in database)
+    """Twice the largest force in the lifts of the database's own grasps, which start free [N]: no hand presses so hard."""
+    return 2.0 * max(grasp.force for grasp in database)
 
 
 def clean(run: Lift, limit: float) -> bool:
@@ -84,19 +87,28 @@ def clean(run: Lift, limit: float) -> bool:
 
 # What is written.
 
-HEADING = ["cup", "radius mm", "height mm", "unlike mm", "status", "depth mm", "sigma m^2", "rms mm", "ms", "run", "fingers", "rise mm", "slip mm",
-           "overlap mm", "force N", "holds", "clean"]  # fmt: skip
+HEADING = [
+    "cup", "radius mm", "height mm", "unlike mm", "status", "depth mm", "sigma m^2", "rms mm", "ms",
+    "run", "fingers", "rise mm", "slip mm", "overlap mm", "force N", "holds", "clean",
+]  # fmt: skip
+
+
+def depth(t: Transfer) -> float:
+    """Of the overlap of the grasp as moved over [m]."""
+    return max(0.0, -t.result.depth_in)
 
 
 def rows(number: int, t: Transfer, limit: float) -> list[list[str]]:
     radius = max(r for r, _ in t.cup.profile)
     lines = []
     for run, made in t.lifts.items():
-        about = [str(number), f"{1e3 * radius:.1f}", f"{1e3 * t.cup.height:.1f}", f"{1e3 * t.unlike:.1f}", t.result.status]
-        repair = [f"{1e3 * max(0.0, -t.result.depth_in):.1f}", f"{t.result.sigma:.3g}", f"{1e3 * t.result.rms:.2f}", f"{1e3 * t.result.seconds:.0f}"]
+        about = [str(number), f"{1e3 * radius:.1f}", f"{1e3 * t.cup.height:.1f}", f"{1e3 * t.unlike:.1f}"]
+        moved = [f"{t.result.sigma:.3g}", f"{1e3 * t.result.rms:.2f}", f"{1e3 * t.result.seconds:.0f}"]
         lifted = [f"{1e3 * made.rise:.0f}", f"{1e3 * made.slip:.0f}", f"{1e3 * made.overlap:.2f}", f"{made.force:.0f}"]
         verdict = ["yes" if each else "no" for each in (made.holds, clean(made, limit))]
-        lines.append([*about, *repair, run, str(len(t.fingers[run])), *lifted, *verdict])
+        lines.append(
+            [*about, t.result.status, f"{1e3 * depth(t):.1f}", *moved, run, str(len(t.fingers[run])), *lifted, *verdict]
+        )
     return lines
 
 
@@ -114,18 +126,23 @@ def summary(transfers: list[Transfer], limit: float) -> str:
     for run in RUNS:
         lifts = [t.lifts[run] for t in transfers]
         force = np.array([each.force for each in lifts])
+        holding, unhurt = sum(each.holds for each in lifts), sum(clean(each, limit) for each in lifts)
         lines.append(
-            f"{run:>8}  in contact {np.mean([len(t.fingers[run]) for t in transfers]):.1f} of 5 fingers; "
-            f"hold {sum(each.holds for each in lifts)}, of these never over {limit:.0f} N {sum(clean(each, limit) for each in lifts)}; "
+            f"{run:>8}  in contact {np.mean([len(t.fingers[run]) for t in transfers]):.1f} of 5 fingers; rise "
+            f"{sum(each.rise > RISEN for each in lifts)}, hold {holding}, of these never over {limit:.0f} N {unhurt}; "
             f"force median {np.median(force):.0f}, most {force.max():.0f} N"
         )
-    kept = [len(t.fingers["raw"] & t.fingers["repaired"]) for t in colliding]
-    touched = [len(t.fingers["raw"]) for t in colliding]
+    kept, touched = (sum(len(t.fingers["raw"] & t.fingers[run]) for t in colliding) for run in ("repaired", "raw"))
     if colliding:
         rms = 1e3 * np.array([t.result.rms for t in colliding])
         times = 1e3 * np.array([t.result.seconds for t in colliding])
-        lines.append(f"repairs keep {sum(kept)} of {sum(touched)} fingers in contact; rms median {np.median(rms):.2f}, most {rms.max():.2f} mm")
-        lines.append(f"a repair takes {times.mean():.0f} ms, median {np.median(times):.0f} (Tang and Kim, on their machine: {PAPER_MS} ms)")
+        lines.append(
+            f"repairs keep {kept} of {touched} fingers in contact; √σ median {np.median(rms):.2f}, most {rms.max():.2f} mm"
+        )
+        lines.append(
+            f"a repair takes {times.mean():.0f} ms, median {np.median(times):.0f} "
+            f"(Tang and Kim, on their machine: {PAPER_MS} ms)"
+        )
     return "\n".join(lines)
 
 
@@ -143,9 +160,9 @@ def plot(path: str, transfers: list[Transfer], limit: float) -> None:
     for run in RUNS:
         for holds, marker in ((True, "o"), (False, "x")):
             chosen = [t for t in transfers if t.lifts[run].holds == holds]
-            depth = [1e3 * max(0.0, -t.result.depth_in) for t in chosen]
+            points = [(1e3 * depth(t), t.lifts[run].force) for t in chosen]
             label = f"{run}, {'holds' if holds else 'does not hold'}"
-            axis.scatter(depth, [t.lifts[run].force for t in chosen], color=COLOURS[run], marker=marker, label=label)
+            axis.scatter(*np.reshape(points, (-1, 2)).T, color=COLOURS[run], marker=marker, label=label)
     axis.axhline(limit, color="black", linewidth=0.8, linestyle="--")
     axis.set(xlabel="overlap of the grasp as moved over [mm]", ylabel="largest contact force [N]", yscale="log")
     axis.legend()
@@ -180,7 +197,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cups", type=int, default=50, help="how many new cups (default 50)")
     parser.add_argument("--seed", type=int, default=1, help="of the new cups (default 1)")
-    parser.add_argument("--any-width", action="store_true", help="the most similar vessel, be it wider than the cup or not")
+    parser.add_argument("--any-width", action="store_true", help="the most similar vessel, wider than the cup or not")
     parser.add_argument("--csv", help="the table")
     parser.add_argument("--png", help="contact force over depth of the overlap; needs matplotlib")
     gif = "the two lifts of the cup whose raw grasp presses hardest; needs pillow and pyopengl"

@@ -54,13 +54,13 @@ def outside(vessel: Vessel, z: np.ndarray) -> np.ndarray:
 
 
 def difference(a: Vessel, b: Vessel) -> float:
-    """How unlike two vessels are: the root mean square difference of their outer radii over the taller one's height [m]."""
+    """How unlike two vessels are: the rms difference of their outer radii over the taller one's height [m]."""
     z = np.linspace(0.0, max(a.height, b.height), 200)
     return float(np.sqrt(np.mean((outside(a, z) - outside(b, z)) ** 2)))
 
 
 def excess(a: Vessel, b: Vessel) -> float:
-    """By how much a is wider than b where it is widest against it, over the height that both have; negative: it is narrower [m]."""
+    """By how much a is wider than b at most, over the height that both have [m]; negative: it is narrower."""
     z = np.linspace(0.0, min(a.height, b.height), 200)
     return float(np.max(outside(a, z) - outside(b, z)))
 
