@@ -1,8 +1,10 @@
-"""Closes the fingers about a vessel until they touch it: mjcf_pdg.check_motion ends each motion where it would collide."""
+"""Closes fingers about a vessel until they touch it: mjcf_pdg.check_motion ends each motion where it would collide."""
 
-import mjcf_pdg
 import mujoco
 import numpy as np
+
+import mjcf_pdg
+
 from scene import FINGERS
 
 RATES = {"mcp": 1.0, "pip": 1.0, "dip": 0.7, "ip": 0.7}  # joints of a finger flex together, this fast

@@ -17,9 +17,11 @@ import json
 import pathlib
 import sys
 
-import mjcf_pdg
 import mujoco
 import numpy as np
+
+import mjcf_pdg
+
 from lift import RISEN, Lift, lift
 from scene import FINGERS, for_lift, for_repair, touching_fingers
 from vessels import Vessel, difference, excess, random_cup
@@ -46,7 +48,7 @@ def read_database() -> list[Grasp]:
 
 
 def most_similar(database: list[Grasp], cup: Vessel, any_width: bool) -> Grasp:
-    """By vessels.difference, among those nowhere wider than the cup if there are any: PDg opens hands, but closes none."""
+    """By vessels.difference, of those nowhere wider than the cup if there are any: PDg opens hands, but closes none."""
     narrower = [grasp for grasp in database if excess(grasp.vessel, cup) <= 0.0]
     choice = database if any_width or not narrower else narrower
     return min(choice, key=lambda grasp: difference(grasp.vessel, cup))
@@ -77,7 +79,7 @@ def transfer(cup: Vessel, grasp: Grasp) -> Transfer:
 
 
 def burst_limit(database: list[Grasp]) -> float:
-    """Twice the largest force in the lifts of the database's own grasps, which start free [N]: no hand presses so hard."""
+    """Twice the largest force in the lifts of the database's grasps, which start free [N]: no hand presses so hard."""
     return 2.0 * max(grasp.force for grasp in database)
 
 

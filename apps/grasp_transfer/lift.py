@@ -4,6 +4,7 @@ import dataclasses
 
 import mujoco
 import numpy as np
+
 from scene import HAND_NQ
 
 CLOSE, RAISE, WAIT = 0.5, 1.0, 0.5  # the fingers close; the arm rises; it stands still [s]

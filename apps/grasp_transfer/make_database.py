@@ -13,9 +13,11 @@ import dataclasses
 import json
 import pathlib
 
-import mjcf_pdg
 import mujoco
 import numpy as np
+
+import mjcf_pdg
+
 from closing import close
 from lift import lift
 from scene import for_lift, for_repair

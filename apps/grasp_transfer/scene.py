@@ -4,6 +4,7 @@ import pathlib
 
 import mujoco
 import numpy as np
+
 from vessels import Vessel, pieces, triangles
 
 HAND = pathlib.Path(__file__).resolve().parents[2] / "models" / "hand" / "hand_bottle.xml"

@@ -5,9 +5,10 @@ import pathlib
 import subprocess
 import sys
 
-import mjcf_pdg
 import numpy as np
 import pytest
+
+import mjcf_pdg
 
 APP = pathlib.Path(__file__).resolve().parents[2] / "apps" / "grasp_transfer"
 
