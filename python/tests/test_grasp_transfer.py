@@ -63,12 +63,12 @@ def test_difference_of_cylinders_is_that_of_their_radii(app):
     assert vessels.excess(cylinder(0.03, 0.1), cylinder(0.035, 0.2)) == pytest.approx(-0.005)
 
 
-def test_the_databases_grasps_are_free_and_all_but_one_of_the_fingers_touch(app):
+def test_the_databases_grasps_are_free_and_fingers_touch(app):
     grasps = app["grasp_transfer"].read_database()
     assert {grasp.vessel.kind for grasp in grasps} == {"cup", "bottle"}
     for grasp in grasps:
         assert mjcf_pdg.verify(app["scene"].for_repair(grasp.vessel), grasp.q, exact_mesh=True)
-        assert len(app["scene"].touching_fingers(app["scene"].for_lift(grasp.vessel), grasp.q)) >= 4
+        assert len(app["scene"].touching_fingers(app["scene"].for_lift(grasp.vessel), grasp.q)) >= 3
 
 
 def test_repaired_grasps_are_free_and_fingers_stay_in_contact(app):
