@@ -102,17 +102,17 @@ def test_a_vessel_in_no_hand_stays_on_the_table(app):
     assert made.force == pytest.approx(model.body("vessel").mass[0] * 9.81, rel=0.2)
 
 
-def test_tallies_add_up_and_a_seed_gives_the_same_table(tmp_path):
+def test_tallies_add_up_and_a_seed_gives_the_same_cups(tmp_path):
     tables = []
-    for name in ("a.csv", "b.csv"):
-        done = run("--cups", 2, "--seed", 3, "--csv", tmp_path / name)
+    for cups in (1, 2):
+        done = run("--cups", cups, "--seed", 3, "--csv", tmp_path / "grasps.csv")
         assert done.returncode == 0, done.stderr
-        with open(tmp_path / name, newline="") as file:
+        with open(tmp_path / "grasps.csv", newline="") as file:
             tables.append([{key: value for key, value in row.items() if key != "ms"} for row in csv.DictReader(file)])
-    assert tables[0] == tables[1]
-    assert [(row["cup"], row["run"]) for row in tables[0]] == [(k, run) for k in "01" for run in ("raw", "repaired")]
+    assert tables[0] == tables[1][:2]
+    assert [(row["cup"], row["run"]) for row in tables[1]] == [(k, run) for k in "01" for run in ("raw", "repaired")]
     for name in ("raw", "repaired"):
-        chosen = [row for row in tables[0] if row["run"] == name]
+        chosen = [row for row in tables[1] if row["run"] == name]
         holds, clean = (sum(row[column] == "yes" for row in chosen) for column in ("holds", "clean"))
         line = next(line for line in done.stdout.splitlines() if line.strip().startswith(f"{name}  in contact"))
         assert f"hold {holds}," in line and f" N {clean};" in line and clean <= holds
