@@ -1,0 +1,238 @@
+#!/usr/bin/env python3
+"""Moves grasps to new cups: as they are, and freed by PDg; a lift in MuJoCo tells which of them hold.
+
+    pip install . matplotlib pillow pyopengl
+    python3 apps/grasp_transfer/grasp_transfer.py --cups 50 --seed 1
+
+database.json has grasps of the hand of models/hand on cups and bottles. For each new cup, generated from the seed, the
+grasp of the most similar vessel is moved over (Tang and Kim, Sec. 6.3, Fig. 10e), where it overlaps with the cup;
+mjcf_pdg.solve finds the nearest pose that does not. Both poses go through the same lift (lift.py). What is measured is
+printed as a table, and written as CSV, PNG (plot) and GIF (animation) where asked for.
+"""
+
+import argparse
+import csv
+import dataclasses
+import json
+import pathlib
+import sys
+
+import mujoco
+import numpy as np
+
+import mjcf_pdg
+
+from lift import RISEN, Lift, lift
+from scene import FINGERS, for_lift, for_repair, touching_fingers
+from vessels import Vessel, difference, excess, random_cup
+
+DATABASE = pathlib.Path(__file__).resolve().parent / "database.json"
+ALLOWED = 1e-4  # how deep fingers may press into the cup: as in the lift, where they squeeze it [m]
+PAPER_MS = 148  # a pose of a hand and a cup (Sec. 6.3), on another machine
+RUNS = ("raw", "repaired")
+
+
+@dataclasses.dataclass
+class Grasp:
+    vessel: Vessel
+    q: np.ndarray  # (HAND_NQ,), free, the fingers touch
+    force: float  # the largest in its own lift [N]
+
+
+def read_database() -> list[Grasp]:
+    grasps = []
+    for entry in json.loads(DATABASE.read_text()):
+        vessel = Vessel(entry["kind"], tuple(map(tuple, entry["profile"])), entry["wall"])
+        grasps.append(Grasp(vessel, np.array(entry["q"]), entry["force"]))
+    return grasps
+
+
+def most_similar(database: list[Grasp], cup: Vessel, any_width: bool) -> Grasp:
+    """By vessels.difference, of those nowhere wider than the cup if there are any: PDg opens hands, but closes none."""
+    narrower = [grasp for grasp in database if excess(grasp.vessel, cup) <= 0.0]
+    choice = database if any_width or not narrower else narrower
+    return min(choice, key=lambda grasp: difference(grasp.vessel, cup))
+
+
+def allowed(model: mujoco.MjModel) -> dict[tuple[str, str], float]:
+    """The option `allow`: every segment of a finger may press into the vessel."""
+    bodies = [model.body(b).name for b in range(model.nbody)]
+    return {(name, "vessel"): ALLOWED for name in bodies if name.split("_")[0] in FINGERS}
+
+
+@dataclasses.dataclass
+class Transfer:
+    cup: Vessel
+    unlike: float  # of the cup and the database's vessel [m]
+    result: mjcf_pdg.Result
+    fingers: dict[str, set[str]]  # in contact, by run
+    lifts: dict[str, Lift]  # by run
+
+
+def transfer(cup: Vessel, grasp: Grasp) -> Transfer:
+    model, simulated = for_repair(cup), for_lift(cup)
+    result = mjcf_pdg.solve(model, grasp.q, exact_mesh=True, root="palm", allow=allowed(model))
+    poses = dict(zip(RUNS, (grasp.q, result.q)))
+    fingers = {run: touching_fingers(simulated, q) for run, q in poses.items()}
+    lifts = {run: lift(simulated, q) for run, q in poses.items()}
+    return Transfer(cup, difference(grasp.vessel, cup), result, fingers, lifts)
+
+
+def burst_limit(database: list[Grasp]) -> float:
+    """Twice the largest force in the lifts of the database's grasps, which start free [N]: no hand presses so hard."""
+    return 2.0 * max(grasp.force for grasp in database)
+
+
+def clean(run: Lift, limit: float) -> bool:
+    return run.holds and run.force <= limit
+
+
+# What is written.
+
+HEADING = [
+    "cup", "radius mm", "height mm", "unlike mm", "status", "depth mm", "sigma m^2", "rms mm", "ms",
+    "run", "fingers", "rise mm", "slip mm", "overlap mm", "force N", "holds", "clean",
+]  # fmt: skip
+
+
+def depth(t: Transfer) -> float:
+    """Of the overlap of the grasp as moved over [m]."""
+    return max(0.0, -t.result.depth_in)
+
+
+def rows(number: int, t: Transfer, limit: float) -> list[list[str]]:
+    radius = max(r for r, _ in t.cup.profile)
+    lines = []
+    for run, made in t.lifts.items():
+        about = [str(number), f"{1e3 * radius:.1f}", f"{1e3 * t.cup.height:.1f}", f"{1e3 * t.unlike:.1f}"]
+        moved = [f"{t.result.sigma:.3g}", f"{1e3 * t.result.rms:.2f}", f"{1e3 * t.result.seconds:.0f}"]
+        lifted = [f"{1e3 * made.rise:.0f}", f"{1e3 * made.slip:.0f}", f"{1e3 * made.overlap:.2f}", f"{made.force:.0f}"]
+        verdict = ["yes" if each else "no" for each in (made.holds, clean(made, limit))]
+        lines.append(
+            [*about, t.result.status, f"{1e3 * depth(t):.1f}", *moved, run, str(len(t.fingers[run])), *lifted, *verdict]
+        )
+    return lines
+
+
+def table(lines: list[list[str]]) -> str:
+    lines = [HEADING, *lines]
+    widths = [max(len(cells[k]) for cells in lines) for k in range(len(HEADING))]
+    return "\n".join("  ".join(cell.rjust(width) for cell, width in zip(cells, widths)) for cells in lines)
+
+
+def summary(transfers: list[Transfer], limit: float) -> str:
+    results = [t.result for t in transfers]
+    colliding = [t for t in transfers if t.result.status != "already_free"]
+    unsolved = sum(result.status == "unsolved" for result in results)
+    lines = [f"{len(transfers)} cups; {len(colliding)} grasps collide as moved over, {unsolved} of them unsolved"]
+    for run in RUNS:
+        lifts = [t.lifts[run] for t in transfers]
+        force = np.array([each.force for each in lifts])
+        holding, unhurt = sum(each.holds for each in lifts), sum(clean(each, limit) for each in lifts)
+        lines.append(
+            f"{run:>8}  in contact {np.mean([len(t.fingers[run]) for t in transfers]):.1f} of 5 fingers; rise "
+            f"{sum(each.rise > RISEN for each in lifts)}, hold {holding}, of these never over {limit:.0f} N {unhurt}; "
+            f"force median {np.median(force):.0f}, most {force.max():.0f} N"
+        )
+    kept, touched = (sum(len(t.fingers["raw"] & t.fingers[run]) for t in colliding) for run in ("repaired", "raw"))
+    if colliding:
+        rms = 1e3 * np.array([t.result.rms for t in colliding])
+        times = 1e3 * np.array([t.result.seconds for t in colliding])
+        lines.append(
+            f"repairs keep {kept} of {touched} fingers in contact; √σ median {np.median(rms):.2f}, most {rms.max():.2f} mm"
+        )
+        lines.append(
+            f"a repair takes {times.mean():.0f} ms, median {np.median(times):.0f} "
+            f"(Tang and Kim, on their machine: {PAPER_MS} ms)"
+        )
+    return "\n".join(lines)
+
+
+# Colours that a deuteranope tells apart (Okabe and Ito).
+COLOURS = {"raw": "#D55E00", "repaired": "#009E73"}
+
+
+def plot(path: str, transfers: list[Transfer], limit: float) -> None:
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    figure, axis = pyplot.subplots(figsize=(8, 5), layout="constrained")
+    for run in RUNS:
+        for holds, marker in ((True, "o"), (False, "x")):
+            chosen = [t for t in transfers if t.lifts[run].holds == holds]
+            points = [(1e3 * depth(t), t.lifts[run].force) for t in chosen]
+            label = f"{run}, {'holds' if holds else 'does not hold'}"
+            axis.scatter(*np.reshape(points, (-1, 2)).T, color=COLOURS[run], marker=marker, label=label)
+    axis.axhline(limit, color="black", linewidth=0.8, linestyle="--")
+    axis.set(xlabel="overlap of the grasp as moved over [mm]", ylabel="largest contact force [N]", yscale="log")
+    axis.legend()
+    figure.savefig(path, dpi=100)
+
+
+def animate(path: str, t: Transfer) -> None:
+    """Both lifts side by side."""
+    from PIL import Image
+
+    model = for_lift(t.cup)
+    columns = []
+    for run in RUNS:
+        colour = [int(COLOURS[run][k : k + 2], 16) / 255 for k in (1, 3, 5)]
+        hand = (model.geom_bodyid != 0) & (model.geom_bodyid != model.body("vessel").id)
+        model.geom_matid[hand], model.geom_rgba[hand] = -1, [*colour, 1]
+        data, frames = mujoco.MjData(model), []
+        camera = mujoco.MjvCamera()
+        camera.lookat[:], camera.distance, camera.azimuth, camera.elevation = (0, 0, 0.11), 0.45, 150, -20
+        with mujoco.Renderer(model, 360, 320) as renderer:
+            for q in t.lifts[run].q[::2]:
+                data.qpos[:] = q
+                mujoco.mj_forward(model, data)
+                renderer.update_scene(data, camera)
+                frames.append(renderer.render().copy())
+        columns.append(frames)
+    images = [Image.fromarray(np.hstack(both)).quantize(96) for both in zip(*columns)]
+    images[0].save(path, save_all=True, append_images=images[1:], duration=80, loop=0)
+
+
+def parse(argv: list[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--cups", type=int, default=50, help="how many new cups (default 50)")
+    parser.add_argument("--seed", type=int, default=1, help="of the new cups (default 1)")
+    parser.add_argument("--any-width", action="store_true", help="the most similar vessel, wider than the cup or not")
+    parser.add_argument("--csv", help="the table")
+    parser.add_argument("--png", help="contact force over depth of the overlap; needs matplotlib")
+    gif = "the two lifts of the cup whose raw grasp presses hardest; needs pillow and pyopengl"
+    parser.add_argument("--gif", help=f"{gif} (and without a display MUJOCO_GL=egl)")
+    arguments = parser.parse_args(argv)
+    if arguments.cups < 1 or arguments.seed < 0:
+        parser.error("--cups: at least 1; --seed: at least 0")
+    return arguments
+
+
+def main(argv: list[str] | None = None) -> int:
+    arguments = parse(argv)
+    try:
+        database = read_database()
+        limit = burst_limit(database)
+        rng = np.random.default_rng([1, arguments.seed])  # the database's vessels have other streams: [0, k]
+        cups = [random_cup(rng) for _ in range(arguments.cups)]
+        transfers = [transfer(cup, most_similar(database, cup, arguments.any_width)) for cup in cups]
+        lines = [line for number, each in enumerate(transfers) for line in rows(number, each, limit)]
+        print(table(lines))
+        print(summary(transfers, limit))
+        if arguments.csv:
+            with open(arguments.csv, "w", newline="") as file:
+                csv.writer(file).writerows([HEADING, *lines])
+        if arguments.png:
+            plot(arguments.png, transfers, limit)
+        if arguments.gif:
+            animate(arguments.gif, max(transfers, key=lambda each: each.lifts["raw"].force))
+    except (OSError, ValueError, ImportError, mujoco.FatalError) as error:
+        print(f"grasp_transfer.py: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
