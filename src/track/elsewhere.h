@@ -1,5 +1,5 @@
 // The search for a better optimum that goes on beside the one that is followed: a descent from
-// another start, a few steps in a tick, while the command moves on.
+// another start, a few queries in a tick, while the command moves on.
 #ifndef MJCF_PDG_SRC_TRACK_ELSEWHERE_H_
 #define MJCF_PDG_SRC_TRACK_ELSEWHERE_H_
 

@@ -1,6 +1,6 @@
 // All that a Tracker is made of, and the path of a tick: is the command free, follow, look
 // elsewhere, approach, answer. Tracker (mjcf_pdg/tracker.h) checks its arguments and calls this;
-// Clip (clip.h) does so for the frames of a motion.
+// FrameSolver (frame_solver.h) does so for the frames of a motion.
 #ifndef MJCF_PDG_SRC_TRACK_TRACKER_CORE_H_
 #define MJCF_PDG_SRC_TRACK_TRACKER_CORE_H_
 
