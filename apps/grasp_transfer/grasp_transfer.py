@@ -144,7 +144,8 @@ def summary(transfers: list[Transfer], limit: float) -> str:
         rms = 1e3 * np.array([t.result.rms for t in colliding])
         times = np.array([t.milliseconds for t in colliding])
         lines.append(
-            f"repairs keep {kept} of {touched} fingers in contact; √σ median {np.median(rms):.2f}, most {rms.max():.2f} mm"
+            f"repairs keep {kept} of {touched} fingers in contact; "
+            f"√σ median {np.median(rms):.2f}, most {rms.max():.2f} mm"
         )
         lines.append(
             f"a repair takes {times.mean():.0f} ms of processor time, median {np.median(times):.0f} "
