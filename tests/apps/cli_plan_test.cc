@@ -121,7 +121,7 @@ TEST_F(CliPlanTest, BadInputIsOneLineAndNothingIsWritten) {
         {Ends("start", "goal", {"--planner", "astar"}), "birrt-pdg"},
         {Ends("start", "goal", {"--time-limit", "0"}), "--time-limit"},
         {Ends("start", "goal", {"--out-qpos", "p.doc"}), "--out-qpos"},
-        {Ends("start", "goal", {"--animation", "p.gif"}), "--animation"},
+        {Ends("start", "goal", {"--as-the-crow-flies"}), "--as-the-crow-flies"},
         {Arguments{"plan", "gap.xml", "--start", "start"}, "--goal"},
         {Arguments{"plan", "none.xml", "--start", "0", "--goal", "1"}, "none.xml"}}) {
     const Outcome outcome = Run(arguments);
