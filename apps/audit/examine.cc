@@ -153,7 +153,10 @@ void FindExcludes(const Scene& scene, Audit& audit) {
                                                   BodyOf(*scene.model(), pair.geom2)};
     if (bodies.first.empty() || bodies.second.empty()) {
       audit.warnings.push_back(scene.GeomName(pair.geom1) + " and " + scene.GeomName(pair.geom2) +
-                               " always overlap, but a body without a name cannot be excluded");
+                               " always overlap, and <exclude> needs names of their bodies: --fix "
+                               "gives one to a body that has none");
+      const int* body = scene.model()->geom_bodyid;
+      audit.unnamed.emplace_back(body[pair.geom1], body[pair.geom2]);
     } else if (std::find(audit.exclude.begin(), audit.exclude.end(), bodies) ==
                audit.exclude.end()) {
       audit.exclude.push_back(std::move(bodies));

@@ -59,6 +59,8 @@ struct Audit {
   double never_share = 0.0;        // each of those overlaps in less of all, with 95 % confidence
   // Pairs of bodies, by name, whose geoms overlap permanently.
   std::vector<std::pair<std::string, std::string>> exclude;
+  // Such pairs, by id, in which a body has no name, so that nothing can be said of it in MJCF.
+  std::vector<std::pair<int, int>> unnamed;
   std::vector<AuditedKey> keys;  // qpos0 first
   std::vector<std::string> warnings;
 

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <memory>
+#include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "apps/audit/mjcf_text.h"
 #include "apps/audit/reset_pose.h"
+#include "apps/audit/same_model.h"
 #include "apps/input/configurations.h"
 #include "apps/input/qpos_file.h"
 #include "apps/input/text_file.h"
@@ -51,21 +53,6 @@ std::string WithQpos(std::string tag, const std::vector<double>& q) {
     return tag.replace(qpos->begin, qpos->length, numbers);
   }
   return "<key qpos=\"" + numbers + "\"" + tag.substr(4);
-}
-
-// The model compiled with the <exclude> lines.
-std::unique_ptr<mjModel, void (*)(mjModel*)> Excluding(const std::string& model,
-                                                       const Audit& audit) {
-  const SpecPtr spec = ParseSpec(model);
-  for (const auto& [body1, body2] : audit.exclude) {
-    mjsExclude* exclude = mjs_addExclude(spec.get());
-    mjs_setString(exclude->bodyname1, body1.c_str());
-    mjs_setString(exclude->bodyname2, body2.c_str());
-  }
-  std::unique_ptr<mjModel, void (*)(mjModel*)> compiled(mj_compile(spec.get(), nullptr),
-                                                        mj_deleteModel);
-  if (!compiled) throw Error(model + ": " + mjs_getError(spec.get()));
-  return compiled;
 }
 
 // What replaces keyframes that are wrong, and the new lines of the model.
@@ -135,6 +122,36 @@ std::string Applied(std::string text, const Mending& mending) {
   return text;
 }
 
+// Of permanent overlaps of bodies of which one has no name: it gets one, and there is a line for
+// the two. Bodies are numbered as their tags stand in the text, unless some come from elsewhere.
+void ExcludeUnnamed(const Audit& audit, const std::string& path, std::string& text,
+                    Mending& mending) {
+  std::set<int> bodies;
+  for (const auto& [body1, body2] : audit.unnamed) bodies.insert({body1, body2});
+  bodies.erase(0);  // the world, which is not written and has a name
+  if (bodies.empty()) return;
+  const ModelPtr model = Compiled(text, path);
+  std::vector<TextSpan> tags = FindTags(text, "body");
+  if (!model || static_cast<int>(tags.size()) != model->nbody - 1) {
+    mending.left.push_back("a permanent overlap stays: no <body> of the model's text is its");
+    return;
+  }
+  std::map<int, std::string> names = {{0, "world"}};
+  for (auto body = bodies.rbegin(); body != bodies.rend();
+       ++body) {  // what is before keeps its place
+    const TextSpan& tag = tags[static_cast<std::size_t>(*body - 1)];
+    const std::string written = tag.Of(text);
+    const std::optional<TextSpan> name = FindAttribute(written, "name");
+    names[*body] = name ? name->Of(written) : "body_pdg_" + std::to_string(*body);
+    if (!name) text.insert(tag.begin + 5, " name=\"" + names[*body] + "\"");  // behind "<body"
+  }
+  std::set<std::string> lines;
+  for (const auto& [body1, body2] : audit.unnamed) {
+    lines.insert("<exclude body1=\"" + names[body1] + "\" body2=\"" + names[body2] + "\"/>");
+  }
+  mending.contact.insert(mending.contact.end(), lines.begin(), lines.end());
+}
+
 // The model begins where it is free: at its own qpos0, if MJCF can say that, else at a keyframe.
 std::string BeginningFree(std::string text, const ResetPose& pose, std::vector<std::string>& left) {
   const fs::path folder = fs::absolute(pose.path).parent_path();
@@ -182,6 +199,7 @@ MendedModel Mended(const std::string& model, const Audit& audit, const MendOptio
   for (const auto& [body1, body2] : audit.exclude) {
     mending.contact.push_back(ExcludeLine(body1, body2));
   }
+  ExcludeUnnamed(audit, options.target, text, mending);
   bool any_wrong = false, key_wrong = false;
   for (const AuditedKey& key : audit.keys) {
     any_wrong |= key.Wrong();
@@ -189,7 +207,8 @@ MendedModel Mended(const std::string& model, const Audit& audit, const MendOptio
   }
   if (key_wrong) text = WithIncludesOf(std::move(text), "key", from);
   if (any_wrong) {
-    const auto excluding = Excluding(model, audit);
+    const ModelPtr excluding = Compiled(Applied(text, mending), options.target);
+    if (!excluding) throw Error("--fix: " + model + " does not load with its <exclude> lines");
     const Scene scene = Scene::FromModel(excluding.get(), options.scene);
     MendKeys(scene, audit, text, options.solve, mending);
   }

@@ -17,8 +17,6 @@
 namespace mjcf_pdg::app {
 namespace {
 
-using ModelPtr = std::unique_ptr<mjModel, void (*)(mjModel*)>;
-
 std::string Number(double x) {
   std::array<char, 32> digits;
   return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), x).ptr};
@@ -222,18 +220,6 @@ bool MoveBody(const mjModel& model, const ResetPose& pose, int body, TagEditor& 
   const DataPtr data = At(model, pose.q.data());
   editor.Replace(span, WithPose(editor.TextOf(span), model, *data, body));
   return true;
-}
-
-ModelPtr Compiled(const std::string& text, const std::string& path) {
-  mjVFS vfs;
-  mj_defaultVFS(&vfs);
-  ModelPtr model(nullptr, mj_deleteModel);
-  std::array<char, 1000> error;
-  if (mj_addBufferVFS(&vfs, path.c_str(), text.data(), static_cast<int>(text.size())) == 0) {
-    model.reset(mj_loadXML(path.c_str(), &vfs, error.data(), static_cast<int>(error.size())));
-  }
-  mj_deleteVFS(&vfs);
-  return model;
 }
 
 // The bodies that an equality constraint holds where they are at qpos0, and what carries them.

@@ -10,6 +10,18 @@
 
 namespace mjcf_pdg::app {
 
+ModelPtr Compiled(const std::string& text, const std::string& path) {
+  mjVFS vfs;
+  mj_defaultVFS(&vfs);
+  ModelPtr model(nullptr, mj_deleteModel);
+  std::array<char, 1000> error;
+  if (mj_addBufferVFS(&vfs, path.c_str(), text.data(), static_cast<int>(text.size())) == 0) {
+    model.reset(mj_loadXML(path.c_str(), &vfs, error.data(), static_cast<int>(error.size())));
+  }
+  mj_deleteVFS(&vfs);
+  return model;
+}
+
 bool Near(const mjtNum* a, const mjtNum* b, mjtSize n, double tolerance) {
   for (mjtSize k = 0; k < n; ++k) {
     if (!(std::abs(a[k] - b[k]) <= tolerance)) return false;

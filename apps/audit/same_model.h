@@ -5,13 +5,18 @@
 #include <mujoco/mujoco.h>
 
 #include <memory>
+#include <string>
 
 namespace mjcf_pdg::app {
 
 // Of lengths relative to the model's extent, of quaternions, and of angles [rad].
 inline constexpr double kSameModel = 1e-9;
 
+using ModelPtr = std::unique_ptr<mjModel, void (*)(mjModel*)>;
 using DataPtr = std::unique_ptr<mjData, void (*)(mjData*)>;
+
+// The model of a text that stands in the file `path`, existing or not; null if it does not load.
+ModelPtr Compiled(const std::string& text, const std::string& path);
 
 // |a - b| <= tolerance for each of n numbers.
 bool Near(const mjtNum* a, const mjtNum* b, mjtSize n, double tolerance);

@@ -233,6 +233,24 @@ TEST_F(CliAuditTest, WhatCanBePlacedMovesForWhatCannot) {
               HasSubstr("<body name=\"wrist\" pos=\".5 0 0\"><joint type=\"ball"));
 }
 
+// MJCF excludes bodies by name.
+TEST_F(CliAuditTest, BodiesWithoutANameAreNamedToBeExcluded) {
+  const std::string model = R"(<mujoco><worldbody>
+      <body><joint/><geom size=".1"/><body><joint type="ball"/><geom size=".01" pos="0 0 .5"/>
+        <body name="hand"><joint type="ball"/><geom size=".05"/></body></body></body>
+      <body pos="2 0 0"><joint/><geom size=".1"/></body></worldbody></mujoco>)";
+  Write("model.xml", model);
+  const Outcome outcome = Run({"audit", "model.xml", "--fix", "fixed.xml"});
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_EQ(Audit({"fixed.xml"}, 0)["warnings"].size(), 0u);
+  std::string fixed = Read("fixed.xml");
+  EXPECT_THAT(fixed, HasSubstr("<exclude body1=\"body_pdg_1\" body2=\"hand\"/>"));
+  // Only the name and the line are new.
+  fixed.erase(fixed.find(" name=\"body_pdg_1\""), 18);
+  fixed.erase(fixed.find("  <contact>"), fixed.find("</mujoco>") - fixed.find("  <contact>"));
+  EXPECT_EQ(fixed, model);
+}
+
 // A robot that is driven by a weld to a mocap body counts from where it begins. If it begins
 // outside its limits, that stays, and what it overlaps moves away all the same.
 TEST_F(CliAuditTest, LimitsThatHaveToStayLeftKeepNoOverlap) {
