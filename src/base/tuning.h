@@ -170,9 +170,9 @@ inline constexpr int kFollowSteps = 2, kRepairSteps = 8, kRetreatSteps = 4;
 // The first for frames of a trajectory, which lie farther apart; and how often so many follow while
 // nothing nearer is found.
 inline constexpr int kFrameSteps = 3, kMoreFrameSteps = 2;
-// A step that is free and leads to the σ that it promised up to this share [1] is enough for a
-// tick: the second one found no lower Σσ and cost a query. So many more correct a step that ended
-// in an overlap.
+// A step that is free, hardly damped, and leads to the σ that it promised, both up to this share
+// [1], is enough for a tick: the second one found no lower Σσ and cost a query. So many more
+// correct a step that ended in an overlap.
 inline constexpr double kEnough = 0.01;
 inline constexpr int kCorrections = 2;
 // An answer moves by at most this many times what the command moved [1], and this [size], in steps

@@ -82,7 +82,8 @@ void LinearizedStep::AppendContactRows(const NearPair& near, const RowOptions& o
 double LinearizedStep::Solve(const StepOptions& options) {
   // H = JᵀJ = L Lᵀ; z = Lᵀ dq; y = L⁻¹ Jᵀ r; G = L⁻¹ Cᵀ.
   work_.norm.InnerProduct(J_, H_);
-  if (problem_.Uses(Component::kDamping)) AddDamping(options.damping);
+  damping_ = problem_.Uses(Component::kDamping) ? options.damping : 0.0;
+  AddDamping();
   whitening_.Factor(H_, work_.norm.blocks());
   y_.noalias() = J_.transpose() * r_;
   whitening_.SolveLower(y_);
@@ -102,13 +103,26 @@ double LinearizedStep::Solve(const StepOptions& options) {
 
 // The norm hardly sees light links: without damping, small gains turn them far and the
 // linearization is lost. Rotations count as translations of the scene's size.
-void LinearizedStep::AddDamping(double damping) {
-  const double rotation = damping * problem_.size * problem_.size;
+void LinearizedStep::AddDamping() {
   for (const JointEntry& joint : problem_.tables.joints) {
     for (int k = 0; k < joint.ndof; ++k) {
-      H_(joint.col + k, joint.col + k) += joint.Slides(k) ? damping : rotation;
+      H_(joint.col + k, joint.col + k) += DampingOf(joint, k);
     }
   }
+}
+
+double LinearizedStep::DampingOf(const JointEntry& joint, int k) const {
+  return joint.Slides(k) ? damping_ : damping_ * problem_.size * problem_.size;
+}
+
+double LinearizedStep::DampingShare() const {
+  double cost = 0.0;
+  for (const JointEntry& joint : problem_.tables.joints) {
+    for (int k = 0; k < joint.ndof; ++k) {
+      cost += DampingOf(joint, k) * dq_[joint.col + k] * dq_[joint.col + k];
+    }
+  }
+  return cost > 0.0 ? cost / squared_length_ : 0.0;
 }
 
 // λ and the whitened step z = G λ - y.
@@ -169,6 +183,7 @@ double LinearizedStep::LargestTurn() const {
 
 void LinearizedStep::Predict() {
   sigma_ = (r_ + moved_).squaredNorm();
+  squared_length_ = moved_.squaredNorm();
   GrowTo(contact_rows_, slack_);
   auto slack = slack_.head(contact_rows_);
   slack = rows_.gap.head(contact_rows_);

@@ -58,6 +58,9 @@ class LinearizedStep {
   double violation() const { return violation_; }
   // The same σ before the step was cut to its trust radius.
   double uncut_sigma() const { return uncut_sigma_; }
+  // What the damping D took of dq's cost, dqᵀ D dq over ‖J dq‖²: the share, about, by which dq is
+  // shorter than without it [1].
+  double DampingShare() const;
   // The largest λ of a contact [m]; 0 without contacts.
   double LargestForce() const;
   // ‖J dq‖² of any dq: what it costs by the linearized norm [m²].
@@ -73,7 +76,8 @@ class LinearizedStep {
  private:
   void AppendContactRows(const NearPair& near, const RowOptions& options);
   void AppendTendonRows();
-  void AddDamping(double damping);
+  void AddDamping();
+  double DampingOf(const JointEntry& joint, int k) const;
   void SolveLcp(const StepOptions& options);
   void HoldEqualities(Eigen::Ref<MatrixXd> G, Eigen::Ref<VectorXd> b);
   double LargestTurn() const;  // of dq [rad]
@@ -87,7 +91,8 @@ class LinearizedStep {
       0;  // rows_ begins with these; the rows after them are limits of joints and tendons
   ActiveSetLcp lcp_;
   std::int64_t lcp_steps_ = 0;
-  double sigma_ = 0.0, violation_ = 0.0, uncut_sigma_ = 0.0;
+  double sigma_ = 0.0, violation_ = 0.0, uncut_sigma_ = 0.0, squared_length_ = 0.0;
+  double damping_ = 0.0;  // of the last Solve
 
   // Scratch. Of what has an entry or a column per row, those past the rows in use mean nothing.
   std::vector<const NearPair*> nearest_;

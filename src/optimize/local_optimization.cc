@@ -237,7 +237,8 @@ bool LocalOptimization::HasConverged(Descent& d) {
 // At the last step, which has been taken.
 bool LocalOptimization::IsEnough(const Descent& d) const {
   return Free(d.current) && d.length < tune::kFullStep * d.radius &&
-         std::abs(d.current.sigma - step_.sigma()) < d.options.enough * d.current.sigma;
+         std::abs(d.current.sigma - step_.sigma()) < d.options.enough * d.current.sigma &&
+         step_.DampingShare() < d.options.enough;
 }
 
 // Goes back to the best iterate with half the trust radius. Returns false when that is too small.

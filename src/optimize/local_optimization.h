@@ -48,8 +48,9 @@ struct LocalOptions {
   Component start = Component::kNone;                   // what the start is called, for an observer
   // Resume: trust radius and patience are those of a descent that begins; the damping stays.
   bool renewed = false;
-  // A step that is free, not cut, and leads to the σ that it promised up to this share of it [1]
-  // ends the descent: to follow what moves, more is not needed.
+  // A step that is free, neither cut nor damped by more than this share of its length [1], and
+  // leads to the σ that it promised up to this share of it [1], ends the descent: to follow what
+  // moves, more is not needed.
   double enough = 0.0;
   int corrections = 0;  // steps beyond max_iterations, as long as the last one is not free
 

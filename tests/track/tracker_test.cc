@@ -240,6 +240,21 @@ TEST_F(TrackerTest, ItTakesNothingFromTheHeapOnceWarm) {
   }
 }
 
+// Where the command stops, the answer is beside it in the same tick, also after a while at rest.
+TEST_F(TrackerTest, ATickGoesAllTheWayAlongAnObstacle) {
+  const Scene scene = Scene::FromString(kBox);
+  Tracker tracker(scene);
+  Result result;
+  for (int k = 0; k < 5; ++k) tracker.Step(Q{-0.4, 0.0}, result);
+  for (const double y : {0.05, 0.1, 0.02}) {
+    for (int k = 0; k < 3; ++k) {
+      tracker.Step(Q{-0.4, y}, result);
+      EXPECT_NEAR(result.q[0], -0.6, 1e-5);
+      EXPECT_NEAR(result.q[1], y, 1e-3) << k;
+    }
+  }
+}
+
 // A ball that is pushed into a box by d must move by d, less the tolerance, wherever it goes.
 TEST_F(TrackerTest, TheLowerBoundIsThatOfASolve) {
   const Scene scene = Scene::FromString(kBox);

@@ -80,10 +80,10 @@ TEST_F(ViewerTest, TheGhostFollowsASliderAndStopsWhenPaused) {
   EXPECT_EQ((*viewer.ghost_q())[1], 0.0) << "paused";
   viewer.Press(ParseKey("right"));
   viewer.NextFrame();
-  EXPECT_NEAR((*viewer.ghost_q())[1], 0.05, 0.01) << "one tick";
+  EXPECT_NEAR((*viewer.ghost_q())[1], 0.05, 1e-3) << "one tick";
   viewer.SetJoint(1, 0.1);
   viewer.NextFrame();
-  EXPECT_NEAR((*viewer.ghost_q())[1], 0.05, 0.01);
+  EXPECT_NEAR((*viewer.ghost_q())[1], 0.05, 1e-3);
 
   viewer.Press(ParseKey("backspace"));
   viewer.NextFrame();
