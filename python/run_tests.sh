@@ -13,10 +13,8 @@ if ! "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))'; then
   echo "python/run_tests.sh: SKIPPED, MuJoCo 4.0's own package needs Python 3.11 and this is $("$python" --version)" >&2
   exit 0
 fi
-if ! "$venv/bin/python" -c '' 2>/dev/null; then  # not there, or of a Python that is gone
-  rm -rf "$venv"
-  "$python" -m venv "$venv" || { rm -rf "$venv"; echo "python/run_tests.sh: no venv: run apps/install_deps.sh" >&2; exit 1; }
-fi
+. python/venv.sh
+make_venv "$venv"
 if ! "$venv/bin/pip" install --quiet --disable-pip-version-check -r python/requirements-test.txt; then
   echo "python/run_tests.sh: the packages of python/requirements-test.txt could not be installed: this needs the" >&2
   echo "package index, or a folder of wheels in PIP_FIND_LINKS with PIP_NO_INDEX=1" >&2

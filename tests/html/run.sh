@@ -21,9 +21,7 @@ if ! "$python" -c 'import sys; sys.exit(sys.version_info < (3, 10))'; then
   echo "tests/html/run.sh: SKIPPED, its packages need Python 3.10 and this is $("$python" --version)" >&2
   exit 0
 fi
-if ! "$venv/bin/python" -c '' 2>/dev/null; then # not there, or of a Python that is gone
-  rm -rf "$venv"
-  "$python" -m venv "$venv" || { rm -rf "$venv"; echo "tests/html/run.sh: no venv: run apps/install_deps.sh" >&2; exit 1; }
-fi
+. python/venv.sh
+make_venv "$venv"
 "$venv/bin/pip" install --quiet --disable-pip-version-check -r tests/html/requirements.txt
 exec "$venv/bin/python" -m pytest -q -p no:cacheprovider tests/html "$@"
