@@ -96,4 +96,10 @@ const std::vector<NearPair>& Workspace::OverlapsAtInput() {
   return overlaps_;
 }
 
+void Workspace::Unwound(const VectorXd& q, VectorXd& unwound) {
+  unwound = q;
+  Unwind(problem_.tables, problem_.q_in, unwound);
+  if (equality.Violation(unwound) > kEqualityTolerance) unwound = q;
+}
+
 }  // namespace mjcf_pdg

@@ -40,6 +40,9 @@ class Workspace {
   // The pairs nearer than required at q_in, where the finder stays posed. One query. Valid until
   // the next call.
   const std::vector<NearPair>& OverlapsAtInput();
+  // Makes `unwound` q without whole turns that bring it no nearer to q_in (model/kinematics.h), or
+  // q itself where couplings forbid whole turns of one joint alone.
+  void Unwound(const VectorXd& q, VectorXd& unwound);
   bool Watched() const { return recorder && recorder->watched(); }
   bool Spent() const { return budget.Spent(finder.queries()); }
 

@@ -54,10 +54,7 @@ bool Acceptance::AcceptFartherOut(const Candidate& candidate, bool proven) {
 }
 
 bool Acceptance::IsFree(const VectorXd& q, Component start) {
-  unwound_ = q;
-  Unwind(problem_.tables, problem_.q_in, unwound_);
-  // Couplings may forbid whole turns of one joint alone.
-  if (work_.equality.Violation(unwound_) > kEqualityTolerance) unwound_ = q;
+  work_.Unwound(q, unwound_);
   q_.assign(unwound_.data(), unwound_.data() + unwound_.size());
   start_ = start;
   work_.budget.Charge(1);

@@ -186,10 +186,7 @@ void TrackerCore::TrySwitch() {
                          .obstacles = Obstacles()})) {
     return;
   }
-  candidate = elsewhere.q();
-  Unwind(core.scene.tables(), work.problem().q_in, candidate);
-  // Couplings may forbid whole turns of one joint alone.
-  if (work.equality.Violation(candidate) > kEqualityTolerance) candidate = elsewhere.q();
+  work.Unwound(elsewhere.q(), candidate);
   if (!Free(candidate)) return;
   switched = true;
   optimum = candidate;
