@@ -94,7 +94,7 @@ std::pair<double, double> QueryCost(const Scene& scene, const ProblemSet& set) {
   for (int k = 0; queries < kQueries && k < 100 * kQueries; ++k) {
     finder.Pose(ToEigen(set.problems[k % set.problems.size()].q_in));
     for (std::size_t pair = 0; pair < tables.pairs.size(); ++pair) {
-      if (!tables.pairs[pair].terrain) continue;
+      if (tables.pairs[pair].kind != PairKind::kTerrain) continue;
       NearPair found;
       if (!finder.Distance(static_cast<int>(pair), margin, found)) continue;
       const std::int64_t before = finder.distances();

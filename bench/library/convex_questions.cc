@@ -58,7 +58,7 @@ class ConvexBench : public Questions {
     Integrate(tables_, q, VectorXd::Constant(tables_.n, kSmallMove), before);
     for (int pair = 0; pair < static_cast<int>(tables_.pairs.size()); ++pair) {
       const KeptPair& kept = tables_.pairs[pair];
-      if (kept.exact || !tables_.support->Knows(kept.geom1) ||
+      if (kept.kind == PairKind::kExact || !tables_.support->Knows(kept.geom1) ||
           !tables_.support->Knows(kept.geom2)) {
         continue;
       }

@@ -24,7 +24,7 @@ class TriangleBench : public Questions {
     const mjModel& m = tables_.query_model;
     for (int pair = 0; pair < static_cast<int>(tables_.pairs.size()); ++pair) {
       const KeptPair& kept = tables_.pairs[pair];
-      const bool meshes = kept.exact && m.geom_type[kept.geom1] == mjGEOM_MESH &&
+      const bool meshes = kept.kind == PairKind::kExact && m.geom_type[kept.geom1] == mjGEOM_MESH &&
                           m.geom_type[kept.geom2] == mjGEOM_MESH;
       if (!meshes) continue;
       AskWhetherTheyCross(pair, kept);

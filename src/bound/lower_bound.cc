@@ -97,7 +97,8 @@ LowerBound::LowerBound() {
 // Adds nothing if the pair gives no bound (an SDF, triangles, geoms that move together).
 void LowerBound::AddOverlap(const LowerBoundInput& in, const NearPair& near) {
   const KeptPair& kept = in.tables.pairs[near.pair];
-  if (!kept.has_distance || !kept.moves || (near.local && !kept.terrain)) return;  // convex
+  const bool terrain = kept.kind == PairKind::kTerrain;
+  if (!kept.moves || !(terrain || PartedByOnePlane(kept.kind))) return;
   Overlap& added = overlaps_.emplace_back();
   PairProblem& pair = added.problem;
   pair.required = in.required[near.pair] - in.tolerance * (1.0 + kRounding);
@@ -127,7 +128,7 @@ void LowerBound::AddOverlap(const LowerBoundInput& in, const NearPair& near) {
   }
   added.movers.end = static_cast<int>(concerned_.size());
   pair.geom[1].Fill(in.posed, *in.tables.support, kept.geom2);
-  if (kept.terrain) return ChooseInscribed(in, near, pair);
+  if (terrain) return ChooseInscribed(in, near, pair);
   pair.geom[0].Fill(in.posed, *in.tables.support, kept.geom1);
   pair.hope = pair.plane ? pair.RootForPlane(in.budget) : pair.RootFor(near.n_W, 0.0);
 }

@@ -184,7 +184,7 @@ void Ccdg::AskPair(int body_pair, int pair, double next) {
   if (bounds.length > back && t_ + bounds.length >= next) {
     return Extend(pair, bounds.length, tune::kMeetShare * 2.0 * bounds.length);
   }
-  if (!tables_.pairs[pair].has_distance) return Sample(pair, bounds.lambda);
+  if (tables_.pairs[pair].kind == PairKind::kSdf) return Sample(pair, bounds.lambda);
 
   ++result_.distance_queries;
   const Margin margin = proof_.Measure(pair, state.floor + bounds.lambda * std::max(rest, back));

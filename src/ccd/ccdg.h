@@ -56,13 +56,13 @@ enum class CcdOutcome {
 struct CcdResult {
   CcdOutcome outcome = CcdOutcome::kFree;
   double t = 0.0;            // the motion is free on [0, t]
-  bool certified = true;     // proven to be so; false where contact-only pairs were sampled
+  bool certified = true;     // proven to be so; false where pairs with an SDF were sampled
   std::vector<int> pairs;    // indices into SceneTables::pairs
   int joint = -1;            // index into SceneTables::joints
   VectorXd q;                // q0 ⊕ t·dq
   int poses = 0;             // kinematics of the whole model
   int distance_queries = 0;  // signed distances of single pairs
-  int contact_queries = 0;   // mj_collision, for contact-only pairs
+  int contact_queries = 0;   // mj_collision, for pairs with an SDF
 };
 
 // One per thread.
@@ -134,7 +134,7 @@ class Ccdg {
   std::vector<PairState> pairs_;
   std::vector<BodiesState> bodies_;
   std::vector<int> asked_;                           // body pairs asked at this pose
-  const std::vector<NearPair>* contacts_ = nullptr;  // of contact-only pairs at this pose, if known
+  const std::vector<NearPair>* contacts_ = nullptr;  // of pairs with an SDF at this pose, if known
   CcdResult result_;
 };
 

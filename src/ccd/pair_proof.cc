@@ -81,7 +81,7 @@ Margin PairProof::Measure(int pair, double enough) {
     margin.n_W = AsMatrix(posed.data()->geom_xmat + 9 * kept.geom1).col(2);
   }
   const bool curved = Curved(m.geom_type[kept.geom1]) || Curved(m.geom_type[kept.geom2]);
-  if (curved && !near.local && near.distance < -kSureNormal * tolerance_) {
+  if (curved && PartedByOnePlane(near.kind) && near.distance < -kSureNormal * tolerance_) {
     const double proven = separation_.Distance(posed, kept.geom1, kept.geom2, margin.n_W);
     margin.value = std::min(margin.value, proven - Required(pair));
   }

@@ -85,15 +85,16 @@ double Separation::TerrainSupport(const PosedModel& posed, int field,
 
 double Separation::SafeStep(const PosedModel& posed, const KeptPair& pair, const Vector3d& n_W,
                             const RelativeMotion& motion, double floor, double horizon) {
-  if (pair.terrain) {
+  const bool terrain = pair.kind == PairKind::kTerrain;
+  if (terrain) {
     // Prisms beyond that are out of reach on the whole horizon, even for the geom moved by a
     // permitted overlap.
     if (!CollectTerrain(posed, pair, std::abs(floor) + motion.closing * horizon)) return 0.0;
     if (prisms_.empty()) return horizon;
   }
   const auto support1 = [&](const Vector3d& direction_W) {
-    return pair.terrain ? TerrainSupport(posed, pair.geom1, direction_W)
-                        : CoreSupport(posed, pair.geom1, direction_W);
+    return terrain ? TerrainSupport(posed, pair.geom1, direction_W)
+                   : CoreSupport(posed, pair.geom1, direction_W);
   };
   const double speed = n_W.dot(motion.v_W);
   const Vector3d tilt = n_W.cross(motion.omega_W);

@@ -40,7 +40,7 @@ double SphereAbovePlane(const mjModel& m, const mjData& d, int plane, int geom) 
 }
 
 NearPair ToNearPair(int pair, const SignedGap& gap, const KeptPair& kept) {
-  return {pair, gap.distance, gap.p1, gap.p2, gap.n, kept.exact || kept.terrain, kept.exact};
+  return {pair, gap.distance, gap.p1, gap.p2, gap.n, kept.kind};
 }
 
 }  // namespace
@@ -74,14 +74,15 @@ const std::vector<NearPair>& ContactFinder::Find(double margin, Depths depths) {
     for (int pair = bodies.begin; pair < bodies.end; ++pair) {
       if (DistanceBound(pair) > margin) continue;
       const KeptPair& kept = tables_.pairs[pair];
-      if (!kept.exact && !kept.terrain) {
+      if (kept.kind == PairKind::kSdf) continue;  // FindSdfs
+      if (kept.kind == PairKind::kConvex) {
         if (Distance(pair, margin, near)) near_.push_back(near);
       } else if (BoundsNear(kept, margin)) {
         AppendFeatures(pair, margin, depths, near_);
       }
     }
   }
-  if (tables_.has_contact_only_pairs) FindContactOnly(margin);
+  if (tables_.has_sdf_pairs) FindSdfs(margin);
   return near_;
 }
 
@@ -89,7 +90,7 @@ void ContactFinder::AppendFeatures(int pair, double margin, Depths depths,
                                    std::vector<NearPair>& out) {
   const KeptPair& kept = tables_.pairs[pair];
   features_.clear();
-  if (kept.terrain) {
+  if (kept.kind == PairKind::kTerrain) {
     terrain_->Features(posed_, pair, margin, features_);
   } else {
     exact_.Features(posed_, pair, margin, depths, features_);
@@ -159,12 +160,13 @@ bool ContactFinder::BoundsNear(const KeptPair& kept, double margin) const {
 
 bool ContactFinder::Distance(int pair, double cutoff, NearPair& near) {
   const KeptPair& kept = tables_.pairs[pair];
-  if (!kept.has_distance || !BoundsNear(kept, cutoff)) return false;
+  if (kept.kind == PairKind::kSdf || !BoundsNear(kept, cutoff)) return false;
   SignedGap gap, hull;
-  const bool found = kept.terrain ? terrain_->Distance(posed_, pair, cutoff, gap)
-                     : kept.exact ? exact_.Distance(posed_, pair, cutoff, gap)
-                                  : GeomGap(pair, cutoff, gap);
-  if (found && kept.exact && HullGap(pair, gap.distance, hull)) gap = hull;
+  const bool exact = kept.kind == PairKind::kExact;
+  const bool found = kept.kind == PairKind::kTerrain ? terrain_->Distance(posed_, pair, cutoff, gap)
+                     : exact                         ? exact_.Distance(posed_, pair, cutoff, gap)
+                                                     : GeomGap(pair, cutoff, gap);
+  if (found && exact && HullGap(pair, gap.distance, hull)) gap = hull;
   if (found) near = ToNearPair(pair, gap, kept);
   return found;
 }
@@ -207,7 +209,7 @@ bool ContactFinder::GeomGap(int pair, double cutoff, SignedGap& gap) {
 }
 
 // By the geoms' own functions, and as mj_collision sees them: what is free is free for both.
-void ContactFinder::FindContactOnly(double margin) {
+void ContactFinder::FindSdfs(double margin) {
   model_.opt.enableflags |= mjENBL_OVERRIDE;
   model_.opt.o_margin = margin;
   mj_collision(&model_, posed_.data());
@@ -218,13 +220,14 @@ void ContactFinder::FindContactOnly(double margin) {
   const mjData& d = *posed_.data();
   for (int pair = 0; pair < static_cast<int>(tables_.pairs.size()); ++pair) {
     const KeptPair& kept = tables_.pairs[pair];
-    if (kept.has_distance) continue;
-    AppendFields(pair, margin);
+    if (kept.kind != PairKind::kSdf) continue;
+    AppendSdfFeatures(pair, margin);
     for (int c = 0; c < d.ncon; ++c) {
       const mjContact& contact = d.contact[c];
       if (!same(kept, contact) || contact.dist >= margin) continue;
       NearPair near;
       near.pair = pair;
+      near.kind = kept.kind;
       near.distance = contact.dist;
       near.n_W = AsVector(contact.frame) * (contact.geom[0] == kept.geom1 ? 1.0 : -1.0);
       near.p1_W = AsVector(contact.pos) - 0.5 * contact.dist * near.n_W;
@@ -234,14 +237,12 @@ void ContactFinder::FindContactOnly(double margin) {
   }
 }
 
-void ContactFinder::AppendFields(int pair, double margin) {
+void ContactFinder::AppendSdfFeatures(int pair, double margin) {
   const KeptPair& kept = tables_.pairs[pair];
   if (DistanceBound(pair) > margin || !BoundsNear(kept, margin)) return;
   features_.clear();
   sdf_->Features(posed_, pair, margin, features_);
-  for (const SignedGap& gap : features_) {
-    near_.push_back({pair, gap.distance, gap.p1, gap.p2, gap.n, true, false});
-  }
+  for (const SignedGap& gap : features_) near_.push_back(ToNearPair(pair, gap, kept));
 }
 
 }  // namespace mjcf_pdg

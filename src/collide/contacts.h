@@ -28,7 +28,7 @@ class SdfContacts;
 
 // A kept pair that is nearer than the margin, in the world frame W. Pairs of convex geoms appear
 // once; exact pairs and those with a height field once per feature (exact_contacts.h,
-// terrain_contacts.h), the deepest or nearest first; contact-only pairs (SDF) once per feature
+// terrain_contacts.h), the deepest or nearest first; those with an SDF once per feature
 // (sdf_contacts.h) and then once per MuJoCo contact.
 struct NearPair {
   int pair = 0;  // index into SceneTables::pairs
@@ -37,11 +37,10 @@ struct NearPair {
   double distance = 0.0;
   Vector3d p1_W, p2_W;  // witness points on geom 1 and geom 2 [m]
   Vector3d n_W;         // unit, from geom 1 to geom 2; distance = n · (p2 - p1)
-  // True for exact pairs and those with a height field or SDF: the plane through the witness points
-  // separates the two surfaces only near these points, `distance` proves nothing about the rest of
-  // the geoms, and for an overlap n is only a likely direction to separate them.
-  bool local = false;
-  bool triangles = false;  // true for exact pairs: where the two cross, the depth is a guess
+  // The pair's. Unless it is kConvex, the plane through the witness points separates the two
+  // surfaces only near these points, `distance` proves nothing about the rest of the geoms, and for
+  // an overlap n is only a likely direction to separate them.
+  PairKind kind = PairKind::kConvex;
 };
 
 // Keeps its own pose and remembers earlier answers as starting points: use one object per thread.
@@ -69,7 +68,7 @@ class ContactFinder {
   // Drops those of convex geoms only.
   void ForgetConvex() { convex_.Forget(); }
 
-  // All kept pairs nearer than `margin` [m], in the order of SceneTables::pairs, contact-only pairs
+  // All kept pairs nearer than `margin` [m], in the order of SceneTables::pairs, those with an SDF
   // last. `depths` says what to measure of overlapping exact pairs. Counts as one query. The result
   // is valid until the next Find.
   const std::vector<NearPair>& Find(double margin, Depths depths = Depths::kMeasured);
@@ -78,12 +77,8 @@ class ContactFinder {
   // `margin` [m], if any.
   void AppendFeatures(int pair, double margin, Depths depths, std::vector<NearPair>& out);
 
-  // True for exact pairs: the normal between two meshes is reliable only while they are apart, so
-  // the optimization should keep a gap between them.
-  bool NeedsGap(int pair) const { return tables_.pairs[pair].exact; }
-
   // Measures the signed distance of one kept pair. Returns true and fills `near` if it is below
-  // `cutoff` [m]; otherwise, and for contact-only pairs, returns false and leaves `near` alone.
+  // `cutoff` [m]; otherwise, and for pairs with an SDF, returns false and leaves `near` alone.
   bool Distance(int pair, double cutoff, NearPair& near);
 
   // A lower bound of the pair's distance [m] from bounding spheres alone; -infinity if a geom has
@@ -105,16 +100,16 @@ class ContactFinder {
   // The signed distance of the pair's geoms, meshes as their convex hulls, in W. Returns false if
   // it is not below `cutoff` [m]; `gap` may be overwritten even then.
   bool GeomGap(int pair, double cutoff, SignedGap& gap);
-  // Appends to near_ what is near of contact-only pairs; the second of one, by its functions.
-  void FindContactOnly(double margin);
-  void AppendFields(int pair, double margin);
+  // Appends to near_ what is near of pairs with an SDF; the second of one, by its functions.
+  void FindSdfs(double margin);
+  void AppendSdfFeatures(int pair, double margin);
   // First broad phase: false if the bodies' bounding spheres prove a distance above `margin` [m].
   bool BodiesNear(const BodyPair& bodies, double margin) const;
   void MoveCenters();
   bool BoxesNear(int geom1, int geom2, double margin) const;
 
   const SceneTables& tables_;
-  mjModel model_;  // a copy of tables_.query_model, whose margin FindContactOnly overrides
+  mjModel model_;  // a copy of tables_.query_model, whose margin FindSdfs overrides
   PosedModel posed_;
   ExactContacts exact_;
   const std::unique_ptr<TerrainContacts> terrain_;

@@ -71,7 +71,7 @@ bool PartedConstraints::Begin(const VectorXd& q, const std::vector<NearPair>& ne
     const KeptPair& pair = all_.pairs[one.pair];
     if (!pair.moves) continue;
     const bool plane = all_.model->geom_type[pair.geom1] == mjGEOM_PLANE;
-    const bool known = !one.local && pair.has_distance && all_.support->Knows(pair.geom2) &&
+    const bool known = PartedByOnePlane(pair.kind) && all_.support->Knows(pair.geom2) &&
                        (plane || all_.support->Knows(pair.geom1));
     if (known) AppendPlane(one);
     smooth = smooth && known;

@@ -110,7 +110,7 @@ void BuildBvhs(SceneTables& tables) {
   // By mesh asset and whether the triangles are its own (true) or those of its hull.
   std::map<std::pair<int, bool>, std::shared_ptr<const TriangleBvh>> built;
   for (const KeptPair& pair : tables.pairs) {
-    if (!pair.exact) continue;
+    if (pair.kind != PairKind::kExact) continue;
     for (const int g : {pair.geom1, pair.geom2}) {
       if (tables.bvhs[g]) continue;
       if (m.geom_type[g] == mjGEOM_BOX) {
@@ -141,13 +141,15 @@ void BuildBvhs(SceneTables& tables) {
 
 bool HasExactMeshes(const SceneTables& tables) {
   return std::any_of(tables.pairs.begin(), tables.pairs.end(), [&](const KeptPair& pair) {
-    return pair.has_distance && !pair.terrain &&
+    return (pair.kind == PairKind::kConvex || pair.kind == PairKind::kExact) &&
            (tables.exact[pair.geom1] || tables.exact[pair.geom2]);
   });
 }
 
 SceneTables WithHulls(SceneTables tables) {
-  for (KeptPair& pair : tables.pairs) pair.exact = false;
+  for (KeptPair& pair : tables.pairs) {
+    if (pair.kind == PairKind::kExact) pair.kind = PairKind::kConvex;
+  }
   return tables;
 }
 

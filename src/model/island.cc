@@ -169,7 +169,7 @@ void Island::FillPairs(const SceneTables& scene, const MovableTrees& all) {
       tables.pairs.push_back(scene.pairs[pair]);
       // A joint of the island lies between it and all else.
       tables.pairs.back().moves = !both || scene.pairs[pair].moves;
-      tables.has_contact_only_pairs |= !scene.pairs[pair].has_distance;
+      tables.has_sdf_pairs |= scene.pairs[pair].kind == PairKind::kSdf;
       tables.largest_kept = std::max(tables.largest_kept, scene.pairs[pair].kept);
       scene_pairs.push_back(pair);
     }

@@ -77,6 +77,16 @@ bool JointBetween(const SceneTables& tables, int body1, int body2) {
   return false;
 }
 
+// Of two geoms in the order of a kept pair. A mesh beside an SDF or a height field is never exact:
+// MuJoCo collides it as its hull there.
+PairKind KindOf(const SceneTables& tables, int g1, int g2) {
+  const mjModel& m = *tables.model;
+  const auto not_a_hull = [&](int g) { return tables.exact[g] && !tables.convex[g]; };
+  if (m.geom_type[g1] == mjGEOM_SDF || m.geom_type[g2] == mjGEOM_SDF) return PairKind::kSdf;
+  if (m.geom_type[g1] == mjGEOM_HFIELD) return PairKind::kTerrain;
+  return not_a_hull(g1) || not_a_hull(g2) ? PairKind::kExact : PairKind::kConvex;
+}
+
 KeptPair MakePair(const SceneTables& tables, int g1, int g2, double margin, double gap) {
   const mjModel& m = *tables.model;
   const int type1 = m.geom_type[g1], type2 = m.geom_type[g2];
@@ -86,12 +96,7 @@ KeptPair MakePair(const SceneTables& tables, int g1, int g2, double margin, doub
   pair.geom2 = g2;
   pair.allowed = std::max(0.0, -(margin + gap));
   pair.kept = std::max(0.0, margin);
-  pair.has_distance = type1 != mjGEOM_SDF && type2 != mjGEOM_SDF;
-  pair.terrain = m.geom_type[g1] == mjGEOM_HFIELD;
-  // Pairs with an SDF or a height field are never exact: MuJoCo collides the mesh as its hull
-  // there.
-  auto not_a_hull = [&](int g) { return tables.exact[g] && !tables.convex[g]; };
-  pair.exact = pair.has_distance && !pair.terrain && (not_a_hull(g1) || not_a_hull(g2));
+  pair.kind = KindOf(tables, g1, g2);
   pair.moves = JointBetween(tables, m.geom_bodyid[g1], m.geom_bodyid[g2]);
   return pair;
 }
@@ -201,7 +206,7 @@ void FillKeptPairs(const SceneOptions& options, SceneTables& tables) {
   }
   for (KeptPair& pair : tables.pairs) {
     if (!options.keep_margins) pair.kept = 0.0;
-    if (!pair.has_distance) tables.has_contact_only_pairs = true;
+    if (pair.kind == PairKind::kSdf) tables.has_sdf_pairs = true;
     tables.largest_kept = std::max(tables.largest_kept, pair.kept);
   }
 }

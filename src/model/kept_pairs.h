@@ -10,7 +10,7 @@
 
 namespace mjcf_pdg {
 
-// Fills tables.pairs, body_pairs, body_spheres, has_contact_only_pairs and largest_kept, which must
+// Fills tables.pairs, body_pairs, body_spheres, has_sdf_pairs and largest_kept, which must
 // be empty. Reads tables.model, column_of_dof, exact, convex, excluded and ignored; of the options
 // those of allowed overlaps, margins and flags. Follows engine_collision_driver.c of MuJoCo 4.0:
 // explicit <pair>s always count; of all others those count that pass the contype/conaffinity, weld,

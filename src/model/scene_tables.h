@@ -35,16 +35,31 @@ struct JointEntry {
   bool Slides(int k) const { return type == mjJNT_SLIDE || (type == mjJNT_FREE && k < 3); }
 };
 
+// What the two geoms of a pair collide as. It says who measures the pair (collide/contacts.h) and
+// what its signed distance proves.
+enum class PairKind {
+  kConvex,   // convex geoms, and meshes as their convex hulls: one plane parts all of both
+  kExact,    // a geom is a mesh that collides as its triangles
+  kTerrain,  // geom 1 is a height field; geom 2, if a mesh, counts as its hull
+  kSdf,      // a geom is an SDF, which has a signed distance at each point but none to a geom
+};
+
+// True if the distance of two geoms that are apart is that of one plane between all of both. Else
+// they have features (NearPair), each of which parts the two surfaces only near it.
+constexpr bool PartedByOnePlane(PairKind kind) { return kind == PairKind::kConvex; }
+
+// True if depth and normal are reliable only while the geoms are apart, so that the optimization
+// should keep a gap between them: where triangles cross, the way out is a guess.
+constexpr bool NeedsGap(PairKind kind) { return kind == PairKind::kExact; }
+
 // A kept pair: two geoms whose overlap counts (kept_pairs.h). Geom 1 is the one of the smaller
 // mjtGeom, or of the smaller id if the types are the same.
 struct KeptPair {
   int geom1 = 0, geom2 = 0;
-  double allowed = 0.0;      // overlap that the model allows by a negative margin + gap [m], >= 0
-  double kept = 0.0;         // distance that SceneOptions::keep_margins asks for [m], >= 0
-  bool has_distance = true;  // false if a geom is an SDF: "contact-only"
-  bool terrain = false;      // geom 1 is a height field; geom 2, if a mesh, counts as its hull
-  bool exact = false;        // one geom or both collide as their triangles, not as convex hulls
-  bool moves = true;         // some movable joint lies between the two geoms
+  double allowed = 0.0;  // overlap that the model allows by a negative margin + gap [m], >= 0
+  double kept = 0.0;     // distance that SceneOptions::keep_margins asks for [m], >= 0
+  PairKind kind = PairKind::kConvex;
+  bool moves = true;  // some movable joint lies between the two geoms
 
   // The smallest signed distance that counts as free [m]. `clearance` is Options::clearance.
   double Required(double clearance) const {
@@ -93,8 +108,8 @@ struct SceneTables {
 
   std::vector<KeptPair> pairs;  // sorted by body pair
   std::vector<BodyPair> body_pairs;
-  std::vector<BoundingSphere> body_spheres;  // nbody
-  bool has_contact_only_pairs = false;
+  std::vector<BoundingSphere> body_spheres;      // nbody
+  bool has_sdf_pairs = false;                    // some pair is PairKind::kSdf
   double largest_kept = 0.0;                     // KeptPair::kept of any pair [m]
   std::shared_ptr<const SupportPoints> support;  // of the kept pairs' convex geoms
 

@@ -29,7 +29,7 @@ NearPair FeatureMemory::InWorld(const SceneTables& tables, const PosedModel& pos
   const Matrix3d R1 = AsMatrix(d.geom_xmat + 9 * g1), R2 = AsMatrix(d.geom_xmat + 9 * g2);
   NearPair near;
   near.pair = pair;
-  near.local = near.triangles = true;
+  near.kind = tables.pairs[pair].kind;
   near.p1_W = AsVector(d.geom_xpos + 3 * g1) + R1 * plane.p1_G;
   near.p2_W = AsVector(d.geom_xpos + 3 * g2) + R2 * plane.p2_G;
   near.n_W = R1 * plane.n_G;
@@ -42,7 +42,7 @@ void FeatureMemory::Keep(const SceneTables& tables, const PosedModel& posed,
   // The entries of a pair follow each other, the nearest or deepest first.
   for (std::size_t k = 0; k < near.size();) {
     const int pair = near[k].pair;
-    const bool apart = near[k].triangles && near[k].distance > 0.0;
+    const bool apart = NeedsGap(near[k].kind) && near[k].distance > 0.0;
     std::vector<Plane>& planes = known_[pair].planes;
     if (apart && planes.empty()) pairs_.push_back(pair);
     if (apart) planes.clear();

@@ -64,11 +64,11 @@ void LinearizedStep::AppendContactRows(const NearPair& near, const RowOptions& o
   const PosedModel& posed = work_.finder.posed();
   const double merge = tune::kSamePoint * problem_.size;
   double offset = options.aim - problem_.required[near.pair];
-  if (near.triangles) offset -= options.safety_margin;
+  if (NeedsGap(near.kind)) offset -= options.safety_margin;
   const int row = rows_.Append(near.distance + offset, {.pair = near.pair});
   ContactRow(tables, posed, near.pair, near.p1_W, near.p2_W, near.n_W, rows_.C.row(row));
   // Of exact meshes and height fields every feature nearby is a NearPair of its own.
-  if (near.local || !problem_.Uses(Component::kWitnessMemory)) return;
+  if (!PartedByOnePlane(near.kind) || !problem_.Uses(Component::kWitnessMemory)) return;
   const auto append_remembered = [&](const Vector3d& p1_W, const Vector3d& p2_W) {
     const double distance = near.n_W.dot(p2_W - p1_W);
     if (distance > options.margin + problem_.clearance) return;

@@ -55,7 +55,7 @@ void LocalOptimization::Evaluate(double margin, Iterate& out) {
     const double needed = problem_.required[near.pair] - near.distance;
     const double excess = std::max(0.0, needed - aim_);
     const bool same = k > 0 && near.pair == out.near[k - 1].pair;
-    of_pair = same && near.local ? of_pair : 0.0;
+    of_pair = same && !PartedByOnePlane(near.kind) ? of_pair : 0.0;
     out.violation += std::max(0.0, excess - of_pair);
     of_pair = std::max(of_pair, excess);
     out.worst = std::max(out.worst, needed - accept_);

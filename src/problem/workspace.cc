@@ -67,7 +67,7 @@ VectorXd Workspace::RequiredDistances() const {
   for (std::size_t k = 0; k < tables.pairs.size(); ++k) {
     const KeptPair& pair = tables.pairs[k];
     required[static_cast<Eigen::Index>(k)] = pair.Required(problem_.options.clearance);
-    if (pair.moves && finder.NeedsGap(static_cast<int>(k))) {
+    if (pair.moves && NeedsGap(pair.kind)) {
       required[static_cast<Eigen::Index>(k)] +=
           problem_.tolerances.aim + problem_.tolerances.mesh_gap;
     }

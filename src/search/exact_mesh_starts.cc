@@ -29,7 +29,7 @@ bool MovedByFreeJointsOnly(const SceneTables& tables, int pair) {
 
 bool MeshesOverlap(const std::vector<NearPair>& overlaps) {
   return std::any_of(overlaps.begin(), overlaps.end(),
-                     [](const NearPair& near) { return near.triangles; });
+                     [](const NearPair& near) { return near.kind == PairKind::kExact; });
 }
 
 bool AllRigid(const SceneTables& tables, const std::vector<NearPair>& overlaps) {

@@ -19,7 +19,7 @@ std::vector<int> OverlappingPairs(Workspace& work, const VectorXd& q) {
   std::vector<int> pairs;
   work.finder.Pose(q);
   for (const NearPair& near : work.finder.Find(work.problem().clearance, Depths::kSkipped)) {
-    if (!near.triangles && work.problem().Overlaps(near, work.problem().tolerances.user))
+    if (!NeedsGap(near.kind) && work.problem().Overlaps(near, work.problem().tolerances.user))
       pairs.push_back(near.pair);
   }
   std::sort(pairs.begin(), pairs.end());

@@ -249,7 +249,7 @@ void FillPairs(const SceneOptions& options, SceneTables& tables) {
   tables.pairs.clear();
   tables.body_pairs.clear();
   tables.body_spheres.clear();
-  tables.has_contact_only_pairs = false;
+  tables.has_sdf_pairs = false;
   tables.largest_kept = 0.0;
   FillKeptPairs(options, tables);
   RefuseUnseenPairs(tables);

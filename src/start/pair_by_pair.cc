@@ -56,7 +56,8 @@ std::vector<NearPair> PairByPair::ExactOverlaps(const VectorXd& q) {
   for (const NearPair& near : work_.finder.Find(0.0, Depths::kSkipped)) {
     const KeptPair& pair = problem_.tables.pairs[near.pair];
     const bool known = !overlaps.empty() && overlaps.back().pair == near.pair;
-    if (near.triangles && pair.moves && near.distance < 0.0 && !known) overlaps.push_back(near);
+    if (NeedsGap(near.kind) && pair.moves && near.distance < 0.0 && !known)
+      overlaps.push_back(near);
   }
   return overlaps;
 }

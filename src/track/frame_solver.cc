@@ -1,5 +1,6 @@
 #include "track/frame_solver.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "solve/options.h"
@@ -9,10 +10,9 @@ namespace {
 
 // Meshes that collide as their triangles need starts on rays, which only a search makes.
 bool TrianglesCollide(const Workspace& work) {
-  for (std::size_t k = 0; k < work.problem().tables.pairs.size(); ++k) {
-    if (work.finder.NeedsGap(static_cast<int>(k))) return true;
-  }
-  return false;
+  const std::vector<KeptPair>& pairs = work.problem().tables.pairs;
+  return std::any_of(pairs.begin(), pairs.end(),
+                     [](const KeptPair& pair) { return NeedsGap(pair.kind); });
 }
 
 }  // namespace

@@ -335,8 +335,8 @@ TEST_F(ContactsTest, HeightFieldsAreMeasuredWhateverTheUsersSettings) {
     SCOPED_TRACE(flag);
     const Scene scene = BoxAboveField(flag);
     ASSERT_EQ(scene.num_kept_pairs(), 1);
-    EXPECT_TRUE(scene.tables().pairs[0].terrain);
-    EXPECT_FALSE(scene.tables().has_contact_only_pairs);
+    EXPECT_EQ(scene.tables().pairs[0].kind, PairKind::kTerrain);
+    EXPECT_FALSE(scene.tables().has_sdf_pairs);
     ContactFinder finder(scene.tables());
     VectorXd q = ToEigen(scene.DefaultQpos());
     finder.Pose(q);
@@ -363,7 +363,7 @@ TEST_F(ContactsTest, SignedDistanceFieldsAreSeenThroughContacts) {
       <geom type="sdf" mesh="t"/><body pos="0 0 1"><freejoint/><geom size=".1"/></body></worldbody>
       </mujoco>)");
   ASSERT_EQ(scene.num_kept_pairs(), 1);
-  EXPECT_FALSE(scene.tables().pairs[0].has_distance);
+  EXPECT_EQ(scene.tables().pairs[0].kind, PairKind::kSdf);
   ContactFinder finder(scene.tables());
   VectorXd q = ToEigen(scene.DefaultQpos());
   finder.Pose(q);

@@ -37,7 +37,7 @@ VectorXd At(const Vector3d& position, const Eigen::Quaterniond& turn = {1, 0, 0,
 SceneTables WithTriangles(const Scene& scene) {
   SceneTables tables = scene.tables();
   for (KeptPair& pair : tables.pairs) {
-    pair.exact = pair.has_distance && (tables.exact[pair.geom1] || tables.exact[pair.geom2]);
+    if (tables.exact[pair.geom1] || tables.exact[pair.geom2]) pair.kind = PairKind::kExact;
   }
   BuildBvhs(tables);
   return tables;

@@ -206,7 +206,7 @@ TEST_F(TerrainContactsTest, ASphereInAValleyRestsOnBothSides) {
   ASSERT_GE(rows.size(), 2u);
   double left = 0, right = 0;
   for (const NearPair& row : rows) {
-    EXPECT_TRUE(row.local);
+    EXPECT_EQ(row.kind, PairKind::kTerrain);
     EXPECT_NEAR(row.distance, -0.01 / std::sqrt(2.0), 1e-8);
     (row.n_W.x() > 0 ? left : right) = row.n_W.x();
   }

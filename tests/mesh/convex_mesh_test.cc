@@ -25,7 +25,8 @@ bool Convex(const MeshShape& shape, const std::string& attributes = {}) {
                             "<geom size='.1'/></body></worldbody></mujoco>",
                         test::Exact());
   EXPECT_TRUE(scene.HasExactMeshes());
-  EXPECT_EQ(scene.tables().pairs.at(0).exact, !scene.tables().convex[0]);
+  EXPECT_EQ(scene.tables().pairs.at(0).kind,
+            scene.tables().convex[0] ? PairKind::kConvex : PairKind::kExact);
   return scene.tables().convex[0];
 }
 

@@ -94,8 +94,7 @@ TEST_F(ExactMeshTest, AMeshOnAHeightFieldStaysAHull) {
       "<geom type='mesh' mesh='ring'/></body></worldbody></mujoco>";
   const Scene scene = Scene::FromString(xml, Exact());
   ASSERT_EQ(scene.num_kept_pairs(), 1);
-  EXPECT_FALSE(scene.tables().pairs[0].exact);
-  EXPECT_TRUE(scene.tables().pairs[0].terrain);
+  EXPECT_EQ(scene.tables().pairs[0].kind, PairKind::kTerrain);
   EXPECT_FALSE(scene.HasExactMeshes());
   EXPECT_TRUE(Verify(scene, scene.DefaultQpos()).certified);
 }

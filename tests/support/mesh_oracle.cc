@@ -178,7 +178,7 @@ struct MeshOracle::Impl {
   // True for pairs with a geom that collides as its triangles.
   bool Asks(const KeptPair& pair) const {
     const std::vector<char>& exact = scene.tables().exact;
-    return pair.has_distance && (exact[pair.geom1] || exact[pair.geom2]);
+    return pair.kind != PairKind::kSdf && (exact[pair.geom1] || exact[pair.geom2]);
   }
 
   void Add(const mjModel& m, int g) {

@@ -45,7 +45,9 @@ class Witness {
   double LeastDistance(bool moving_only) {
     double least = 1.0;
     for (const KeptPair& pair : scene_.tables().pairs) {
-      if (!pair.has_distance || pair.terrain || (moving_only && !pair.moves)) continue;
+      if (pair.kind == PairKind::kSdf || pair.kind == PairKind::kTerrain ||
+          (moving_only && !pair.moves))
+        continue;
       least = std::min(least, Distance(pair.geom1, pair.geom2));
     }
     return least;

@@ -124,8 +124,7 @@ TEST_F(TerrainPairTest, AMeshThatIsAskedForAsTrianglesIsItsHullOnTerrain) {
   options.exact_mesh = true;
   const Scene scene = Scene::FromString(
       FieldXml(NoisyField(4, 4, 1, 1, 0.1, rng), RandomShape(mjGEOM_MESH, rng)), options);
-  EXPECT_TRUE(scene.tables().pairs.at(0).terrain);
-  EXPECT_FALSE(scene.tables().pairs.at(0).exact);
+  EXPECT_EQ(scene.tables().pairs.at(0).kind, PairKind::kTerrain);
   EXPECT_FALSE(Verify(scene, At({0, 0, 0})).free);
   EXPECT_TRUE(Verify(scene, At({0, 0, 0})).certified);
 }

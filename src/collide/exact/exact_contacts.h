@@ -36,8 +36,9 @@ class ExactContacts {
   // apart. With 0 it may be up to 1.25 times as far, which is found faster.
   ExactContacts(const SceneTables& tables, double clearance)
       : tables_(tables), rough_(clearance == 0.0) {
-    const bool any = std::any_of(tables.pairs.begin(), tables.pairs.end(),
-                                 [](const KeptPair& pair) { return pair.exact; });
+    const bool any =
+        std::any_of(tables.pairs.begin(), tables.pairs.end(),
+                    [](const KeptPair& pair) { return pair.kind == PairKind::kExact; });
     if (any) warm_.resize(tables.pairs.size());
   }
 
