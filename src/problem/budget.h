@@ -40,6 +40,12 @@ class BudgetMeter {
     if (last_query_ != kNoLimit) other.last_query_ += queries - own;
     return other;
   }
+  // Its seconds alone, for what asks other questions than queries.
+  BudgetMeter Deadline() const {
+    BudgetMeter other = *this;
+    other.last_query_ = kNoLimit;
+    return other;
+  }
   // Counts queries that the finder did not make, as those of the verifier.
   void Charge(std::int64_t queries) {
     if (last_query_ != kNoLimit) last_query_ -= queries;
@@ -51,6 +57,8 @@ class BudgetMeter {
   // Whether `share` of the budget in seconds is spent; false, without reading the clock, if there
   // is no such budget.
   bool Late(double share = 1.0) const { return HasDeadline() && Since(begin_) > share * seconds_; }
+  // How long ago Begin's `begin` was [s].
+  double Elapsed() const { return Since(begin_); }
   bool HasDeadline() const { return seconds_ < std::numeric_limits<double>::infinity(); }
 
   // A step that has begun is not interrupted, and what is found must be verified within the budget.

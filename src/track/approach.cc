@@ -23,12 +23,14 @@ double LargestStep(const SceneTables& tables, const VectorXd& dq) {
 }  // namespace
 
 Approach::Approach(Workspace& work, double max_step)
-    : problem_(work.problem()),
+    : work_(work),
+      problem_(work.problem()),
       ccd_(work.problem().tables, work.finder),
       max_step_(max_step),
       dq_(work.problem().tables.n),
       q_(work.problem().tables.model->nq) {
   ccd_options_.tolerance = problem_.options.tolerance;
+  ccd_options_.budget = &deadline_;
 }
 
 double Approach::ShareAllowed(const VectorXd& from, const VectorXd& to) {
@@ -51,6 +53,7 @@ double Approach::Cut(const VectorXd& from, const VectorXd& to) {
 double Approach::CutToProof(const VectorXd& from, const VectorXd& to) {
   const double share = ShareAllowed(from, to);
   dq_ *= share;
+  deadline_ = work_.budget.Deadline();
   const CcdResult& proven = ccd_.Move({from, dq_, &problem_.required}, ccd_options_);
   if (share == 1.0 && proven.outcome == CcdOutcome::kFree) {
     q_ = to;

@@ -16,16 +16,18 @@ class Approach {
   // Sets q() to the configuration on the way from `from`, which is free, to `to` that is as far as
   // max_step allows; returns which share of the way that is, in [0, 1].
   double Cut(const VectorXd& from, const VectorXd& to);
-  // The same, but no farther than the motion is proven free.
+  // The same, but no farther than the motion is proven free before the tick's time is over.
   double CutToProof(const VectorXd& from, const VectorXd& to);
   const VectorXd& q() const { return q_; }
 
  private:
   double ShareAllowed(const VectorXd& from, const VectorXd& to);
 
+  const Workspace& work_;
   const Problem& problem_;
   Ccdg ccd_;
   CcdOptions ccd_options_;
+  BudgetMeter deadline_;
   double max_step_;
   VectorXd dq_, q_;
 };

@@ -283,8 +283,9 @@ bool TrackerCore::SlideTowards(const VectorXd& target) {
 // not let the follower go there at once, it goes as far as it may.
 void TrackerCore::FallBack(Result& result) {
   const std::int64_t left = work.budget.Left(work.finder.queries());
-  core.budget = {.queries = static_cast<int>(std::max<std::int64_t>(1, left)),
-                 .seconds = options.options.time_limit};
+  const double left_s = std::max(options.options.time_limit - work.budget.Elapsed(),
+                                 std::numeric_limits<double>::min());  // 0 would be no limit
+  core.budget = {.queries = static_cast<int>(std::max<std::int64_t>(1, left)), .seconds = left_s};
   Solve(result);
   on_command = false;
   if (result.status == Status::kUnsolved) return;

@@ -149,6 +149,23 @@ TEST_F(TrackerTest, AProvenMotionDoesNotPassASheet) {
 }
 
 // The command stands still; an obstacle on rails pushes the arm aside and lets it return.
+// A proof takes as long as the motion needs, which no count of queries bounds.
+TEST_F(TrackerTest, AProofOfTheMotionEndsWithTheTicksTime) {
+  const Scene scene = Scene::FromString(kBox);
+  const Q first = {-1.0, 0.61}, command = {1.0, 0.61};  // 1 cm above the box
+  TrackOptions options;
+  options.certify_motion = true;
+  Result result;
+  for (const double seconds : {10.0, 1e-12}) {
+    options.options.time_limit = seconds;
+    Tracker tracker(scene, options);
+    ASSERT_EQ(tracker.Step(first, result), Status::kAlreadyFree);
+    ASSERT_NE(tracker.Step(command, result), Status::kUnsolved) << result.reason;
+    EXPECT_EQ(result.q == command, seconds == 10.0) << "cut where the first pose's proof ends";
+    EXPECT_TRUE(Verify(scene, result.q).free);
+  }
+}
+
 TEST_F(TrackerTest, ObstaclesPushTheAnswerAhead) {
   const Scene scene = Scene::FromString(kArm);
   const std::unique_ptr<mjData, void (*)(mjData*)> d(mj_makeData(scene.model()), mj_deleteData);
