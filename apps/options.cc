@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/console/text.h"
+#include "base/option_words.h"
 
 namespace mjcf_pdg::app {
 namespace {
@@ -48,24 +49,16 @@ CLI::Option* AddParsed(CLI::App& command, const NumberFlag& flag, T& target) {
 }
 
 template <typename T>
-void AddChoice(CLI::App& command, const char* flag,
-               const std::vector<std::pair<const char*, T>>& choices, const char* help, T& target) {
-  std::string names, shown;
-  for (const auto& [name, value] : choices) {
-    names += (names.empty() ? "" : "|") + std::string(name);
-    if (value == target) shown = name;
-  }
-  auto choose = [flag, choices, names, &target](const std::string& text) {
-    for (const auto& [name, value] : choices) {
-      if (text == name) {
-        target = value;
-        return;
-      }
-    }
-    throw Error(std::string(flag) + ": '" + text + "' is none of " + names);
+void AddChoice(CLI::App& command, const char* flag, const Choices<T>& choices, const char* help,
+               T& target) {
+  auto choose = [flag, choices, &target](const std::string& text) {
+    target = Chosen(flag, text, choices);
   };
   CLI::Option* option = command.add_option_function<std::string>(flag, choose, help);
-  option->type_name(names)->default_str(shown);
+  option->type_name(WordsOf(choices));
+  for (const auto& [word, value] : choices) {
+    if (value == target) option->default_str(word);
+  }
 }
 
 }  // namespace
@@ -225,23 +218,19 @@ void AddExactMesh(CLI::App& command, SceneArguments& arguments) {
 }
 
 void AddModelRules(CLI::App& command, SceneArguments& arguments) {
-  AddChoice<EqualityMode>(command, "--equality",
-                          {{"hold", EqualityMode::kHold},
-                           {"all", EqualityMode::kAll},
-                           {"ignore", EqualityMode::kIgnore}},
-                          "active equality constraints: hold all but those to mocap bodies, all, "
-                          "or none",
-                          arguments.options.equality);
-  AddChoice<bool>(command, "--tendon-limits", {{"ignore", false}, {"hold", true}},
-                  "length limits of tendons are no part of what is free, or held",
-                  arguments.options.hold_tendon_limits);
-  AddChoice<bool>(command, "--flags", {{"all", false}, {"model", true}},
-                  "contacts and limits that the model disables by <flag> count all the same, or "
-                  "as the model says",
-                  arguments.options.model_flags);
-  AddChoice<bool>(command, "--flex", {{"refuse", false}, {"ignore", true}},
-                  "a model with flexes is refused, or solved without them",
-                  arguments.options.ignore_flexes);
+  AddChoice(command, "--equality", kEqualityModes,
+            "active equality constraints: hold all but those to mocap bodies, all, "
+            "or none",
+            arguments.options.equality);
+  AddChoice(command, "--tendon-limits", kTendonLimits,
+            "length limits of tendons are no part of what is free, or held",
+            arguments.options.hold_tendon_limits);
+  AddChoice(command, "--flags", kFlags,
+            "contacts and limits that the model disables by <flag> count all the same, or "
+            "as the model says",
+            arguments.options.model_flags);
+  AddChoice(command, "--flex", kFlexes, "a model with flexes is refused, or solved without them",
+            arguments.options.ignore_flexes);
 }
 
 void AddClearance(CLI::App& command, SceneArguments& arguments, Options& options) {
@@ -265,20 +254,17 @@ void AddArmature(CLI::App& command, SceneArguments& arguments) {
 }
 
 void AddMetric(CLI::App& command, Metric& metric) {
-  AddChoice<Metric>(command, "--metric",
-                    {{"sequential", Metric::kSequential}, {"displacement", Metric::kDisplacement}},
-                    "the paper's norm, or the true mean squared displacement", metric);
+  AddChoice(command, "--metric", kMetrics,
+            "the paper's norm, or the true mean squared displacement", metric);
 }
 
 void AddMethod(CLI::App& command, Method& method) {
-  AddChoice<Method>(command, "--method", {{"auto", Method::kAuto}, {"paper", Method::kPaper}},
-                    "a search over many starts, or the paper's sequence of steps", method);
+  AddChoice(command, "--method", kMethods,
+            "a search over many starts, or the paper's sequence of steps", method);
 }
 
 void AddEffort(CLI::App& command, Effort& effort) {
-  AddChoice<Effort>(command, "--effort",
-                    {{"fast", Effort::kFast}, {"default", Effort::kDefault}, {"max", Effort::kMax}},
-                    "how many starts are tried", effort);
+  AddChoice(command, "--effort", kEfforts, "how many starts are tried", effort);
 }
 
 void AddTolerance(CLI::App& command, Options& options) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/option_words.h"
 #include "mjcf_pdg/types.h"
 
 namespace mjcf_pdg::app {
@@ -35,12 +36,8 @@ struct JsonPlace {
   void Members(const Readers& readers) const;
 
   template <typename T>
-  T Choice(const std::map<std::string, T>& choices) const {
-    const auto found = choices.find(Text());
-    if (found != choices.end()) return found->second;
-    std::string names;
-    for (const auto& [choice, unused] : choices) names += (names.empty() ? "" : "|") + choice;
-    Refuse("is none of " + names);
+  T Choice(const Choices<T>& choices) const {
+    return Chosen(name, Text(), choices);
   }
 };
 

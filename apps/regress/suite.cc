@@ -52,20 +52,9 @@ AllowedOverlap ReadAllowed(const JsonPlace& place) {
 
 void ReadOptions(const JsonPlace& place, SceneOptions& scene, Options& options) {
   place.Members({
-      {"effort",
-       [&](const JsonPlace& p) {
-         options.effort = p.Choice<Effort>(
-             {{"fast", Effort::kFast}, {"default", Effort::kDefault}, {"max", Effort::kMax}});
-       }},
-      {"method",
-       [&](const JsonPlace& p) {
-         options.method = p.Choice<Method>({{"auto", Method::kAuto}, {"paper", Method::kPaper}});
-       }},
-      {"metric",
-       [&](const JsonPlace& p) {
-         options.metric = p.Choice<Metric>(
-             {{"sequential", Metric::kSequential}, {"displacement", Metric::kDisplacement}});
-       }},
+      {"effort", [&](const JsonPlace& p) { options.effort = p.Choice(kEfforts); }},
+      {"method", [&](const JsonPlace& p) { options.method = p.Choice(kMethods); }},
+      {"metric", [&](const JsonPlace& p) { options.metric = p.Choice(kMetrics); }},
       {"tolerance", [&](const JsonPlace& p) { options.tolerance = p.Number(1e-12, 1.0); }},
       {"clearance",
        [&](const JsonPlace& p) {
@@ -90,24 +79,11 @@ void ReadOptions(const JsonPlace& place, SceneOptions& scene, Options& options) 
          for (const JsonPlace& overlap : p.List()) scene.allow.push_back(ReadAllowed(overlap));
        }},
       {"ignore_permanent", [&](const JsonPlace& p) { scene.ignore_permanent = p.Flag(); }},
-      {"equality",
-       [&](const JsonPlace& p) {
-         scene.equality = p.Choice<EqualityMode>({{"hold", EqualityMode::kHold},
-                                                  {"all", EqualityMode::kAll},
-                                                  {"ignore", EqualityMode::kIgnore}});
-       }},
+      {"equality", [&](const JsonPlace& p) { scene.equality = p.Choice(kEqualityModes); }},
       {"tendon_limits",
-       [&](const JsonPlace& p) {
-         scene.hold_tendon_limits = p.Choice<bool>({{"ignore", false}, {"hold", true}});
-       }},
-      {"flags",
-       [&](const JsonPlace& p) {
-         scene.model_flags = p.Choice<bool>({{"all", false}, {"model", true}});
-       }},
-      {"flex",
-       [&](const JsonPlace& p) {
-         scene.ignore_flexes = p.Choice<bool>({{"refuse", false}, {"ignore", true}});
-       }},
+       [&](const JsonPlace& p) { scene.hold_tendon_limits = p.Choice(kTendonLimits); }},
+      {"flags", [&](const JsonPlace& p) { scene.model_flags = p.Choice(kFlags); }},
+      {"flex", [&](const JsonPlace& p) { scene.ignore_flexes = p.Choice(kFlexes); }},
   });
 }
 

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "arrays.h"
+#include "base/option_words.h"
 
 namespace mjcf_pdg::python {
 namespace {
@@ -99,43 +98,25 @@ void Read(const std::string& name, nb::handle value, std::vector<double>& target
   ReadArray(value, name.c_str(), target);
 }
 
-template <typename Enum>
-void Choose(const std::string& name, nb::handle value,
-            std::initializer_list<std::pair<const char*, Enum>> choices, Enum& target) {
-  const std::string text = ReadText(name, value, "a text");
-  std::string names;
-  for (const auto& [word, choice] : choices) {
-    if (text == word) {
-      target = choice;
-      return;
-    }
-    names += (names.empty() ? "" : "|") + std::string(word);
-  }
-  throw Error(name + ": '" + text + "' is none of " + names);
+template <typename T>
+void Choose(const std::string& name, nb::handle value, const Choices<T>& choices, T& target) {
+  target = Chosen(name, ReadText(name, value, "a text"), choices);
 }
 
 void Read(const std::string& name, nb::handle value, Metric& target) {
-  Choose<Metric>(name, value,
-                 {{"sequential", Metric::kSequential}, {"displacement", Metric::kDisplacement}},
-                 target);
+  Choose(name, value, kMetrics, target);
 }
 
 void Read(const std::string& name, nb::handle value, Method& target) {
-  Choose<Method>(name, value, {{"auto", Method::kAuto}, {"paper", Method::kPaper}}, target);
+  Choose(name, value, kMethods, target);
 }
 
 void Read(const std::string& name, nb::handle value, Effort& target) {
-  Choose<Effort>(name, value,
-                 {{"fast", Effort::kFast}, {"default", Effort::kDefault}, {"max", Effort::kMax}},
-                 target);
+  Choose(name, value, kEfforts, target);
 }
 
 void Read(const std::string& name, nb::handle value, EqualityMode& target) {
-  Choose<EqualityMode>(name, value,
-                       {{"hold", EqualityMode::kHold},
-                        {"all", EqualityMode::kAll},
-                        {"ignore", EqualityMode::kIgnore}},
-                       target);
+  Choose(name, value, kEqualityModes, target);
 }
 
 // A number, or the text "model": what the model says.
@@ -171,15 +152,15 @@ const Row kTable[] = {
     MJCF_PDG_ROW(equality, kVerify | kSolve, scene.equality),
     {"tendon_limits", kVerify | kSolve,
      [](const std::string& n, nb::handle v, Asked& a) {
-       Choose<bool>(n, v, {{"ignore", false}, {"hold", true}}, a.scene.hold_tendon_limits);
+       Choose(n, v, kTendonLimits, a.scene.hold_tendon_limits);
      }},
     {"flags", kVerify | kSolve,
      [](const std::string& n, nb::handle v, Asked& a) {
-       Choose<bool>(n, v, {{"all", false}, {"model", true}}, a.scene.model_flags);
+       Choose(n, v, kFlags, a.scene.model_flags);
      }},
     {"flex", kNorm | kVerify | kSolve,
      [](const std::string& n, nb::handle v, Asked& a) {
-       Choose<bool>(n, v, {{"refuse", false}, {"ignore", true}}, a.scene.ignore_flexes);
+       Choose(n, v, kFlexes, a.scene.ignore_flexes);
      }},
     MJCF_PDG_ROW(root, kNorm | kSolve, scene.root),
     {"armature", kNorm | kSolve,
