@@ -1,5 +1,5 @@
 # Packages for machines that have nothing of ours: a .deb and a .tar.gz, both made by `cmake --build BUILD --target package`
-# (preset `package`). They hold MuJoCo's library and the shared libraries that the program and the library need (FCL, assimp,
+# (preset `package`). They hold MuJoCo's library and the shared libraries that the program and the library need (FCL, OMPL, assimp,
 # libpng, giflib, and theirs), with the licence of each: the names and versions of those differ from one distribution to the next,
 # and one package is to run on all. What stays outside: the C and C++ runtime, EGL, which only pictures ask for, and GLFW and
 # OpenGL, which only `view` loads.
