@@ -2,7 +2,9 @@
 
 import hashlib
 import io
+import itertools
 import subprocess
+from collections import Counter
 
 import pytest
 from conftest import PROGRAM, ROOT, SIZES
@@ -63,6 +65,55 @@ def test_an_iteration_of_the_plot_leads_to_its_place(open_report):
     assert "step" in reader.page.inner_text("#frame")
     assert reader.page.get_attribute("#sigma .shown", "visibility") == "visible"
     reader.screenshot("iteration")
+
+
+def choose(reader, row: int) -> None:
+    reader.page.click(f"#rows tr[data-index='{row}']")
+    reader.page.wait_for_function(f"document.body.dataset.row === '{row}'")
+
+
+def heights(reader) -> list[float]:
+    """How high the line of each joint is where the slider is, the second number of a point counting downwards."""
+    place = int(reader.page.input_value("#slider"))
+    lines = reader.page.locator("#joint-lines .joint").evaluate_all("lines => lines.map((line) => line.getAttribute('points'))")
+    return [-float(line.split()[place].split(",")[1]) for line in lines]
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("name", ["solve", "motion", "plan"])
+def test_lines_of_joints_follow_their_sigma_along_the_slider(open_report, name, size):
+    skip_what_is_not_built(name)
+    reader = open_report(name, size)
+    page = reader.page
+    if name == "solve":
+        choose(reader, 8)  # nine joints move
+    names = reader.texts("#joint-names span")
+    assert 1 <= len(names) <= 5 and names == reader.texts("#joints tr td:first-child")[: len(names)]
+    page.focus("#slider")
+    for _ in range(3):
+        sigma = [float(cell) for cell in reader.texts("#joints tr td:nth-child(3)")][: len(names)]
+        drawn = heights(reader)
+        assert len(drawn) == len(names)
+        for a in range(len(names)):
+            assert all(drawn[a] >= drawn[b] for b in range(len(names)) if sigma[a] >= sigma[b])
+        page.keyboard.press("ArrowLeft")
+    width = page.locator("#joint-lines").bounding_box()["width"]
+    page.click("#joint-lines", position={"x": 0.5 * (62 + width - 8), "y": 20})  # between the axes' ends
+    last = int(page.get_attribute("#slider", "max"))
+    assert abs(int(page.input_value("#slider")) - last / 2) <= 1
+    assert page.get_attribute("#joint-lines .shown", "visibility") == "visible"
+    assert page.locator("#joint-lines text").first.evaluate("text => text.getBoundingClientRect().height") > 10  # readable
+    reader.screenshot("lines")
+
+
+def test_plots_are_as_wide_as_the_window_leaves_room(open_report):
+    reader = open_report("solve")
+    first = reader.page.get_attribute("#joint-lines", "viewBox")
+    reader.page.set_viewport_size({"width": 390, "height": 844})
+    reader.settle()
+    assert reader.page.get_attribute("#joint-lines", "viewBox") != first
+    assert reader.page.evaluate("document.documentElement.scrollWidth") == 390
+    assert reader.page.get_attribute("#joint-lines .shown", "visibility") == "visible"
 
 
 def test_an_edge_of_a_path_leads_to_its_place(open_report):
@@ -221,6 +272,26 @@ def test_before_and_after_are_told_apart_by_everybody(open_report, deficiency):
     before, after = mean(image, orange), mean(image, blue)
     reader.screenshot(deficiency)
     assert max(abs(a - b) for a, b in zip(before, after)) > 60
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("deficiency", ["none", "deuteranopia", "protanopia", "tritanopia"])
+def test_lines_of_joints_are_told_apart_by_everybody(open_report, deficiency, theme):
+    reader = open_report("solve")
+    choose(reader, 8)  # nine joints move
+    if theme == "dark":
+        reader.page.keyboard.press("d")
+    session = reader.page.context.new_cdp_session(reader.page)
+    session.send("Emulation.setEmulatedVisionDeficiency", {"type": deficiency})
+    colours = []
+    for sample in reader.page.locator("#joint-names svg").all():
+        pixels = Counter(Image.open(io.BytesIO(sample.screenshot())).convert("RGB").getdata()).most_common(2)
+        colours.append(pixels[1][0])  # the background is the first
+    assert len(colours) == 5
+    for a, b in itertools.combinations(colours, 2):
+        assert max(abs(x - y) for x, y in zip(a, b)) > 50, (a, b)
+    dashes = reader.page.locator("#joint-lines .joint").evaluate_all("lines => lines.map((line) => getComputedStyle(line).strokeDasharray)")
+    assert len(set(dashes)) == 5  # and without any colour
 
 
 def test_the_bundle_is_made_of_these_sources():

@@ -1,12 +1,12 @@
 // What a report does: unpacks a row when it is chosen, fills the page, moves the slider. Data come from apps/html/page.cc.
 import {$, fill, fillTables, mark} from './dom.js';
 import {unpackRow} from './packed.js';
-import {fillJoints, markIteration, plotSigma} from './plots.js';
+import {fillJoints, plotJoints, plotSigma} from './plots.js';
 import {RowList} from './rows.js';
 import {Stage} from './stage.js';
 
 const page = JSON.parse($('page').textContent);
-let stage, list, row, frame = 0, begun;
+let stage, list, row, frame = 0, begun, marks = [];
 
 // Writes what the page says of a place of the slider.
 function writeFrame(k) {
@@ -16,13 +16,30 @@ function writeFrame(k) {
   $('slider').setAttribute('aria-valuetext', label);
   $('frame').textContent = label;
   fillJoints($('joints'), row.joints ?? [], frame);
-  markIteration($('sigma'), iteration, row.iterations?.length);
+  marks.forEach((mark) => mark({iteration, frame}));
 }
 
 function showFrame(k) {
   if (row.frames.length === 0) return;
   writeFrame(k);
   stage.showFrame(frame);
+}
+
+// The plots of a row; `marks` show in them where the slider is.
+function drawPlots() {
+  const {iterations = [], joints = [], frames} = row, several = joints.length > 0 && frames.length > 2;  // two places make no line
+  const searched = iterations.some((it) => it.sigma > 0);
+  marks = [];
+  showSection('sigma', searched);
+  showSection('joint-lines', several);
+  if (searched) {
+    const mark = plotSigma($('sigma'), iterations, frames, showFrame);
+    marks.push((place) => mark(place.iteration));
+  }
+  if (several) {
+    const mark = plotJoints($('joint-lines'), $('joint-names'), row, showFrame);
+    marks.push((place) => mark(place.frame));
+  }
 }
 
 // A section is there if its table or plot has something.
@@ -53,8 +70,7 @@ function fillPage() {
   fillContacts('contacts', 'contacts_in');
   fillTables($('row-tables'), row.tables, showFrame);
   showSection('joints', row.joints?.length);
-  showSection('sigma', row.iterations?.length);
-  plotSigma($('sigma'), row.iterations ?? [], row.frames, showFrame);
+  drawPlots();
   $('command').textContent = row.command ?? '';
   showSection('command', row.command);
 }
@@ -146,6 +162,7 @@ async function begin() {
   const asked = new URLSearchParams(window.location.hash.slice(1));  // #row=3&frame=5, or frame=50%
   begun = choose(page.rows[asked.get('row')] ? Number(asked.get('row')) : firstRow());
   await begun;
+  window.onresize = () => { drawPlots(); if (row.frames.length > 0) writeFrame(frame); };
   const at = asked.get('frame') ?? '100%';
   showFrame(at.endsWith('%') ? Math.round(parseFloat(at) / 100 * (row.frames.length - 1)) : Number(at));
   document.body.dataset.ready = 'yes';
