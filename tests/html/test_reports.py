@@ -3,6 +3,8 @@
 import hashlib
 import io
 import itertools
+import json
+import shlex
 import subprocess
 from collections import Counter
 
@@ -17,6 +19,22 @@ def alike(first: bytes, second: bytes) -> bool:
     """Whether two pictures differ by no more than where the browser rounds half pixels; another view differs by 10 and more."""
     difference = ImageChops.difference(*(Image.open(io.BytesIO(one)).convert("L") for one in (first, second)))
     return ImageStat.Stat(difference).mean[0] < 3
+
+
+def answer(reports, command: str) -> str:
+    """What a command of a page says, run where the reports were made."""
+    words = shlex.split(command)
+    assert words[0] == "mjcf-pdg"
+    folder = next(iter(reports.values())).parent
+    return subprocess.run([PROGRAM, *words[1:]], cwd=folder, capture_output=True, text=True, timeout=120).stdout
+
+
+def facts(reader) -> dict[str, str]:
+    return dict(line.split("\t") for line in reader.texts("#facts tr"))
+
+
+def alike_numbers(shown: str, value: float) -> bool:
+    return float(shown) == pytest.approx(value, rel=1e-3, abs=1e-300)  # four digits
 
 
 def skip_what_is_not_built(name: str) -> None:
@@ -104,6 +122,55 @@ def test_lines_of_joints_follow_their_sigma_along_the_slider(open_report, name, 
     assert page.get_attribute("#joint-lines .shown", "visibility") == "visible"
     assert page.locator("#joint-lines text").first.evaluate("text => text.getBoundingClientRect().height") > 10  # readable
     reader.screenshot("lines")
+
+
+@pytest.mark.parametrize("name", ["solve", "motion", "plan"])
+def test_sigma_of_joints_comes_again_from_the_command_beside_it(open_report, reports, name):
+    skip_what_is_not_built(name)
+    reader = open_report(name)
+    if name == "solve":
+        choose(reader, 8)
+    reader.page.focus("#slider")
+    for _ in range(2):
+        parts = json.loads(answer(reports, reader.page.inner_text("#norm") + " --json -"))["parts"]
+        again = {part["name"]: part["sigma"] for part in parts}
+        cells = [line.split("\t") for line in reader.texts("#joints tr")]
+        assert all(alike_numbers(cell[2], again[cell[0]]) for cell in cells) and cells
+        reader.page.keyboard.press("ArrowLeft")
+
+
+def test_what_a_solve_found_comes_again_from_the_command_beside_it(open_report, reports):
+    reader = open_report("solve")
+    choose(reader, 8)
+    again = json.loads(answer(reports, reader.page.inner_text("#command")))
+    found = facts(reader)
+    for name, value in [("√σ, how far (rms), mm", 1e3 * again["sigma"] ** 0.5), ("σ, m²", again["sigma"]),
+                        ("no free configuration is nearer than, mm", 1e3 * again["sigma_lower_bound"] ** 0.5),
+                        ("depth as given, mm", -1e3 * again["depth_in"]), ("smallest distance now, mm", 1e3 * again["min_distance"]),
+                        ("iterations", again["iterations"]), ("collision queries", again["collision_queries"])]:
+        assert alike_numbers(found[name], value), name
+    for table, contacts in (("contacts_in", again["contacts_in"]), ("contacts", again["contacts"])):
+        depths = [float(cell) for cell in reader.texts(f"#{table} td:nth-child(3)")]
+        assert depths == pytest.approx([-1e3 * contact["distance"] for contact in contacts], rel=1e-3) and depths
+    trace = (reports["solve"].parent / "search.jsonl").read_text().splitlines()
+    iterations = [record["sigma"] for record in map(json.loads, trace) if "step" in record]
+    titles = reader.page.locator("#sigma circle title").evaluate_all("all => all.map((title) => title.textContent)")
+    assert len(titles) == len(iterations) > 50
+    assert all(alike_numbers(title.split("sigma ")[1].split()[0], sigma) for title, sigma in zip(titles, iterations))
+
+
+def test_what_a_check_or_a_path_found_comes_again(open_report, reports):
+    reader = open_report("check")
+    again = json.loads(answer(reports, reader.page.inner_text("#command")))
+    assert alike_numbers(facts(reader)["smallest distance, mm"], 1e3 * again["min_distance"])
+    assert len(reader.texts("#contacts_in tr")) == len(again["contacts"]) > 0
+    reader = open_report("motion")
+    again = json.loads(answer(reports, reader.page.inner_text("#command")))
+    assert alike_numbers(facts(reader)["free up to t"], again["t"])
+    skip_what_is_not_built("plan")
+    reader = open_report("plan")
+    again = json.loads(answer(reports, reader.page.inner_text("#command")))
+    assert alike_numbers(facts(reader)["length (Σ√σ), mm"], 1e3 * again["length"])
 
 
 def test_plots_are_as_wide_as_the_window_leaves_room(open_report):
@@ -224,12 +291,23 @@ def test_what_collides_is_shown_instead(open_report):
     assert reader.scene() == before
 
 
+def test_what_overlaps_is_seen_though_mujoco_hides_it(open_report):
+    reader = open_report("hidden")
+    colours = Counter(Image.open(io.BytesIO(reader.scene())).convert("RGB").getdata())
+    assert sum(n for (r, g, b), n in colours.items() if r > b + 50) > 1000  # the pads, orange
+    assert sum(n for (r, g, b), n in colours.items() if g > r + 40 and g > b + 40) > 1000  # through the green shell
+    reader.screenshot("opened")
+    reader.page.keyboard.press("c")
+    only = Counter(Image.open(io.BytesIO(reader.scene())).convert("RGB").getdata())
+    assert not any(g > r + 40 and g > b + 40 for r, g, b in only)
+
+
 def test_regress_says_what_changed(open_report):
     reader = open_report("regress")
     assert reader.page.inner_text("#title").endswith("sigma up")
     assert "Against the golden result" in reader.page.inner_text("#row-tables")
     assert "Queries of each model" in reader.page.inner_text("#page-tables")
-    assert reader.page.inner_text("#again") == "mjcf-pdg regress suite.json"
+    assert reader.page.inner_text("#again") == "mjcf-pdg regress suite.json --json -"
     reader.page.fill("#filter", "gone")
     reader.page.click("#rows tr")
     reader.page.wait_for_selector("#nothing:visible")  # this row has no pose

@@ -12,6 +12,8 @@ let stage, list, row, frame = 0, begun, marks = [];
 function writeFrame(k) {
   frame = Math.max(0, Math.min(row.frames.length - 1, k));
   const {label, iteration} = row.frames[frame];
+  const words = (k) => `'${row.q(k).join(' ')}'`;
+  $('norm').textContent = row.norm ? `${row.norm} --from ${words(0)} --to ${words(frame)}` : '';
   $('slider').value = frame;
   $('slider').setAttribute('aria-valuetext', label);
   $('frame').textContent = label;
@@ -53,7 +55,6 @@ function fillContacts(id, other) {
   showSection(id, contacts.length);
   fill($(id), contacts.map(cells), (k) => {
     mark($(other), -1);
-    if (stage.view.bodies.hides(contacts[k].geoms)) setColliding(true);
     stage.lookAtContact(contacts[k]);
     document.body.dataset.contact = k;
   });
@@ -72,6 +73,7 @@ function fillPage() {
   showSection('joints', row.joints?.length);
   drawPlots();
   $('command').textContent = row.command ?? '';
+  $('norm-part').hidden = !row.norm;
   showSection('command', row.command);
 }
 
@@ -87,7 +89,6 @@ function showScene(bodies) {
   $('ghost').checked = true;
   writeFrame(row.frames.length - 1);  // before, as it may need more lines
   stage.setRow(bodies, row);
-  if (!several && bodies.hides(row.contacts_in.flatMap((contact) => contact.geoms))) setColliding(true);
 }
 
 async function choose(index) {
@@ -105,11 +106,6 @@ async function drawThumbnail(index, canvas) {
   await begun;  // what is looked at comes first
   const other = await unpackRow(index);
   if (other.frames.length > 0) stage.thumbnail(await stage.bodiesOf(page.rows[index].model), other, canvas);
-}
-
-function setColliding(on) {
-  $('colliding').checked = on;
-  stage.showColliding(on);
 }
 
 function setDark(dark) {
@@ -150,7 +146,9 @@ async function begin() {
   $('beside').onchange = () => stage.showBeside($('beside').checked);
   $('colliding').onchange = () => stage.showColliding($('colliding').checked);
   $('dark').onclick = () => setDark(document.documentElement.dataset.theme !== 'dark');
-  $('copy').onclick = () => navigator.clipboard?.writeText($('command').textContent);
+  document.querySelectorAll('.copy').forEach((button) => {
+    button.onclick = () => navigator.clipboard?.writeText(button.previousElementSibling.textContent);
+  });
   document.onkeydown = onKey;
   fillTables($('page-tables'), page.tables);
   $('again').textContent = page.again;
