@@ -47,8 +47,10 @@ def reports(tmp_path_factory) -> dict[str, pathlib.Path]:
     (folder / "models").symlink_to(ROOT / "models")
     (folder / "ball.xml").write_text(BALL_AND_WALL)
     (folder / "many.csv").write_text("".join(f"{k % 50 / 100} {-k % 7 / 100}\n" for k in range(3000)))
-    (folder / "suite.json").write_text(json.dumps({"version": 1, "cases": [
-        {"model": "ball.xml", "configurations": ["qpos0", {"random": 5, "seed": 1}]}, {"model": "models/loops/leg.xml"}]}))
+    options = {"armature": 0.5, "tolerance": 1e-5, "movable": ["ball"], "allow": [["sphere", "wall", 0.002]], "exact_mesh": False}
+    (folder / "suite.json").write_text(json.dumps({"version": 1, "options": {"armature": 2}, "cases": [
+        {"model": "ball.xml", "configurations": ["qpos0", {"random": 5, "seed": 1}], "options": options},
+        {"model": "models/loops/leg.xml"}]}))
     # A golden result that is nearer than any answer, a regression, and one of a model that is gone.
     (folder / "suite.golden.json").write_text(json.dumps({"version": 1, "rows": [
         {"model": "ball.xml", "row": "qpos0", "status": "solved", "sigma": 1e-6, "queries": 1},

@@ -173,6 +173,21 @@ def test_what_a_check_or_a_path_found_comes_again(open_report, reports):
     assert alike_numbers(facts(reader)["length (Σ√σ), mm"], 1e3 * again["length"])
 
 
+def test_a_regression_comes_again_with_the_options_of_its_suite(open_report, reports):
+    reader = open_report("regress")
+    words = shlex.split(reader.page.inner_text("#command"))
+    for option, value in [("--armature", "0.5"), ("--tolerance", "1e-05"), ("--movable", "ball"), ("--allow", "sphere,wall=0.002")]:
+        assert words[words.index(option) + 1] == value
+    assert "--exact-mesh" not in words
+    again = json.loads(answer(reports, reader.page.inner_text("#command")))
+    assert alike_numbers(facts(reader)["σ, m²"], again["sigma"]) and again["sigma"] > 1e-4
+    assert alike_numbers(facts(reader)["depth as given, mm"], -1e3 * again["depth_in"])
+    parts = json.loads(answer(reports, reader.page.inner_text("#norm") + " --json -"))
+    assert alike_numbers(facts(reader)["σ, m²"], parts["sigma"])
+    rows = [json.loads(line) for line in answer(reports, reader.page.inner_text("#again")).splitlines()]
+    assert rows[0]["sigma"] == again["sigma"] and rows[0]["change"] == "sigma_up"
+
+
 def test_plots_are_as_wide_as_the_window_leaves_room(open_report):
     reader = open_report("solve")
     first = reader.page.get_attribute("#joint-lines", "viewBox")
