@@ -160,7 +160,10 @@ export class Bodies {
     this.group.updateMatrixWorld(true);
     add((b) => this.moves[b]);
     if (box.isEmpty()) add((b, geom) => bodies.has(b) || this.overlapping.includes(geom.id));
-    for (const {position} of this.contacts) box.expandByPoint(new THREE.Vector3(...position));
+    for (const {position, normal, distance} of this.contacts) {
+      const begin = new THREE.Vector3(...position);
+      box.expandByPoint(begin).expandByPoint(begin.clone().addScaledVector(new THREE.Vector3(...normal), Math.max(0, -distance)));
+    }
     if (box.isEmpty()) add(() => true);
     this.showFrame(frame);
     return box.isEmpty() ? new THREE.Sphere(new THREE.Vector3(), 1) : box.getBoundingSphere(new THREE.Sphere());
