@@ -82,10 +82,12 @@ std::string MotionPage(const CLI::App& command, const MotionArguments& arguments
   std::vector<std::string> again = {
       "check", model, "--motion", "--from", arguments.ends.from, "--to", arguments.ends.to};
   for (const std::string& option : GivenOptions(command)) again.push_back(option);
+  again.insert(again.end(), {"--json", "-"});
   Page page({"", {}, OptionsInForce(command)});
   page.BeginModel(model, scene);
   PageRow row = MotionPageRow(scene, ends, motion, Sentence(scene, motion));
   row.content["command"] = ShellCommand(again);
+  row.content["norm"] = NormCommand(model, GivenNormOptions(command));
   page.Add(row);
   return page.ToString();
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -304,15 +305,17 @@ bool Elsewhere(const CLI::Option& option) {
   });
 }
 
-}  // namespace
+bool IsOneOf(const std::string& name, const std::vector<std::string>& names) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
 
-std::vector<std::string> GivenOptions(const CLI::App& command,
-                                      const std::vector<std::string>& without) {
+// `wanted` says of which names.
+std::vector<std::string> GivenIf(const CLI::App& command,
+                                 const std::function<bool(const std::string&)>& wanted) {
   std::vector<std::string> given;
   for (const CLI::Option* option : command.get_options()) {
     const std::string name = option->get_name();
-    if (option->count() == 0 || Elsewhere(*option)) continue;
-    if (std::find(without.begin(), without.end(), name) != without.end()) continue;
+    if (option->count() == 0 || Elsewhere(*option) || !wanted(name)) continue;
     const bool flag = option->get_items_expected_max() == 0;
     for (const std::string& value : option->results()) {
       given.push_back(name);
@@ -320,6 +323,22 @@ std::vector<std::string> GivenOptions(const CLI::App& command,
     }
   }
   return given;
+}
+
+}  // namespace
+
+std::vector<std::string> GivenOptions(const CLI::App& command,
+                                      const std::vector<std::string>& without) {
+  return GivenIf(command, [&](const std::string& name) { return !IsOneOf(name, without); });
+}
+
+bool IsNormOption(const std::string& name) {
+  return IsOneOf(name,
+                 {"--plugin-dir", "--root", "--armature", "--metric", "--movable", "--fixed"});
+}
+
+std::vector<std::string> GivenNormOptions(const CLI::App& command) {
+  return GivenIf(command, IsNormOption);
 }
 
 std::vector<std::pair<std::string, std::string>> OptionsInForce(const CLI::App& command) {

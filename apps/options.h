@@ -71,6 +71,9 @@ void AddHtml(CLI::App& command, std::string& path);      // --html
 // the model, which configurations, and what is written where. `without` are left out, too.
 std::vector<std::string> GivenOptions(const CLI::App& command,
                                       const std::vector<std::string>& without = {});
+bool IsNormOption(const std::string& name);  // "--root", ...: `norm` takes it, too
+// Those of GivenOptions that it takes.
+std::vector<std::string> GivenNormOptions(const CLI::App& command);
 // Name and value of each such option that was given or has a default.
 std::vector<std::pair<std::string, std::string>> OptionsInForce(const CLI::App& command);
 

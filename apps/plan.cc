@@ -101,10 +101,12 @@ std::string PlanPage(const CLI::App& command, const PlanArguments& arguments, co
   std::vector<std::string> again = {"plan",          model,    "--start",
                                     arguments.start, "--goal", arguments.goal};
   for (const std::string& option : GivenOptions(command)) again.push_back(option);
+  again.insert(again.end(), {"--json", "-"});
   Page page({"", {}, OptionsInForce(command)});
   page.BeginModel(model, scene);
   PageRow row = PathPageRow(scene, planned);
   row.content["command"] = ShellCommand(again);
+  row.content["norm"] = NormCommand(model, GivenNormOptions(command));
   page.Add(row);
   return page.ToString();
 }

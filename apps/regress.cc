@@ -139,9 +139,8 @@ bool RunSuites(std::vector<SuiteRun>& runs, std::size_t threads, RegressPage* pa
   return true;
 }
 
-// The command line that runs the suites again, with `more` at its end.
-std::string Again(const CLI::App& command, const RegressArguments& arguments,
-                  const std::vector<std::string>& more) {
+// The command line that runs the suites again.
+std::string Again(const CLI::App& command, const RegressArguments& arguments) {
   std::vector<std::string> words = {"regress"};
   const auto append = [&](const std::vector<std::string>& list) {
     words.insert(words.end(), list.begin(), list.end());
@@ -149,7 +148,7 @@ std::string Again(const CLI::App& command, const RegressArguments& arguments,
   append(arguments.suites);
   if (!arguments.discover.empty()) append({"--discover", arguments.discover});
   append(GivenOptions(command));
-  append(more);
+  append({"--json", "-"});
   return ShellCommand(words);
 }
 
@@ -161,8 +160,7 @@ int RunRegress(const CLI::App& command, const RegressArguments& arguments) {
   CatchInterrupts();
   std::unique_ptr<RegressPage> page;
   if (!arguments.html.empty()) {
-    page = std::make_unique<RegressPage>(Again(command, arguments, {}),
-                                         Again(command, arguments, {"--json", "-"}));
+    page = std::make_unique<RegressPage>(Again(command, arguments));
   }
   if (!RunSuites(runs, arguments.threads, page.get()))
     return SayInterrupted("before the end: nothing was written");

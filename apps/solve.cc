@@ -141,6 +141,7 @@ class SolveRun {
   SolveRun(const CLI::App& command, SolveArguments& arguments)
       : arguments_(arguments),
         given_(GivenOptions(command)),
+        given_norm_(GivenNormOptions(command)),
         several_(arguments.models.size() > 1),
         table_(several_) {
     if (!arguments.html.empty()) {
@@ -166,7 +167,7 @@ class SolveRun {
   int ExitCode() const { return table_.all_free() ? kExitFree : kExitNotFree; }
 
   SolveArguments& arguments_;
-  const std::vector<std::string> given_;
+  const std::vector<std::string> given_, given_norm_;
   const bool several_;
   OutputFiles outputs_;
   SceneOutput scene_output_;
@@ -241,10 +242,12 @@ void SolveRun::Tell(const Scene& scene, const std::string& model, const SolvedRo
 void SolveRun::Show(const Scene& scene, const std::string& model, const SolvedRow& solved) {
   PageRow row = SolvedPageRow(scene, arguments_.options.metric, solved);
   row.values = {std::max(0.0, -1e3 * solved.result.depth_in), 1e3 * std::sqrt(solved.result.sigma)};
+  row.content["norm"] = NormCommand(model, given_norm_);
   if (arguments_.options.trajectory) {
     motion_.push_back({solved.result.q, solved.row.label});
   } else {
-    row.content["command"] = RowCommand{{"solve", model}, given_}.Of(solved.row);
+    row.content["command"] =
+        RowCommand{{"solve", model, "--trace", "search.jsonl"}, given_}.Of(solved.row);
   }
   page_->Add(row);
 }
@@ -291,6 +294,7 @@ void SolveRun::ShowTrajectory(const std::string& model) {
   for (const std::string& key : which.keys) again.insert(again.end(), {"--key", key});
   for (const std::string& q : which.qpos) again.insert(again.end(), {"--qpos", q});
   if (!which.file.empty()) again.insert(again.end(), {"--qpos-file", which.file});
+  again.insert(again.end(), {"--json", "-"});
   row.content["command"] = ShellCommand(again);
   page_->Add(row);
   motion_.clear();

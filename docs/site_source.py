@@ -4,8 +4,8 @@
     docs/site_source.py [--program build/bin/mjcf-pdg] [--update]
 
 Folders stay as they are, so that links lead where they led. The commands of the gallery are run as docs/check.py runs them; under
-each block comes a link to its report. Pictures of poses are drawn by solve --png, those of motions in the report, where there is
-a headless Chromium. --update renews the pictures in docs/gallery/, where README.md and readers of the repository see them.
+each block come links to its report and its motion. Pictures of poses are drawn by solve --png, motions by --animation, a path's
+picture in the report, where there is a headless Chromium. --update renews the pictures in docs/gallery/, where README.md and readers of the repository see them.
 """
 
 import argparse
@@ -23,6 +23,7 @@ from latex2mathml.converter import convert
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 SOURCE = ROOT / "build/site-source"
 GALLERY = "docs/gallery"  # of pictures and reports
+GALLERY_LINK = "gallery/"  # to there, from docs/gallery.md
 LINK = re.compile(r"\]\(([^)\s#]+)")
 CODE = re.compile(r"(^```.*?^```$|`[^`\n]*`)", re.DOTALL | re.MULTILINE)
 SIZE = (1280, 800)  # pixels of a picture of a report
@@ -78,20 +79,24 @@ def gallery(text: str, program: pathlib.Path) -> str:
         def run(match: re.Match) -> str:
             before = set(folder.iterdir())
             block = match[1]
-            if draws and "--trajectory" not in block:
-                block = re.sub(r"( solve .* --html )(\w+)\.html", r"\1\2.html --png \2.png", block)
+            if draws:
+                png = "" if "--trajectory" in block else r" --png \2.png"
+                block = re.sub(r"( solve .* --html )(\w+)\.html", rf"\1\2.html --animation \2.gif{png}", block)
+                block = re.sub(r"( plan .* --html )(\w+)\.html", r"\1\2.html --animation \2.gif", block)
             _, faults = check.run_block(block, name, environment)
             if faults:
                 sys.exit("\n".join(["docs/gallery.md:", *faults]))
             shown = match[0]
             for report in sorted(set(folder.glob("*.html")) - before):
-                picture = report.with_suffix(".png")
-                if not picture.exists():
+                picture, motion = report.with_suffix(".png"), report.with_suffix(".gif")
+                if f"{GALLERY_LINK}{picture.name}" in text and not picture.exists():
                     photograph(report, picture)
-                for made in (report, picture):
+                for made in (report, picture, motion):
                     if made.exists():
                         shutil.copy(made, target)
-                shown += f"\n\n[Open its report](gallery/{report.name})"
+                shown += f"\n\n[Open its report]({GALLERY_LINK}{report.name})"
+                if motion.exists() and f"{GALLERY_LINK}{motion.name}" not in text:
+                    shown += f", [see its motion]({GALLERY_LINK}{motion.name})"
             return shown
 
         return check.BLOCK.sub(run, text)

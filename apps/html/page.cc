@@ -58,14 +58,19 @@ Json Page::TableJson(const PageTable& table) {
 void Page::Add(const PageRow& row) {
   Json content = row.content;
   content["frames"] = Json::array();
+  std::vector<double> q;
   std::vector<float> poses;
   for (const PageFrame& frame : row.frames) {
+    q.insert(q.end(), frame.q.begin(), frame.q.end());
     AppendPoses(*scene_->model(), data_.get(), row.of, frame.q, poses);
     content["frames"].push_back({{"label", frame.label}, {"iteration", frame.iteration}});
   }
   content["tables"] = Json::array();
   for (const PageTable& table : row.tables) content["tables"].push_back(TableJson(table));
-  blocks_ += Block("row" + std::to_string(rows_.size()), Pack(content, BytesOf(poses)));
+  content["nq"] = row.frames.empty() ? 0 : row.frames.front().q.size();
+  std::string bytes(BytesOf(q));
+  bytes += BytesOf(poses);
+  blocks_ += Block("row" + std::to_string(rows_.size()), Pack(content, bytes));
   rows_.push_back({{"model", models_.size() - 1},
                    {"label", row.of.label},
                    {"status", row.status},

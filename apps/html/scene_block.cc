@@ -15,6 +15,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr std::size_t kPixels = 65536;  // of a texture that are read: a mean needs no more
+
 struct Triangles {
   std::vector<float> vertices;  // x, y, z each [m]
   std::vector<std::uint32_t> faces;
@@ -106,18 +108,39 @@ bool Collides(const mjModel& m, int geom) {
   return false;
 }
 
+// The mean colour of the material's texture; white without one. Textures themselves are left out.
+std::array<float, 3> MeanTexture(const mjModel& m, int material) {
+  std::array<float, 3> mean = {1.0f, 1.0f, 1.0f};
+  const int* roles = m.mat_texid + mjNTEXROLE * material;
+  const int texture = roles[mjTEXROLE_RGB] >= 0 ? roles[mjTEXROLE_RGB] : roles[mjTEXROLE_RGBA];
+  if (texture < 0 || m.tex_nchannel[texture] < 3) return mean;
+  const auto channels = static_cast<std::size_t>(m.tex_nchannel[texture]);
+  const std::size_t pixels = static_cast<std::size_t>(m.tex_height[texture]) *
+                             static_cast<std::size_t>(m.tex_width[texture]);
+  const mjtByte* data = m.tex_data + m.tex_adr[texture];
+  const std::size_t stride = pixels / kPixels + 1;
+  for (std::size_t c = 0; c < 3; ++c) {
+    double sum = 0.0, count = 0.0;
+    for (std::size_t k = 0; k < pixels; k += stride, ++count) sum += data[channels * k + c];
+    if (count > 0.0) mean[c] = static_cast<float>(sum / (255.0 * count));
+  }
+  return mean;
+}
+
 Json GeomJson(const mjModel& m, int g) {
   const mjtNum* size = m.geom_size + 3 * g;
   const mjtNum* p = m.geom_pos + 3 * g;
   const mjtNum* q = m.geom_quat + 4 * g;
   const int material = m.geom_matid[g];
   const float* rgba = material >= 0 ? m.mat_rgba + 4 * material : m.geom_rgba + 4 * g;
+  std::array<float, 3> mean = {1.0f, 1.0f, 1.0f};
+  if (material >= 0) mean = MeanTexture(m, material);
   return {{"id", g},
           {"body", m.geom_bodyid[g]},
           {"type", ShapeName(m.geom_type[g])},
           {"size", {size[0], size[1], size[2]}},
           {"pose", {p[0], p[1], p[2], q[0], q[1], q[2], q[3]}},
-          {"rgba", {rgba[0], rgba[1], rgba[2], rgba[3]}},
+          {"rgba", {mean[0] * rgba[0], mean[1] * rgba[1], mean[2] * rgba[2], rgba[3]}},
           {"group", m.geom_group[g]},
           {"collides", Collides(m, g)}};
 }

@@ -23,6 +23,12 @@ std::string ShellCommand(const std::vector<std::string>& words) {
   return command;
 }
 
+std::string NormCommand(const std::string& model, const std::vector<std::string>& options) {
+  std::vector<std::string> words = {"norm", model};
+  words.insert(words.end(), options.begin(), options.end());
+  return ShellCommand(words);
+}
+
 std::string QposWords(const std::vector<double>& q) {
   std::string numbers;
   for (const double value : q) {
@@ -39,6 +45,7 @@ std::string RowCommand::Of(const Configuration& row) const {
   } else {
     all.insert(all.end(), {"--key", std::to_string(row.key)});
   }
+  all.insert(all.end(), {"--json", "-"});
   return ShellCommand(all);
 }
 

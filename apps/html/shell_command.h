@@ -17,9 +17,12 @@ struct RowCommand {
   std::vector<std::string> words, options;
 
   // With the numbers of the row at full precision, or, as only a keyframe brings poses of mocap
-  // bodies, with its key.
+  // bodies, with its key. It writes JSON, which has all that a report shows.
   std::string Of(const Configuration& row) const;
 };
+
+// Makes the joints of a report again, once ends are added.
+std::string NormCommand(const std::string& model, const std::vector<std::string>& options);
 
 // nq numbers at full precision, as --qpos takes them.
 std::string QposWords(const std::vector<double>& q);

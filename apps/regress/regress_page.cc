@@ -1,9 +1,12 @@
 #include "apps/regress/regress_page.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "apps/html/shell_command.h"
 #include "apps/html/solved_row.h"
+#include "apps/options.h"
 #include "apps/output/report.h"
 
 namespace mjcf_pdg::app {
@@ -41,15 +44,41 @@ SolvedRow WithContacts(const Scene& scene, Options options, SolvedRow solved) {
   return solved;
 }
 
+// A value of a suite's option as the command line has it: ["A", "B", DEPTH] is A,B=DEPTH.
+std::string OptionValue(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (!value.is_array()) return value.dump();
+  std::string text;
+  for (const Json& part : value) {
+    text += (text.empty() ? "" : part.is_number() ? "=" : ",") + OptionValue(part);
+  }
+  return text;
+}
+
+// Options of a suite as words of a command line; of `norm`: those that it takes, too.
+std::vector<std::string> OptionWords(const Json& given, bool of_norm) {
+  std::vector<std::string> words;
+  for (const auto& [member, value] : given.items()) {
+    std::string name = "--" + member;
+    std::replace(name.begin(), name.end(), '_', '-');
+    if (value == false || (of_norm && !IsNormOption(name))) continue;
+    if (value == true) words.push_back(name);
+    if (value.is_boolean()) continue;
+    const Json values = value.is_array() ? value : Json::array({value});
+    for (const Json& one : values) words.insert(words.end(), {name, OptionValue(one)});
+  }
+  return words;
+}
+
 }  // namespace
 
-RegressPage::RegressPage(const std::string& again, std::string rows_again)
-    : rows_again_(std::move(rows_again)),
-      page_({again, {"golden rms mm", "rms mm", "queries"}, Json::array()}) {}
+RegressPage::RegressPage(const std::string& again)
+    : page_({again, {"golden rms mm", "rms mm", "queries"}, Json::array()}) {}
 
 void RegressPage::Begin(const Suite& suite, const SuiteCase& one) {
   name_ = (suite.folder / one.model).string();
   options_ = one.options;
+  given_ = one.given;
   begun_ = false;
 }
 
@@ -61,7 +90,10 @@ void RegressPage::Add(const Scene& scene, const SolvedRow& solved, const RowRepo
   row.wrong = IsRegression(report.change);
   row.values = {report.before ? Rms(*report.before) : kNone, Rms(report.now),
                 static_cast<double>(report.now.queries)};
-  row.content["command"] = rows_again_;
+  row.content["command"] =
+      RowCommand{{"solve", name_, "--trace", "search.jsonl"}, OptionWords(given_, false)}.Of(
+          solved.row);
+  row.content["norm"] = NormCommand(name_, OptionWords(given_, true));
   row.tables.push_back(Compared(report));
   page_.Add(row);
 }

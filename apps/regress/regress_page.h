@@ -2,8 +2,8 @@
 #ifndef MJCF_PDG_APPS_REGRESS_REGRESS_PAGE_H_
 #define MJCF_PDG_APPS_REGRESS_REGRESS_PAGE_H_
 
+#include <nlohmann/json.hpp>
 #include <string>
-#include <utility>
 
 #include "apps/html/page.h"
 #include "apps/regress/run_case.h"
@@ -14,8 +14,7 @@ namespace mjcf_pdg::app {
 // Collects rows as they are solved, case by case.
 class RegressPage {
  public:
-  // `again` runs all suites again; `rows_again` writes the numbers of their rows.
-  RegressPage(const std::string& again, std::string rows_again);
+  explicit RegressPage(const std::string& again);  // a command that runs all suites again
 
   // The rows that follow are of this case.
   void Begin(const Suite& suite, const SuiteCase& one);
@@ -28,11 +27,11 @@ class RegressPage {
  private:
   void AddUnsolved(const PageRow& row);
 
-  const std::string rows_again_;
   Page page_;
   PageTable models_{"Queries of each model", {"model", "golden", "now", ""}, {}, {}};
-  std::string name_;    // of the present model
-  Options options_;     // of the present case
+  std::string name_;  // of the present model
+  Options options_;   // of the present case
+  nlohmann::ordered_json given_;
   bool begun_ = false;  // the present model is on the page
 };
 

@@ -50,7 +50,9 @@ AllowedOverlap ReadAllowed(const JsonPlace& place) {
   return {{parts[0].Text(), parts[1].Text()}, parts[2].Number(0.0, kMostLength)};
 }
 
-void ReadOptions(const JsonPlace& place, SceneOptions& scene, Options& options) {
+void ReadOptions(const JsonPlace& place, SuiteCase& one) {
+  SceneOptions& scene = one.scene;
+  Options& options = one.options;
   place.Members({
       {"effort", [&](const JsonPlace& p) { options.effort = p.Choice(kEfforts); }},
       {"method", [&](const JsonPlace& p) { options.method = p.Choice(kMethods); }},
@@ -85,6 +87,7 @@ void ReadOptions(const JsonPlace& place, SceneOptions& scene, Options& options) 
       {"flags", [&](const JsonPlace& p) { scene.model_flags = p.Choice(kFlags); }},
       {"flex", [&](const JsonPlace& p) { scene.ignore_flexes = p.Choice(kFlexes); }},
   });
+  one.given.update(place.value);
 }
 
 // An entry of `configurations`. Golden results know its rows by their names, which two entries must
@@ -161,7 +164,7 @@ void ReadCase(const JsonPlace& place, const SuiteCase& defaults, Suite& suite) {
   place.Members({
       {"model", [&](const JsonPlace& p) { models = Expand(suite.folder, p); }},
       {"configurations", [&](const JsonPlace& p) { read.rows = ReadConfigurations(p); }},
-      {"options", [&](const JsonPlace& p) { ReadOptions(p, read.scene, read.options); }},
+      {"options", [&](const JsonPlace& p) { ReadOptions(p, read); }},
   });
   if (models.empty()) place.Refuse("has no 'model'");
   if (read.rows.empty()) read.rows.push_back({});
@@ -206,7 +209,7 @@ Suite ReadSuite(const std::string& path) {
   bool known = false;
   JsonPlace{json, path}.Members({
       {"version", [&](const JsonPlace& p) { known = p.value == kVersion; }},
-      {"options", [&](const JsonPlace& p) { ReadOptions(p, defaults.scene, defaults.options); }},
+      {"options", [&](const JsonPlace& p) { ReadOptions(p, defaults); }},
       {"sigma_tolerance", [&](const JsonPlace& p) { suite.sigma_tolerance = p.Number(0.0, 1e6); }},
       {"queries_tolerance",
        [&](const JsonPlace& p) { suite.queries_tolerance = p.Number(0.0, 1e6); }},

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,7 @@ struct SuiteCase {
   std::vector<SuiteRows> rows;
   SceneOptions scene;
   Options options;
+  nlohmann::ordered_json given = nlohmann::ordered_json::object();  // both, as the suite says them
 };
 
 struct Suite {

@@ -19,8 +19,14 @@ nlohmann::json Fact(const Block& row, const std::string& name) {
 // The z of body `body` (of `nbody`) in a frame.
 float HeightIn(const Block& row, std::size_t frame, std::size_t body, std::size_t nbody) {
   float z = 0.0f;
-  std::memcpy(&z, row.bytes.data() + (7 * (frame * nbody + body) + 2) * sizeof z, sizeof z);
+  std::memcpy(&z, PoseBytes(row).data() + (7 * (frame * nbody + body) + 2) * sizeof z, sizeof z);
   return z;
+}
+
+// The numbers of --qpos in a command.
+std::string QposIn(const std::string& command) {
+  const std::size_t quote = command.find('\'');
+  return command.substr(quote + 1, command.find('\'', quote + 1) - quote - 1);
 }
 
 TEST_F(CliTest, AReportHoldsSceneRowsAndSearch) {
@@ -47,11 +53,16 @@ TEST_F(CliTest, AReportHoldsSceneRowsAndSearch) {
   EXPECT_EQ(row.json["joints"][0]["moved"].front(), 0.0);
   EXPECT_NEAR(row.json["joints"][0]["moved"].back().get<double>(), 50.0, 1e-2);
   EXPECT_GE(row.json["iterations"].size(), 2u);
-  EXPECT_EQ(row.json["command"], "mjcf-pdg solve scene.xml --seed 3 --qpos '0.0 0.0'");
+  EXPECT_EQ(row.json["command"],
+            "mjcf-pdg solve scene.xml --trace search.jsonl --seed 3 --qpos '0.0 0.0' --json -");
+  EXPECT_EQ(row.json["norm"], "mjcf-pdg norm scene.xml");
+  double q = 1.0;  // z as given, the second number
+  std::memcpy(&q, row.bytes.data() + sizeof q, sizeof q);
+  EXPECT_EQ(q, 0.0);
   // Poses of the world and the ball in each frame: z of the ball, as given and in the answer.
   const std::size_t frames = row.json["frames"].size(), pose = 7 * sizeof(float);
   ASSERT_GE(frames, 3u);
-  ASSERT_EQ(row.bytes.size(), frames * 2 * pose);
+  ASSERT_EQ(PoseBytes(row).size(), frames * 2 * pose);
   EXPECT_FLOAT_EQ(HeightIn(row, 0, 1, 2), 0.15f);
   EXPECT_NEAR(HeightIn(row, frames - 1, 1, 2), 0.2f, 1e-5f);
 }
@@ -62,10 +73,7 @@ TEST_F(CliTest, AReportsCommandMakesTheRowAgain) {
   ASSERT_EQ(Run({"solve", model, "--key", "arm_through_door", "--html", "r.html"}).exit_code, 0);
   const std::string page = Read("r.html");
   const Block row = Unpack(Script(page, "row0"));
-  const std::string command = row.json["command"];
-  const std::size_t quote = command.find('\'');
-  const std::string qpos = command.substr(quote + 1, command.size() - quote - 2);
-  const nlohmann::json again = SolveJson({model, "--qpos", qpos}).at(0);
+  const nlohmann::json again = SolveJson({model, "--qpos", QposIn(row.json["command"])}).at(0);
   EXPECT_EQ(Fact(row, "σ, m²"), again["sigma"]);
   EXPECT_GT(Unpack(Script(page, "scene0")).json["meshes"].size(), 0u);
 }
@@ -109,7 +117,8 @@ TEST_F(CliTest, AReportOfATrajectoryHasAllFramesInOneRow) {
   ASSERT_EQ(row.json["frames"].size(), 3u);
   EXPECT_NEAR(HeightIn(row, 0, 1, 2), 0.2f, 1e-5f);
   EXPECT_FLOAT_EQ(HeightIn(row, 2, 1, 2), 0.45f);
-  EXPECT_EQ(row.json["command"], "mjcf-pdg solve scene.xml --trajectory --qpos-file clip.csv");
+  EXPECT_EQ(row.json["command"],
+            "mjcf-pdg solve scene.xml --trajectory --qpos-file clip.csv --json -");
 }
 
 TEST_F(CliTest, AReportOfCheckHasTheContacts) {
@@ -123,7 +132,7 @@ TEST_F(CliTest, AReportOfCheckHasTheContacts) {
   EXPECT_EQ(row.json["frames"].size(), 1u);
   EXPECT_NEAR(row.json["contacts_in"][0]["distance"].get<double>(), -0.05, 1e-5);
   EXPECT_EQ(row.json["contacts_in"][0]["geom2"], "wall");
-  EXPECT_EQ(row.json["command"], "mjcf-pdg check scene.xml --qpos '0.0 0.0'");
+  EXPECT_EQ(row.json["command"], "mjcf-pdg check scene.xml --qpos '0.0 0.0' --json -");
 }
 
 // The ball falls on the wall: the slider has where that is, and where it would have gone.
@@ -155,9 +164,7 @@ TEST_F(CliTest, AReportOfAuditHasPairsAndKeyframes) {
   // Where the pair is shown it overlaps as deep as is said, by the command beside it.
   const Block pair = Unpack(Script(page, "row0"));
   EXPECT_EQ(pair.json["contacts_in"][0]["distance"], audit["pairs"][0]["depth"]);
-  const std::string command = pair.json["command"];
-  const std::size_t quote = command.find('\'');
-  const std::string qpos = command.substr(quote + 1, command.size() - quote - 2);
+  const std::string qpos = QposIn(pair.json["command"]);
   const nlohmann::json again =
       ParseLines(Run({"check", "scene.xml", "--qpos", qpos, "--json", "-"}).out).at(0);
   EXPECT_EQ(again["min_distance"], audit["pairs"][0]["depth"]);
@@ -201,7 +208,9 @@ TEST_F(CliTest, AReportOfRegressSaysWhatChanged) {
   EXPECT_EQ(row.json["tables"][0]["rows"][1][1], 1e-6);
   EXPECT_NEAR(row.json["contacts_in"][0]["distance"].get<double>(), -0.05, 1e-5);
   EXPECT_GE(row.json["iterations"].size(), 2u);
-  EXPECT_EQ(row.json["command"], "mjcf-pdg regress m/pdg.json --json -");
+  EXPECT_EQ(row.json["command"],
+            "mjcf-pdg solve m/scene.xml --trace search.jsonl --qpos '0.0 0.0' --json -");
+  EXPECT_EQ(Head(page)["again"], "mjcf-pdg regress m/pdg.json --json -");
 }
 
 }  // namespace

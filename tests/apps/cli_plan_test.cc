@@ -150,7 +150,7 @@ TEST_F(CliPlanTest, AReportGoesAlongThePathEdgeByEdge) {
   EXPECT_EQ(row.json["contacts_in"].size(), 1u);
   const auto x = [&](std::size_t frame) {  // of the ball, which is body 1 of 2
     float value = 0.0f;
-    std::memcpy(&value, row.bytes.data() + 7 * (2 * frame + 1) * sizeof value, sizeof value);
+    std::memcpy(&value, PoseBytes(row).data() + 7 * (2 * frame + 1) * sizeof value, sizeof value);
     return value;
   };
   EXPECT_FLOAT_EQ(x(0), -0.15f);

@@ -24,6 +24,17 @@ BALL_AND_WALL = """<mujoco><worldbody>
   </body></worldbody></mujoco>"""
 
 
+# What is seen does not collide, and what collides is not seen: as in most robots' models.
+SHELL_AND_PADS = """<mujoco><worldbody>
+  <geom name="floor" type="plane" size="2 2 .1"/>
+  <body name="foot" pos="0 0 .09">
+    <freejoint/>
+    <geom name="shell" type="box" size=".2 .1 .1" contype="0" conaffinity="0" rgba="0 .6 0 1"/>
+    <geom name="front" type="sphere" size=".05" pos=".15 0 -.05" group="3"/>
+    <geom name="back" type="sphere" size=".05" pos="-.15 0 -.05" group="3"/>
+  </body></worldbody></mujoco>"""
+
+
 def run(folder: pathlib.Path, *arguments: str, exits: int) -> None:
     done = subprocess.run([PROGRAM, *arguments], cwd=folder, capture_output=True, text=True, timeout=120)
     assert done.returncode == exits, done.stderr
@@ -36,12 +47,15 @@ def reports(tmp_path_factory) -> dict[str, pathlib.Path]:
     (folder / "models").symlink_to(ROOT / "models")
     (folder / "ball.xml").write_text(BALL_AND_WALL)
     (folder / "many.csv").write_text("".join(f"{k % 50 / 100} {-k % 7 / 100}\n" for k in range(3000)))
-    (folder / "suite.json").write_text(json.dumps({"version": 1, "cases": [
-        {"model": "ball.xml", "configurations": ["qpos0", {"random": 5, "seed": 1}]}, {"model": "models/loops/leg.xml"}]}))
+    options = {"armature": 0.5, "tolerance": 1e-5, "movable": ["ball"], "allow": [["sphere", "wall", 0.002]], "exact_mesh": False}
+    (folder / "suite.json").write_text(json.dumps({"version": 1, "options": {"armature": 2}, "cases": [
+        {"model": "ball.xml", "configurations": ["qpos0", {"random": 5, "seed": 1}], "options": options},
+        {"model": "models/loops/leg.xml"}]}))
     # A golden result that is nearer than any answer, a regression, and one of a model that is gone.
     (folder / "suite.golden.json").write_text(json.dumps({"version": 1, "rows": [
         {"model": "ball.xml", "row": "qpos0", "status": "solved", "sigma": 1e-6, "queries": 1},
         {"model": "gone.xml", "row": "qpos0", "status": "solved", "sigma": 1e-6, "queries": 1}]}))
+    (folder / "shell.xml").write_text(SHELL_AND_PADS)
     puma, zeros = "models/puma/puma_car.xml", "0 0 0 0 0 0 0 0 0"
     commands = {
         "solve": (["solve", puma], 0),
@@ -50,6 +64,7 @@ def reports(tmp_path_factory) -> dict[str, pathlib.Path]:
         "audit": (["audit", "models/figure/figure_bench.xml", "--samples", "50"], 3),
         "regress": (["regress", "suite.json"], 3),
         "plan": (["plan", "models/placement/placement.xml", "--start", "start", "--goal", "goal"], 0),
+        "hidden": (["check", "shell.xml"], 3),
         "many": (["solve", "ball.xml", "--qpos-file", "many.csv", "--threads", "2"], 0),
     }
 

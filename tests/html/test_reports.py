@@ -2,7 +2,11 @@
 
 import hashlib
 import io
+import itertools
+import json
+import shlex
 import subprocess
+from collections import Counter
 
 import pytest
 from conftest import PROGRAM, ROOT, SIZES
@@ -15,6 +19,22 @@ def alike(first: bytes, second: bytes) -> bool:
     """Whether two pictures differ by no more than where the browser rounds half pixels; another view differs by 10 and more."""
     difference = ImageChops.difference(*(Image.open(io.BytesIO(one)).convert("L") for one in (first, second)))
     return ImageStat.Stat(difference).mean[0] < 3
+
+
+def answer(reports, command: str) -> str:
+    """What a command of a page says, run where the reports were made."""
+    words = shlex.split(command)
+    assert words[0] == "mjcf-pdg"
+    folder = next(iter(reports.values())).parent
+    return subprocess.run([PROGRAM, *words[1:]], cwd=folder, capture_output=True, text=True, timeout=120).stdout
+
+
+def facts(reader) -> dict[str, str]:
+    return dict(line.split("\t") for line in reader.texts("#facts tr"))
+
+
+def alike_numbers(shown: str, value: float) -> bool:
+    return float(shown) == pytest.approx(value, rel=1e-3, abs=1e-300)  # four digits
 
 
 def skip_what_is_not_built(name: str) -> None:
@@ -63,6 +83,119 @@ def test_an_iteration_of_the_plot_leads_to_its_place(open_report):
     assert "step" in reader.page.inner_text("#frame")
     assert reader.page.get_attribute("#sigma .shown", "visibility") == "visible"
     reader.screenshot("iteration")
+
+
+def choose(reader, row: int) -> None:
+    reader.page.click(f"#rows tr[data-index='{row}']")
+    reader.page.wait_for_function(f"document.body.dataset.row === '{row}'")
+
+
+def heights(reader) -> list[float]:
+    """How high the line of each joint is where the slider is, the second number of a point counting downwards."""
+    place = int(reader.page.input_value("#slider"))
+    lines = reader.page.locator("#joint-lines .joint").evaluate_all("lines => lines.map((line) => line.getAttribute('points'))")
+    return [-float(line.split()[place].split(",")[1]) for line in lines]
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("name", ["solve", "motion", "plan"])
+def test_lines_of_joints_follow_their_sigma_along_the_slider(open_report, name, size):
+    skip_what_is_not_built(name)
+    reader = open_report(name, size)
+    page = reader.page
+    if name == "solve":
+        choose(reader, 8)  # nine joints move
+    names = reader.texts("#joint-names span")
+    assert 1 <= len(names) <= 5 and names == reader.texts("#joints tr td:first-child")[: len(names)]
+    page.focus("#slider")
+    for _ in range(3):
+        sigma = [float(cell) for cell in reader.texts("#joints tr td:nth-child(3)")][: len(names)]
+        drawn = heights(reader)
+        assert len(drawn) == len(names)
+        for a in range(len(names)):
+            assert all(drawn[a] >= drawn[b] for b in range(len(names)) if sigma[a] >= sigma[b])
+        page.keyboard.press("ArrowLeft")
+    width = page.locator("#joint-lines").bounding_box()["width"]
+    page.click("#joint-lines", position={"x": 0.5 * (62 + width - 8), "y": 20})  # between the axes' ends
+    last = int(page.get_attribute("#slider", "max"))
+    assert abs(int(page.input_value("#slider")) - last / 2) <= 1
+    assert page.get_attribute("#joint-lines .shown", "visibility") == "visible"
+    assert page.locator("#joint-lines text").first.evaluate("text => text.getBoundingClientRect().height") > 10  # readable
+    reader.screenshot("lines")
+
+
+@pytest.mark.parametrize("name", ["solve", "motion", "plan"])
+def test_sigma_of_joints_comes_again_from_the_command_beside_it(open_report, reports, name):
+    skip_what_is_not_built(name)
+    reader = open_report(name)
+    if name == "solve":
+        choose(reader, 8)
+    reader.page.focus("#slider")
+    for _ in range(2):
+        parts = json.loads(answer(reports, reader.page.inner_text("#norm") + " --json -"))["parts"]
+        again = {part["name"]: part["sigma"] for part in parts}
+        cells = [line.split("\t") for line in reader.texts("#joints tr")]
+        assert all(alike_numbers(cell[2], again[cell[0]]) for cell in cells) and cells
+        reader.page.keyboard.press("ArrowLeft")
+
+
+def test_what_a_solve_found_comes_again_from_the_command_beside_it(open_report, reports):
+    reader = open_report("solve")
+    choose(reader, 8)
+    again = json.loads(answer(reports, reader.page.inner_text("#command")))
+    found = facts(reader)
+    for name, value in [("√σ, how far (rms), mm", 1e3 * again["sigma"] ** 0.5), ("σ, m²", again["sigma"]),
+                        ("no free configuration is nearer than, mm", 1e3 * again["sigma_lower_bound"] ** 0.5),
+                        ("depth as given, mm", -1e3 * again["depth_in"]), ("smallest distance now, mm", 1e3 * again["min_distance"]),
+                        ("iterations", again["iterations"]), ("collision queries", again["collision_queries"])]:
+        assert alike_numbers(found[name], value), name
+    for table, contacts in (("contacts_in", again["contacts_in"]), ("contacts", again["contacts"])):
+        depths = [float(cell) for cell in reader.texts(f"#{table} td:nth-child(3)")]
+        assert depths == pytest.approx([-1e3 * contact["distance"] for contact in contacts], rel=1e-3) and depths
+    trace = (reports["solve"].parent / "search.jsonl").read_text().splitlines()
+    iterations = [record["sigma"] for record in map(json.loads, trace) if "step" in record]
+    titles = reader.page.locator("#sigma circle title").evaluate_all("all => all.map((title) => title.textContent)")
+    assert len(titles) == len(iterations) > 50
+    assert all(alike_numbers(title.split("sigma ")[1].split()[0], sigma) for title, sigma in zip(titles, iterations))
+
+
+def test_what_a_check_or_a_path_found_comes_again(open_report, reports):
+    reader = open_report("check")
+    again = json.loads(answer(reports, reader.page.inner_text("#command")))
+    assert alike_numbers(facts(reader)["smallest distance, mm"], 1e3 * again["min_distance"])
+    assert len(reader.texts("#contacts_in tr")) == len(again["contacts"]) > 0
+    reader = open_report("motion")
+    again = json.loads(answer(reports, reader.page.inner_text("#command")))
+    assert alike_numbers(facts(reader)["free up to t"], again["t"])
+    skip_what_is_not_built("plan")
+    reader = open_report("plan")
+    again = json.loads(answer(reports, reader.page.inner_text("#command")))
+    assert alike_numbers(facts(reader)["length (Σ√σ), mm"], 1e3 * again["length"])
+
+
+def test_a_regression_comes_again_with_the_options_of_its_suite(open_report, reports):
+    reader = open_report("regress")
+    words = shlex.split(reader.page.inner_text("#command"))
+    for option, value in [("--armature", "0.5"), ("--tolerance", "1e-05"), ("--movable", "ball"), ("--allow", "sphere,wall=0.002")]:
+        assert words[words.index(option) + 1] == value
+    assert "--exact-mesh" not in words
+    again = json.loads(answer(reports, reader.page.inner_text("#command")))
+    assert alike_numbers(facts(reader)["σ, m²"], again["sigma"]) and again["sigma"] > 1e-4
+    assert alike_numbers(facts(reader)["depth as given, mm"], -1e3 * again["depth_in"])
+    parts = json.loads(answer(reports, reader.page.inner_text("#norm") + " --json -"))
+    assert alike_numbers(facts(reader)["σ, m²"], parts["sigma"])
+    rows = [json.loads(line) for line in answer(reports, reader.page.inner_text("#again")).splitlines()]
+    assert rows[0]["sigma"] == again["sigma"] and rows[0]["change"] == "sigma_up"
+
+
+def test_plots_are_as_wide_as_the_window_leaves_room(open_report):
+    reader = open_report("solve")
+    first = reader.page.get_attribute("#joint-lines", "viewBox")
+    reader.page.set_viewport_size({"width": 390, "height": 844})
+    reader.settle()
+    assert reader.page.get_attribute("#joint-lines", "viewBox") != first
+    assert reader.page.evaluate("document.documentElement.scrollWidth") == 390
+    assert reader.page.get_attribute("#joint-lines .shown", "visibility") == "visible"
 
 
 def test_an_edge_of_a_path_leads_to_its_place(open_report):
@@ -173,12 +306,23 @@ def test_what_collides_is_shown_instead(open_report):
     assert reader.scene() == before
 
 
+def test_what_overlaps_is_seen_though_mujoco_hides_it(open_report):
+    reader = open_report("hidden")
+    colours = Counter(Image.open(io.BytesIO(reader.scene())).convert("RGB").getdata())
+    assert sum(n for (r, g, b), n in colours.items() if r > b + 50) > 1000  # the pads, orange
+    assert sum(n for (r, g, b), n in colours.items() if g > r + 40 and g > b + 40) > 1000  # through the green shell
+    reader.screenshot("opened")
+    reader.page.keyboard.press("c")
+    only = Counter(Image.open(io.BytesIO(reader.scene())).convert("RGB").getdata())
+    assert not any(g > r + 40 and g > b + 40 for r, g, b in only)
+
+
 def test_regress_says_what_changed(open_report):
     reader = open_report("regress")
     assert reader.page.inner_text("#title").endswith("sigma up")
     assert "Against the golden result" in reader.page.inner_text("#row-tables")
     assert "Queries of each model" in reader.page.inner_text("#page-tables")
-    assert reader.page.inner_text("#again") == "mjcf-pdg regress suite.json"
+    assert reader.page.inner_text("#again") == "mjcf-pdg regress suite.json --json -"
     reader.page.fill("#filter", "gone")
     reader.page.click("#rows tr")
     reader.page.wait_for_selector("#nothing:visible")  # this row has no pose
@@ -221,6 +365,26 @@ def test_before_and_after_are_told_apart_by_everybody(open_report, deficiency):
     before, after = mean(image, orange), mean(image, blue)
     reader.screenshot(deficiency)
     assert max(abs(a - b) for a, b in zip(before, after)) > 60
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("deficiency", ["none", "deuteranopia", "protanopia", "tritanopia"])
+def test_lines_of_joints_are_told_apart_by_everybody(open_report, deficiency, theme):
+    reader = open_report("solve")
+    choose(reader, 8)  # nine joints move
+    if theme == "dark":
+        reader.page.keyboard.press("d")
+    session = reader.page.context.new_cdp_session(reader.page)
+    session.send("Emulation.setEmulatedVisionDeficiency", {"type": deficiency})
+    colours = []
+    for sample in reader.page.locator("#joint-names svg").all():
+        pixels = Counter(Image.open(io.BytesIO(sample.screenshot())).convert("RGB").getdata()).most_common(2)
+        colours.append(pixels[1][0])  # the background is the first
+    assert len(colours) == 5
+    for a, b in itertools.combinations(colours, 2):
+        assert max(abs(x - y) for x, y in zip(a, b)) > 50, (a, b)
+    dashes = reader.page.locator("#joint-lines .joint").evaluate_all("lines => lines.map((line) => getComputedStyle(line).strokeDasharray)")
+    assert len(set(dashes)) == 5  # and without any colour
 
 
 def test_the_bundle_is_made_of_these_sources():

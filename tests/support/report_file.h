@@ -53,6 +53,12 @@ inline Block Unpack(const std::string& text) {
           bytes.substr(4 + length, size - 4 - length)};
 }
 
+// The poses of a row, which follow its configurations.
+inline std::string PoseBytes(const Block& row) {
+  const std::size_t numbers = row.json["frames"].size() * row.json["nq"].get<std::size_t>();
+  return row.bytes.substr(numbers * sizeof(double));
+}
+
 inline nlohmann::json Head(const std::string& page) {
   return nlohmann::json::parse(Script(page, "page"));
 }

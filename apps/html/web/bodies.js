@@ -43,6 +43,7 @@ export class Bodies {
     this.group = new THREE.Group();
     this.now = this.make(scene, meshes, false);
     this.ghost = this.make(scene, meshes, true);
+    this.contacts = this.overlapping = [];
     this.showColliding(colliding);
   }
 
@@ -67,8 +68,8 @@ export class Bodies {
     for (const body of bodies) yield* body.children;
   }
 
-  // `overlapping`: ids of geoms that stand out where nothing moves.
-  setRow(poses, overlapping) {
+  // `contacts`: where nothing moves, their geoms stand out.
+  setRow(poses, contacts) {
     this.poses = poses;
     const stride = POSE * this.count;
     this.frames = poses.length / stride;
@@ -78,7 +79,8 @@ export class Bodies {
       }
       return false;
     });
-    this.overlapping = this.frames > 1 ? [] : overlapping;
+    this.contacts = this.frames > 1 ? [] : contacts;
+    this.overlapping = this.contacts.flatMap((contact) => contact.geoms);
     this.ghost.forEach((body, b) => place(body, poses, POSE * b));
     this.focus();
     this.showGhost(true);
@@ -102,31 +104,52 @@ export class Bodies {
     this.ghost.forEach((body, b) => { body.visible = on && this.moves[b]; });
   }
 
-  // MuJoCo shows groups 0 to 2; what collides is often in a group that it hides.
+  // What collides instead of what MuJoCo shows.
   showColliding(on) {
     this.colliding = on;
-    for (const mesh of this.meshes()) {
-      const {geom} = mesh.userData;
-      mesh.visible = on ? geom.collides : geom.group < 3;
-    }
+    this.showParts();
     if (this.poses) this.bounds = this.measure();
-  }
-
-  hides(geoms) {
-    return [...this.meshes(this.now)].some((mesh) => !mesh.visible && geoms.includes(mesh.userData.geom.id));
   }
 
   // All but these geoms become nearly transparent; without: none.
   focus(geoms) {
+    this.focused = geoms;
+    this.showParts();
+  }
+
+  // MuJoCo shows groups 0 to 2, and what collides is often in another. What overlaps or is looked at is seen even so, through what
+  // else its body has.
+  showParts() {
+    const wanted = [...this.overlapping, ...this.focused ?? []];
+    const usual = (geom) => (this.colliding ? geom.collides : geom.group < 3);
+    const inside = this.bodiesOf(wanted, (geom) => !usual(geom));
     for (const mesh of this.meshes()) {
-      const opacity = mesh.userData.opacity * (geoms && !geoms.includes(mesh.userData.geom.id) ? 0.2 : 1);
+      const {geom, opacity: own} = mesh.userData, chosen = wanted.includes(geom.id);
+      mesh.visible = usual(geom) || chosen;
+      const opacity = own * (chosen ? 1 : inside.has(geom.body) ? 0.35 : this.focused ? 0.2 : 1);
       Object.assign(mesh.material, {opacity, transparent: opacity < 1, depthWrite: opacity === 1});
     }
   }
 
-  // A sphere around what moves, as given and at the end, or what stands out, or else around everything.
+  // The bodies, but for the world, of those of the geoms that are `such`.
+  bodiesOf(geoms, such = () => true) {
+    const found = [...this.meshes(this.now)].map((mesh) => mesh.userData.geom);
+    return new Set(found.filter((geom) => geom.body > 0 && geoms.includes(geom.id) && such(geom)).map((geom) => geom.body));
+  }
+
+  // The radius around the bodies of these geoms [m]; 0: they are of the world.
+  radiusAround(geoms) {
+    const box = new THREE.Box3();
+    for (const body of this.bodiesOf(geoms)) {
+      for (const mesh of this.now[body].children) if (mesh.visible && mesh.userData.geom.type !== 'plane') box.expandByObject(mesh);
+    }
+    return box.isEmpty() ? 0 : box.getBoundingSphere(new THREE.Sphere()).radius;
+  }
+
+  // A sphere around what moves, as given and at the end, or what stands out with its contacts and the bodies it is of, or else around
+  // everything.
   measure() {
-    const box = new THREE.Box3(), frame = this.frame;
+    const box = new THREE.Box3(), frame = this.frame, bodies = this.bodiesOf(this.overlapping);
     const add = (wanted) => [this.now, this.ghost].forEach((bodies) => bodies.forEach((body, b) => {
       for (const mesh of body.children) {
         const {geom} = mesh.userData;
@@ -136,7 +159,11 @@ export class Bodies {
     this.showFrame(this.frames - 1);
     this.group.updateMatrixWorld(true);
     add((b) => this.moves[b]);
-    if (box.isEmpty()) add((b, geom) => this.overlapping.includes(geom.id));
+    if (box.isEmpty()) add((b, geom) => bodies.has(b) || this.overlapping.includes(geom.id));
+    for (const {position, normal, distance} of this.contacts) {
+      const begin = new THREE.Vector3(...position);
+      box.expandByPoint(begin).expandByPoint(begin.clone().addScaledVector(new THREE.Vector3(...normal), Math.max(0, -distance)));
+    }
     if (box.isEmpty()) add(() => true);
     this.showFrame(frame);
     return box.isEmpty() ? new THREE.Sphere(new THREE.Vector3(), 1) : box.getBoundingSphere(new THREE.Sphere());

@@ -8,8 +8,9 @@ export async function unpack(id) {
   return {json: JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length))), bytes: bytes.slice(4 + length)};
 }
 
-// A row, with `poses`: frames × bodies × (position, quaternion w x y z).
+// A row, with `q(k)`, the nq numbers of frame k, and `poses`: frames × bodies × (position, quaternion w x y z).
 export async function unpackRow(index) {
   const {json, bytes} = await unpack(`row${index}`);
-  return {...json, poses: new Float32Array(bytes)};
+  const {nq, frames} = json, q = new Float64Array(bytes, 0, nq * frames.length);
+  return {...json, q: (k) => [...q.subarray(nq * k, nq * (k + 1))], poses: new Float32Array(bytes, q.byteLength)};
 }

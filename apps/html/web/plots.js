@@ -1,32 +1,47 @@
 // σ over the iterations of a search, and over the joints.
 import {element, text} from './dom.js';
 
-const WIDTH = 600, HEIGHT = 170, LEFT = 62, BOTTOM = 24, TOP = 8;
+const HEIGHT = 170, LEFT = 62, RIGHT = 8, BOTTOM = 24, TOP = 8;
+const LINES = 5;       // of joints in one plot; more cross each other too often, and colours get alike
+const DECADES = 1e-3;  // of the largest σ in their plot: what is less is drawn at the bottom
 
-// Where iteration k of `count` is in the plot.
-const place = (k, count) => LEFT + (WIDTH - LEFT - 8) * k / Math.max(1, count - 1);
+function svgElement(tag, attributes, content) {
+  const made = document.createElementNS('http://www.w3.org/2000/svg', tag);
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+  if (content) made.textContent = content;
+  return made;
+}
 
-// A line for each descent; filled: free. `go(k)` is what a click on iteration k does, if `frames`, the places of the slider, have it.
-export function plotSigma(svg, iterations, frames, go) {
+// Empties a plot and draws its axes: places 0 to count - 1, of which `ends` says what the first and the last are, and σ from low to high
+// on a logarithmic scale. As wide as there is room, so that its words are as large as others. Returns where things are, and what marks a place.
+function axes(svg, count, {low, high, ends}) {
+  const width = svg.clientWidth, [bottom, top] = [Math.log10(low), Math.max(Math.log10(low) + 0.1, Math.log10(high))];
+  svg.setAttribute('viewBox', `0 0 ${width} ${HEIGHT}`);
   svg.replaceChildren();
-  const sigmas = iterations.map((it) => it.sigma).filter((sigma) => sigma > 0);
-  if (sigmas.length === 0) return;
-  const low = Math.log10(Math.min(...sigmas)), high = Math.max(low + 0.1, Math.log10(Math.max(...sigmas)));
-  const x = (k) => place(k, iterations.length);
-  const y = (sigma) => TOP + (HEIGHT - TOP - BOTTOM) * (high - Math.log10(Math.max(sigma, 10 ** low))) / (high - low);
-  const add = (tag, attributes, content, parent = svg) => {
-    const made = document.createElementNS('http://www.w3.org/2000/svg', tag);
-    for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
-    if (content) made.textContent = content;
-    parent.append(made);
-    return made;
-  };
-  for (const sigma of [10 ** high, 10 ** low]) {
-    add('line', {x1: LEFT, x2: WIDTH, y1: y(sigma), y2: y(sigma), class: 'grid'});
+  const add = (tag, attributes, content) => { svg.append(svgElement(tag, attributes, content)); return svg.lastChild; };
+  const x = (k) => LEFT + (width - LEFT - RIGHT) * k / Math.max(1, count - 1);
+  const y = (sigma) => TOP + (HEIGHT - TOP - BOTTOM) * (top - Math.log10(Math.max(sigma, low))) / (top - bottom);
+  for (const sigma of [10 ** top, low]) {
+    add('line', {x1: LEFT, x2: width, y1: y(sigma), y2: y(sigma), class: 'grid'});
     add('text', {x: LEFT - 4, y: y(sigma) + 4, 'text-anchor': 'end'}, text(Number(sigma.toPrecision(2))));
   }
-  add('text', {x: LEFT, y: HEIGHT - 6}, 'iteration 1');
-  add('text', {x: WIDTH - 4, y: HEIGHT - 6, 'text-anchor': 'end'}, String(iterations.length));
+  add('text', {x: LEFT, y: HEIGHT - 6}, ends[0]);
+  add('text', {x: width - 4, y: HEIGHT - 6, 'text-anchor': 'end'}, ends[1]);
+  const line = add('line', {y1: TOP, y2: HEIGHT - BOTTOM, class: 'shown', visibility: 'hidden'});
+  const mark = (k) => {  // -1: none
+    line.setAttribute('visibility', k < 0 ? 'hidden' : 'visible');
+    for (const end of ['x1', 'x2']) line.setAttribute(end, x(k));
+  };
+  const placeOf = (event) => Math.round((event.offsetX - LEFT) / (width - LEFT - RIGHT) * (count - 1));
+  return {add, x, y, mark, placeOf};
+}
+
+// A line for each descent; filled: free. `go(k)` is what a click on iteration k does, if `frames`, the places of the slider, have it.
+// Returns what marks an iteration.
+export function plotSigma(svg, iterations, frames, go) {
+  const sigmas = iterations.map((it) => it.sigma).filter((sigma) => sigma > 0);
+  const {add, x, y, mark} = axes(svg, iterations.length, {
+    low: Math.min(...sigmas), high: Math.max(...sigmas), ends: ['iteration 1', String(iterations.length)]});
   for (let begin = 0, end; begin < iterations.length; begin = end) {
     for (end = begin; end < iterations.length && iterations[end].descent === iterations[begin].descent; ++end);
     const points = iterations.slice(begin, end).map((it, k) => `${x(begin + k)},${y(it.sigma)}`);
@@ -35,20 +50,30 @@ export function plotSigma(svg, iterations, frames, go) {
   const reachable = new Map(frames.map(({iteration}, frame) => [iteration, frame]));
   iterations.forEach((it, k) => {
     const dot = add('circle', {cx: x(k), cy: y(it.sigma), r: it.free ? 3.2 : 2.4, class: it.free ? 'free' : 'overlaps'});
-    add('title', {}, `${it.start}, step ${it.step}: sigma ${text(it.sigma)} m², ${it.free ? 'free' : 'overlaps'}`, dot);
+    dot.append(svgElement('title', {}, `${it.start}, step ${it.step}: sigma ${text(it.sigma)} m², ${it.free ? 'free' : 'overlaps'}`));
     if (!reachable.has(k)) return;
     dot.classList.add('reachable');
     dot.onclick = () => go(reachable.get(k));
   });
-  add('line', {y1: TOP, y2: HEIGHT - BOTTOM, class: 'shown', visibility: 'hidden'});
+  return mark;
 }
 
-// Marks the iteration that the slider shows; -1: none.
-export function markIteration(svg, k, count) {
-  const line = svg.lastElementChild;
-  if (!line) return;
-  line.setAttribute('visibility', k < 0 ? 'hidden' : 'visible');
-  for (const end of ['x1', 'x2']) line.setAttribute(end, place(k, count));
+// A line for each of the first joints, those that move most, over the places of the slider, and their names in `legend`. A click goes to
+// the place under it. Returns what marks a place.
+export function plotJoints(svg, legend, {joints, frames}, go) {
+  const shown = joints.slice(0, LINES), most = Math.max(...shown.flatMap((joint) => joint.sigma));
+  const {add, x, y, mark, placeOf} = axes(svg, frames.length, {
+    low: DECADES * most, high: most, ends: [frames[0].label, frames[frames.length - 1].label]});
+  legend.replaceChildren(...shown.map(({name, sigma}, k) => {
+    const points = sigma.map((value, frame) => `${x(frame)},${y(value)}`).join(' ');
+    add('polyline', {points, class: `joint joint${k}`}).append(svgElement('title', {}, name));
+    const item = element('span'), sample = svgElement('svg', {viewBox: '0 0 34 10', 'aria-hidden': true});
+    sample.append(svgElement('line', {x1: 0, x2: 34, y1: 5, y2: 5, class: `joint joint${k}`}));
+    item.append(sample, name);
+    return item;
+  }));
+  svg.onclick = (event) => go(placeOf(event));
+  return mark;
 }
 
 // Joints in one frame: {name, unit, moved, sigma}, the last two with a number for each frame. Bars are as long as σ of the joint is

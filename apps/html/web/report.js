@@ -1,28 +1,47 @@
 // What a report does: unpacks a row when it is chosen, fills the page, moves the slider. Data come from apps/html/page.cc.
 import {$, fill, fillTables, mark} from './dom.js';
 import {unpackRow} from './packed.js';
-import {fillJoints, markIteration, plotSigma} from './plots.js';
+import {fillJoints, plotJoints, plotSigma} from './plots.js';
 import {RowList} from './rows.js';
 import {Stage} from './stage.js';
 
 const page = JSON.parse($('page').textContent);
-let stage, list, row, frame = 0, begun;
+let stage, list, row, frame = 0, begun, marks = [];
 
 // Writes what the page says of a place of the slider.
 function writeFrame(k) {
   frame = Math.max(0, Math.min(row.frames.length - 1, k));
   const {label, iteration} = row.frames[frame];
+  const words = (k) => `'${row.q(k).join(' ')}'`;
+  $('norm').textContent = row.norm ? `${row.norm} --from ${words(0)} --to ${words(frame)}` : '';
   $('slider').value = frame;
   $('slider').setAttribute('aria-valuetext', label);
   $('frame').textContent = label;
   fillJoints($('joints'), row.joints ?? [], frame);
-  markIteration($('sigma'), iteration, row.iterations?.length);
+  marks.forEach((mark) => mark({iteration, frame}));
 }
 
 function showFrame(k) {
   if (row.frames.length === 0) return;
   writeFrame(k);
   stage.showFrame(frame);
+}
+
+// The plots of a row; `marks` show in them where the slider is.
+function drawPlots() {
+  const {iterations = [], joints = [], frames} = row, several = joints.length > 0 && frames.length > 2;  // two places make no line
+  const searched = iterations.some((it) => it.sigma > 0);
+  marks = [];
+  showSection('sigma', searched);
+  showSection('joint-lines', several);
+  if (searched) {
+    const mark = plotSigma($('sigma'), iterations, frames, showFrame);
+    marks.push((place) => mark(place.iteration));
+  }
+  if (several) {
+    const mark = plotJoints($('joint-lines'), $('joint-names'), row, showFrame);
+    marks.push((place) => mark(place.frame));
+  }
 }
 
 // A section is there if its table or plot has something.
@@ -36,7 +55,6 @@ function fillContacts(id, other) {
   showSection(id, contacts.length);
   fill($(id), contacts.map(cells), (k) => {
     mark($(other), -1);
-    if (stage.view.bodies.hides(contacts[k].geoms)) setColliding(true);
     stage.lookAtContact(contacts[k]);
     document.body.dataset.contact = k;
   });
@@ -53,9 +71,9 @@ function fillPage() {
   fillContacts('contacts', 'contacts_in');
   fillTables($('row-tables'), row.tables, showFrame);
   showSection('joints', row.joints?.length);
-  showSection('sigma', row.iterations?.length);
-  plotSigma($('sigma'), row.iterations ?? [], row.frames, showFrame);
+  drawPlots();
   $('command').textContent = row.command ?? '';
+  $('norm-part').hidden = !row.norm;
   showSection('command', row.command);
 }
 
@@ -71,7 +89,6 @@ function showScene(bodies) {
   $('ghost').checked = true;
   writeFrame(row.frames.length - 1);  // before, as it may need more lines
   stage.setRow(bodies, row);
-  if (!several && bodies.hides(row.contacts_in.flatMap((contact) => contact.geoms))) setColliding(true);
 }
 
 async function choose(index) {
@@ -89,11 +106,6 @@ async function drawThumbnail(index, canvas) {
   await begun;  // what is looked at comes first
   const other = await unpackRow(index);
   if (other.frames.length > 0) stage.thumbnail(await stage.bodiesOf(page.rows[index].model), other, canvas);
-}
-
-function setColliding(on) {
-  $('colliding').checked = on;
-  stage.showColliding(on);
 }
 
 function setDark(dark) {
@@ -134,7 +146,9 @@ async function begin() {
   $('beside').onchange = () => stage.showBeside($('beside').checked);
   $('colliding').onchange = () => stage.showColliding($('colliding').checked);
   $('dark').onclick = () => setDark(document.documentElement.dataset.theme !== 'dark');
-  $('copy').onclick = () => navigator.clipboard?.writeText($('command').textContent);
+  document.querySelectorAll('.copy').forEach((button) => {
+    button.onclick = () => navigator.clipboard?.writeText(button.previousElementSibling.textContent);
+  });
   document.onkeydown = onKey;
   fillTables($('page-tables'), page.tables);
   $('again').textContent = page.again;
@@ -146,6 +160,7 @@ async function begin() {
   const asked = new URLSearchParams(window.location.hash.slice(1));  // #row=3&frame=5, or frame=50%
   begun = choose(page.rows[asked.get('row')] ? Number(asked.get('row')) : firstRow());
   await begun;
+  window.onresize = () => { drawPlots(); if (row.frames.length > 0) writeFrame(frame); };
   const at = asked.get('frame') ?? '100%';
   showFrame(at.endsWith('%') ? Math.round(parseFloat(at) / 100 * (row.frames.length - 1)) : Number(at));
   document.body.dataset.ready = 'yes';

@@ -72,7 +72,7 @@ export class Stage {
     this.bodies = bodies;
     this.world.add(bodies.group);
     const {contacts_in: given = [], contacts: found = []} = row;
-    bodies.setRow(row.poses, given.flatMap((contact) => contact.geoms));
+    bodies.setRow(row.poses, given);
     bodies.showFrame(frame);
     bodies.showGhost(ghost);
     bodies.focus(focus);
@@ -117,7 +117,8 @@ export class Stage {
 
   lookAtContact(contact) {
     this.focus(contact.geoms);
-    this.look(new THREE.Vector3(...contact.position), 1.2 * this.bodies.bounds.radius);
+    const near = this.bodies.radiusAround(contact.geoms), far = 1.2 * this.bodies.bounds.radius;
+    this.look(new THREE.Vector3(...contact.position), near > 0 ? Math.min(far, 5 * near) : far);
   }
 
   focus(geoms) {
