@@ -3,7 +3,9 @@
 // that long.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
+#include <ctime>
 #include <functional>
 #include <string>
 #include <vector>
@@ -24,6 +26,7 @@ struct Runs {
   std::vector<std::string> scenes = {"placement", "bridge"};
   int first_seed = 0, seeds = 5;
   double seconds = 60.0;
+  std::int64_t samples = 0;
   bool gaps = false, each = false;
 };
 
@@ -85,7 +88,11 @@ void RunAll(const Task& task, const std::string& planner, const Runs& runs) {
     options.planner = planner;
     options.options.seed = static_cast<std::uint64_t>(seed);
     options.options.time_limit = runs.seconds;
+    options.max_samples = runs.samples;
+    const std::clock_t begin = std::clock();
     paths.push_back(Plan(task.scene, task.start, task.goal, options));
+    // Of the processor: a planner has one thread, and other programs do not count.
+    paths.back().seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
     if (runs.each) PrintRow(task.name + " " + std::to_string(seed), planner, {paths.back()});
   }
   PrintRow(task.name, planner, paths);
@@ -121,6 +128,7 @@ int main(int argc, char** argv) {
   app.add_option("--first-seed", runs.first_seed, "of the runs");
   app.add_option("--seeds", runs.seeds, "runs of each")->check(CLI::Range(1, 1000));
   app.add_option("--seconds", runs.seconds, "time limit of a run");
+  app.add_option("--samples", runs.samples, "ends a run, too; 0: no bound");
   app.add_flag("--gaps", runs.gaps, "the disc and the gap instead of the scenes");
   app.add_flag("--each", runs.each, "print each run, too");
   CLI11_PARSE(app, argc, argv);

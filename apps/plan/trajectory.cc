@@ -110,7 +110,7 @@ std::optional<TimingLimits> ReadTimingLimits(const Scene& scene,
   if (arguments.speeds.empty()) {
     for (const auto& [flag, given] :
          {std::pair{"--accelerations", !arguments.accelerations.empty()},
-          {"--time-step", arguments.step > 0.0},
+          {"--time-step", std::isfinite(arguments.step)},
           {"--out-trajectory", !arguments.file.empty()}}) {
       if (given) throw Error(std::string(flag) + " needs --speeds");
     }
@@ -119,7 +119,7 @@ std::optional<TimingLimits> ReadTimingLimits(const Scene& scene,
   TimingLimits limits;
   limits.speed = ReadRates(m, "--speeds", arguments.speeds);
   limits.acceleration = ReadRates(m, "--accelerations", arguments.accelerations);
-  limits.step = arguments.step > 0.0 ? arguments.step : m.opt.timestep;
+  limits.step = std::isfinite(arguments.step) ? arguments.step : m.opt.timestep;
   CheckEverySpeed(scene.tables(), limits.speed);
   return limits;
 }

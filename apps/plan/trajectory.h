@@ -3,6 +3,7 @@
 #define MJCF_PDG_APPS_PLAN_TRAJECTORY_H_
 
 #include <CLI/CLI.hpp>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
