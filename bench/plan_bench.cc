@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <ctime>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -41,10 +42,13 @@ struct Spread {
   double low, middle, high;
 };
 
+// A folder of models/, or a file.
 Task FromModel(const std::string& name) {
-  const Scene scene =
-      Scene::FromFile(std::string(MJCF_PDG_MODEL_DIR) + "/" + name + "/" + name + ".xml");
-  return {name, scene, scene.KeyQpos(0), scene.KeyQpos(1)};
+  const std::filesystem::path path = name;
+  const bool file = path.extension() == ".xml";
+  const Scene scene = Scene::FromFile(
+      file ? name : std::string(MJCF_PDG_MODEL_DIR) + "/" + name + "/" + name + ".xml");
+  return {path.stem(), scene, scene.KeyQpos(0), scene.KeyQpos(1)};
 }
 
 // A disc of radius 0.2 m and a gap in a wall, wider than it by `slack`, a share of its diameter.
@@ -124,7 +128,9 @@ int main(int argc, char** argv) {
   CLI::App app("Time, nodes and queries of the planners");
   mjcf_pdg::bench::Runs runs;
   app.add_option("--planner", runs.planners, "these")->delimiter(',');
-  app.add_option("--scene", runs.scenes, "these of models/")->delimiter(',');
+  app.add_option("--scene", runs.scenes,
+                 "these of models/, or files, with keyframes for start and goal")
+      ->delimiter(',');
   app.add_option("--first-seed", runs.first_seed, "of the runs");
   app.add_option("--seeds", runs.seeds, "runs of each")->check(CLI::Range(1, 1000));
   app.add_option("--seconds", runs.seconds, "time limit of a run");

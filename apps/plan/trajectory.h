@@ -14,8 +14,8 @@
 namespace mjcf_pdg::app {
 
 struct TrajectoryArguments {
-  std::string speeds, accelerations;  // RATES, empty: not given
-  double step = 0.0;                  // [s]; 0: the model's time step
+  std::string speeds, accelerations;                      // RATES, empty: not given
+  double step = std::numeric_limits<double>::infinity();  // [s]; infinite: the model's time step
   std::string file;
 };
 

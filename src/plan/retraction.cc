@@ -121,15 +121,11 @@ class PdgRetraction : public Retraction {
   }
 
   const std::vector<VectorXd>& Retract(const VectorXd& near, const VectorXd& blocked) override {
-    chain_ = along_contact_.Retract(near, blocked);
-    const VectorXd nearest = chain_.empty() ? near : chain_.back();
-    solver_.SetHint(AsSpan(nearest));
+    solver_.SetHint(AsSpan(near));
     const Status status = solver_.Solve(AsSpan(blocked), result_);
     queries_ += result_.stats.collision_queries;
-    if (status == Status::kUnsolved) return chain_;
-    const std::vector<VectorXd>& further = along_contact_.Retract(nearest, ToEigen(result_.q));
-    chain_.insert(chain_.end(), further.begin(), further.end());
-    return chain_;
+    const bool solved = status != Status::kUnsolved;
+    return along_contact_.Retract(near, solved ? ToEigen(result_.q) : blocked);
   }
 
   std::int64_t queries() const override { return queries_ + along_contact_.queries(); }
@@ -147,7 +143,6 @@ class PdgRetraction : public Retraction {
   }
 
   ContactRetraction along_contact_;
-  std::vector<VectorXd> chain_;
   Solver solver_;
   Result result_;
   std::int64_t queries_ = 0;
