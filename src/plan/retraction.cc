@@ -115,7 +115,8 @@ class PdgRetraction : public Retraction {
  public:
   explicit PdgRetraction(const RetractionInput& input)
       : along_contact_(input), solver_(input.scene, SolverOptions(input)) {
-    // A new sample may be cheaper than a deep one. With 16 fewer seeds of the bridge ended in 10 s.
+    // A new sample may be cheaper than a deep one. Processor seconds per path found (bridge with a
+    // hole of 36 cm, 16 seeds): 1.56 with 16, 1.45 with 40, 3.0 with 100.
     constexpr int kQueries = 40;
     solver_.SetBudget({.queries = kQueries});
   }
