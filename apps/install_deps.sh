@@ -2,12 +2,12 @@
 # Installs what building and running mjcf-pdg needs (Debian 12 and 13, Ubuntu 22.04 and 24.04: the packages have the
 # same names there; on Ubuntu most are in `universe`, which its images have switched on).
 # Quick when all is there. MJCF_PDG_SKIP_DEPS=1 skips the check, for machines that get the packages in another way.
-# MuJoCo is not among them: CMake finds or fetches it.
+# MuJoCo and Ruckig are not among them: CMake finds or fetches them.
 set -euo pipefail
 
 packages=(
   g++ cmake make
-  python3 python3-pip                              # to fetch MuJoCo
+  python3 python3-pip                              # to fetch MuJoCo and Ruckig
   python3-venv python3-dev                         # the Python package and its tests
   libfcl-dev                                       # triangle meshes
   libeigen3-dev libassimp-dev zlib1g-dev           # zlib: reports; Debian's assimp needs it to link, too

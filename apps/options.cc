@@ -294,10 +294,11 @@ namespace {
 
 // Options that do not decide what comes out.
 constexpr std::array kElsewhere = {
-    "MODEL",      "SUITE",    "--key",       "--qpos",    "--qpos-file", "--motion", "--from",
-    "--to",       "--start",  "--goal",      "--threads", "--json",      "--resume", "--out-qpos",
-    "--out-mjcf", "--png",    "--animation", "--script",  "--html",      "--trace",  "--fix",
-    "--junit",    "--update", "--discover",  "--help",    "--version"};
+    "MODEL",    "SUITE",      "--key",           "--qpos",  "--qpos-file", "--motion",
+    "--from",   "--to",       "--start",         "--goal",  "--threads",   "--json",
+    "--resume", "--out-qpos", "--out-mjcf",      "--png",   "--animation", "--script",
+    "--html",   "--trace",    "--fix",           "--junit", "--update",    "--discover",
+    "--help",   "--version",  "--out-trajectory"};
 
 bool Elsewhere(const CLI::Option& option) {
   return std::any_of(kElsewhere.begin(), kElsewhere.end(), [&](const std::string& name) {

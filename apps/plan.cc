@@ -1,6 +1,7 @@
 // mjcf-pdg plan: a collision-free path between two configurations.
 #include "plan/plan.h"
 
+#include <chrono>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,6 +22,9 @@
 #include "apps/output/report.h"
 #include "apps/solve/scene_output.h"
 #include "plan/planners.h"
+#ifdef MJCF_PDG_HAVE_TIMING
+#include "apps/plan/trajectory.h"
+#endif
 #ifdef MJCF_PDG_HAVE_RENDER
 #include "apps/picture/animation.h"
 #include "apps/picture/egl_context.h"
@@ -37,13 +41,17 @@ struct PlanArguments {
   double time_limit_ms = 60e3;
   unsigned long long seed = 0;
   std::string json, out_qpos, out_mjcf, animation, html;
+#ifdef MJCF_PDG_HAVE_TIMING
+  TrajectoryArguments trajectory;
+#endif
 };
 
 nlohmann::ordered_json EndJson(const Result& end) {
   return {{"status", StatusName(end.status)}, {"sigma", end.sigma}, {"qpos", end.q}};
 }
 
-std::string PlanJson(const PlanArguments& arguments, const Path& path) {
+std::string PlanJson(const PlanArguments& arguments, const Path& path,
+                     const std::vector<double>& times) {
   nlohmann::ordered_json json = {{"found", path.found},
                                  {"certified", path.certified},
                                  {"planner", arguments.plan.planner},
@@ -56,18 +64,20 @@ std::string PlanJson(const PlanArguments& arguments, const Path& path) {
                                  {"start", EndJson(path.start)},
                                  {"goal", EndJson(path.goal)},
                                  {"path", path.q}};
+  if (!times.empty()) json["times"] = times;
   if (!path.found) json["reason"] = path.reason;
   return JsonLine(json);
 }
 
-std::string PlanText(const Path& path) {
+std::string PlanText(const Path& path, const std::vector<double>& times) {
   const std::string cost = "nodes " + std::to_string(path.nodes) + ", samples " +
                            std::to_string(path.samples) + ", collision queries " +
                            std::to_string(path.collision_queries) + "\n";
   if (!path.found) return "no path: " + path.reason + "\n" + cost;
   return "path of " + std::to_string(path.q.size()) + " configurations, length " +
-         Short(path.length) + " m, " + (path.certified ? "proven free" : "free, not certified") +
-         "\n" + cost;
+         Short(path.length) + " m, " +
+         (times.empty() ? "" : "duration " + Short(times.back()) + " s, ") +
+         (path.certified ? "proven free" : "free, not certified") + "\n" + cost;
 }
 
 void WarnOfRepair(const std::string& end, const Result& result) {
@@ -80,19 +90,6 @@ std::string QposFileContent(const std::vector<std::vector<double>>& path, const 
   std::string content = IsNpyFile(name) ? NpyHeader(path.size(), path.front().size()) : "";
   for (const std::vector<double>& q : path) content += FormatQposRow(q, name);
   return content;
-}
-
-// Each configuration of the path becomes a keyframe: path_pdg, path_pdg_2, ...
-void StageScene(const Scene& scene, const Configuration& start, const PlanArguments& arguments,
-                const Path& path, const SceneOutput& output, OutputFiles& outputs) {
-  std::vector<Configuration> rows(path.q.size(), start);
-  std::vector<Result> results(path.q.size());
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    rows[k].label = "path";
-    results[k].q = path.q[k];
-    results[k].status = Status::kSolved;
-  }
-  output.Stage(arguments.scene.model, {scene, rows, results}, outputs);
 }
 
 std::string PlanPage(const CLI::App& command, const PlanArguments& arguments, const Scene& scene,
@@ -111,6 +108,79 @@ std::string PlanPage(const CLI::App& command, const PlanArguments& arguments, co
   return page.ToString();
 }
 
+// The bar shows how much of the time limit is gone.
+Path PlanWithProgress(const Scene& scene, const std::vector<double>& start,
+                      const std::vector<double>& goal, PlanOptions& plan) {
+  using Clock = std::chrono::steady_clock;
+  const auto limit_ms = static_cast<std::size_t>(std::min(1e3 * plan.options.time_limit, 1e15));
+  Progress progress("planning, at most so many ms", limit_ms);
+  plan.go_on = [&progress, begin = Clock::now()] {
+    const std::chrono::duration<double, std::milli> gone = Clock::now() - begin;
+    progress.Reach(static_cast<std::size_t>(gone.count()));
+    return Interrupted() == 0;
+  };
+  return Plan(scene, start, goal, plan);
+}
+
+struct PlanOutputs {
+  OutputFiles files;
+  SceneOutput scene;
+};
+
+// What cannot be written or drawn is told before any work.
+void AddOutputs(const PlanArguments& arguments, PlanOutputs& outputs) {
+  const std::vector<std::string> inputs = {arguments.scene.model};
+  CheckQposFileName("--out-qpos", arguments.out_qpos);
+  outputs.files.Add("--json", arguments.json, inputs);
+  outputs.files.Add("--out-qpos", arguments.out_qpos, inputs);
+  outputs.files.Add("--html", arguments.html, inputs);
+#ifdef MJCF_PDG_HAVE_TIMING
+  AddTrajectoryFile(arguments.trajectory, inputs, outputs.files);
+#endif
+  outputs.scene.Add(arguments.out_mjcf, arguments.scene.model, inputs, outputs.files);
+  outputs.files.Add("--animation", arguments.animation, inputs);
+  if (outputs.scene.wanted()) ParseSpec(arguments.scene.model);
+#ifdef MJCF_PDG_HAVE_RENDER
+  if (!arguments.animation.empty()) {
+    outputs.files.StagedName(arguments.animation);
+    EglContext{};
+  }
+#endif
+}
+
+// A path, and when it is where [s], if that is known.
+struct TimedConfigurations {
+  const std::vector<std::vector<double>>& q;
+  const std::vector<double>& times;
+};
+
+// Each configuration of the path becomes a keyframe: path_pdg, path_pdg_2, ...
+void StageScene(const Scene& scene, const Configuration& start, const PlanArguments& arguments,
+                const TimedConfigurations& path, PlanOutputs& outputs) {
+  std::vector<Configuration> rows(path.q.size(), start);
+  std::vector<Result> results(path.q.size());
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    rows[k].label = "path";
+    results[k].q = path.q[k];
+    results[k].status = Status::kSolved;
+  }
+  outputs.scene.Stage(arguments.scene.model, {scene, rows, results, path.times}, outputs.files);
+}
+
+void StagePath(const Scene& scene, const Configuration& start, const PlanArguments& arguments,
+               const TimedConfigurations& path, PlanOutputs& outputs) {
+  if (!arguments.out_qpos.empty()) {
+    outputs.files.Stage(arguments.out_qpos, QposFileContent(path.q, arguments.out_qpos));
+  }
+  if (outputs.scene.wanted()) StageScene(scene, start, arguments, path, outputs);
+#ifdef MJCF_PDG_HAVE_RENDER
+  if (!arguments.animation.empty()) {
+    RenderAnimation(scene.model(), {PathShot(scene, start, path.q)},
+                    outputs.files.StagedName(arguments.animation));
+  }
+#endif
+}
+
 int RunPlan(const CLI::App& command, PlanArguments& arguments) {
   const Scene scene = LoadScene(arguments.scene);
   const Configuration start = ReadConfiguration(scene, arguments.start, "--start");
@@ -121,54 +191,32 @@ int RunPlan(const CLI::App& command, PlanArguments& arguments) {
   plan.options.mocap_pos = start.mocap_pos;
   plan.options.mocap_quat = start.mocap_quat;
   plan.options.report_contacts = !arguments.html.empty();
-
-  const std::vector<std::string> inputs = {arguments.scene.model};
-  OutputFiles outputs;
-  SceneOutput scene_output;
-  CheckQposFileName("--out-qpos", arguments.out_qpos);
-  outputs.Add("--json", arguments.json, inputs);
-  outputs.Add("--out-qpos", arguments.out_qpos, inputs);
-  outputs.Add("--html", arguments.html, inputs);
-  scene_output.Add(arguments.out_mjcf, arguments.scene.model, inputs, outputs);
-  outputs.Add("--animation", arguments.animation, inputs);
-  if (scene_output.wanted()) ParseSpec(arguments.scene.model);
-#ifdef MJCF_PDG_HAVE_RENDER
-  if (!arguments.animation.empty()) {  // what cannot be drawn is told before any work
-    outputs.StagedName(arguments.animation);
-    EglContext{};
-  }
+#ifdef MJCF_PDG_HAVE_TIMING
+  const std::optional<TimingLimits> limits = ReadTimingLimits(scene, arguments.trajectory);
 #endif
+  PlanOutputs outputs;
+  AddOutputs(arguments, outputs);
 
   CatchInterrupts();
-  Path path;
-  {
-    Progress progress("planning", std::nullopt);
-    plan.go_on = [&progress] {
-      progress.Step();
-      return Interrupted() == 0;
-    };
-    path = Plan(scene, start.q, goal.q, plan);
-  }
+  const Path path = PlanWithProgress(scene, start.q, goal.q, plan);
   WarnOfRepair("start", path.start);
   WarnOfRepair("goal", path.goal);
-  if (!arguments.json.empty()) outputs.Stage(arguments.json, PlanJson(arguments, path));
-  if (path.found && !arguments.out_qpos.empty()) {
-    outputs.Stage(arguments.out_qpos, QposFileContent(path.q, arguments.out_qpos));
-  }
-  if (path.found && scene_output.wanted()) {
-    StageScene(scene, start, arguments, path, scene_output, outputs);
-  }
-#ifdef MJCF_PDG_HAVE_RENDER
-  if (path.found && !arguments.animation.empty()) {
-    RenderAnimation(scene.model(), {PathShot(scene, start, path.q)},
-                    outputs.StagedName(arguments.animation));
+  std::vector<double> times;
+#ifdef MJCF_PDG_HAVE_TIMING
+  if (path.found && limits) {
+    const TimedPath timed = TimePath(scene, path.q, *limits);
+    const std::string& file = arguments.trajectory.file;
+    if (!file.empty()) outputs.files.Stage(file, TrajectoryContent(timed, file));
+    times = timed.times;
   }
 #endif
+  outputs.files.Stage(arguments.json, PlanJson(arguments, path, times));
+  if (path.found) StagePath(scene, start, arguments, {path.q, times}, outputs);
   if (!arguments.html.empty()) {
-    outputs.Stage(arguments.html, PlanPage(command, arguments, scene, {start, goal, path}));
+    outputs.files.Stage(arguments.html, PlanPage(command, arguments, scene, {start, goal, path}));
   }
-  outputs.Commit();
-  if (!outputs.uses_stdout()) WriteStdout(PlanText(path));
+  outputs.files.Commit();
+  if (!outputs.files.uses_stdout()) WriteStdout(PlanText(path, times));
   if (Interrupted())
     return SayInterrupted(path.found ? "after a path was found" : "before a path was found");
   return path.found ? kExitFree : kExitNotFree;
@@ -221,6 +269,9 @@ Verb AddPlanVerb(CLI::App& program) {
   AddAnimation(*command, "show the motion along the path", arguments->animation);
 #endif
   AddHtml(*command, arguments->html);
+#ifdef MJCF_PDG_HAVE_TIMING
+  AddTrajectory(*command, arguments->trajectory);
+#endif
   return {command, [command, arguments] { return RunPlan(*command, *arguments); }};
 }
 

@@ -3,7 +3,10 @@
 // that long.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
+#include <ctime>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -13,17 +16,19 @@
 namespace mjcf_pdg::bench {
 namespace {
 
-const char* const kPlanners[] = {"birrt", "birrt-r", "birrt-pdg"};
-
 struct Task {
   std::string name;
   Scene scene;
   std::vector<double> start, goal;
 };
 
-struct Limits {
-  int seeds = 5;
+struct Runs {
+  std::vector<std::string> planners = {"birrt", "birrt-r", "birrt-pdg"};
+  std::vector<std::string> scenes = {"placement", "bridge"};
+  int first_seed = 0, seeds = 5;
   double seconds = 60.0;
+  std::int64_t samples = 0;
+  bool gaps = false, each = false;
 };
 
 // The least, the middle and the largest of a number that each run has.
@@ -37,10 +42,13 @@ struct Spread {
   double low, middle, high;
 };
 
+// A folder of models/, or a file.
 Task FromModel(const std::string& name) {
-  const Scene scene =
-      Scene::FromFile(std::string(MJCF_PDG_MODEL_DIR) + "/" + name + "/" + name + ".xml");
-  return {name, scene, scene.KeyQpos(0), scene.KeyQpos(1)};
+  const std::filesystem::path path = name;
+  const bool file = path.extension() == ".xml";
+  const Scene scene = Scene::FromFile(
+      file ? name : std::string(MJCF_PDG_MODEL_DIR) + "/" + name + "/" + name + ".xml");
+  return {path.stem(), scene, scene.KeyQpos(0), scene.KeyQpos(1)};
 }
 
 // A disc of radius 0.2 m and a gap in a wall, wider than it by `slack`, a share of its diameter.
@@ -59,15 +67,7 @@ Task DiscAndGap(double slack) {
           {1.0, -0.7}};
 }
 
-void RunAll(const Task& task, const char* planner, const Limits& limits) {
-  std::vector<Path> paths;
-  for (int seed = 0; seed < limits.seeds; ++seed) {
-    PlanOptions options;
-    options.planner = planner;
-    options.options.seed = static_cast<std::uint64_t>(seed);
-    options.options.time_limit = limits.seconds;
-    paths.push_back(Plan(task.scene, task.start, task.goal, options));
-  }
+void PrintRow(const std::string& task, const std::string& planner, const std::vector<Path>& paths) {
   const auto spread = [&paths](const std::function<double(const Path&)>& number) {
     std::vector<double> values;
     for (const Path& path : paths) values.push_back(number(path));
@@ -76,27 +76,45 @@ void RunAll(const Task& task, const char* planner, const Limits& limits) {
   const auto found =
       std::count_if(paths.begin(), paths.end(), [](const Path& path) { return path.found; });
   const Spread seconds = spread([](const Path& path) { return path.seconds; });
-  std::printf("%-10s %-10s %2d/%-2d %8.3f %8.3f %8.3f %8.0f %9.0f %8.3f\n", task.name.c_str(),
-              planner, static_cast<int>(found), limits.seeds, seconds.middle, seconds.low,
-              seconds.high, spread([](const Path& path) { return path.nodes; }).middle,
+  std::printf("%-10s %-10s %2d/%-2d %8.3f %8.3f %8.3f %8.0f %9.0f %8.3f\n", task.c_str(),
+              planner.c_str(), static_cast<int>(found), static_cast<int>(paths.size()),
+              seconds.middle, seconds.low, seconds.high,
+              spread([](const Path& path) { return path.nodes; }).middle,
               spread([](const Path& path) { return double(path.collision_queries); }).middle,
               spread([](const Path& path) { return path.length; }).middle);
   std::fflush(stdout);
 }
 
-void Run(const Limits& limits, bool gaps) {
+void RunAll(const Task& task, const std::string& planner, const Runs& runs) {
+  std::vector<Path> paths;
+  for (int seed = runs.first_seed; seed < runs.first_seed + runs.seeds; ++seed) {
+    PlanOptions options;
+    options.planner = planner;
+    options.options.seed = static_cast<std::uint64_t>(seed);
+    options.options.time_limit = runs.seconds;
+    options.max_samples = runs.samples;
+    const std::clock_t begin = std::clock();
+    paths.push_back(Plan(task.scene, task.start, task.goal, options));
+    // Of the processor: a planner has one thread, and other programs do not count.
+    paths.back().seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+    if (runs.each) PrintRow(task.name + " " + std::to_string(seed), planner, {paths.back()});
+  }
+  PrintRow(task.name, planner, paths);
+}
+
+void Run(const Runs& runs) {
   std::printf("%-10s %-10s %5s %8s %8s %8s %8s %9s %8s\n", "scene", "planner", "found", "s median",
               "s least", "s most", "nodes", "queries", "length m");
   std::vector<Task> tasks;
-  if (gaps) {
+  if (runs.gaps) {
     for (const double slack : {0.2, 0.1, 0.03, 0.01}) tasks.push_back(DiscAndGap(slack));
   } else {
-    tasks = {FromModel("placement"), FromModel("bridge")};
+    for (const std::string& scene : runs.scenes) tasks.push_back(FromModel(scene));
   }
   for (const Task& task : tasks) {
-    for (const char* planner : kPlanners) RunAll(task, planner, limits);
+    for (const std::string& planner : runs.planners) RunAll(task, planner, runs);
   }
-  if (!gaps) {
+  if (!runs.gaps) {
     std::printf(
         "paper, Table IV, ten runs each, mean s: placement 172.8, 154.2, 85.3; bridge 78.3 "
         "and 42.1 as far as legible\n");
@@ -108,12 +126,18 @@ void Run(const Limits& limits, bool gaps) {
 
 int main(int argc, char** argv) {
   CLI::App app("Time, nodes and queries of the planners");
-  mjcf_pdg::bench::Limits limits;
-  bool gaps = false;
-  app.add_option("--seeds", limits.seeds, "runs of each")->check(CLI::Range(1, 1000));
-  app.add_option("--seconds", limits.seconds, "time limit of a run");
-  app.add_flag("--gaps", gaps, "the disc and the gap instead of the scenes");
+  mjcf_pdg::bench::Runs runs;
+  app.add_option("--planner", runs.planners, "these")->delimiter(',');
+  app.add_option("--scene", runs.scenes,
+                 "these of models/, or files, with keyframes for start and goal")
+      ->delimiter(',');
+  app.add_option("--first-seed", runs.first_seed, "of the runs");
+  app.add_option("--seeds", runs.seeds, "runs of each")->check(CLI::Range(1, 1000));
+  app.add_option("--seconds", runs.seconds, "time limit of a run");
+  app.add_option("--samples", runs.samples, "ends a run, too; 0: no bound");
+  app.add_flag("--gaps", runs.gaps, "the disc and the gap instead of the scenes");
+  app.add_flag("--each", runs.each, "print each run, too");
   CLI11_PARSE(app, argc, argv);
-  mjcf_pdg::bench::Run(limits, gaps);
+  mjcf_pdg::bench::Run(runs);
   return 0;
 }

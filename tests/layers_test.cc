@@ -107,6 +107,7 @@ TEST(LayersTest, LibrariesAreCalledFromTheirOwnFolders) {
       {"#include <assimp/", {"import"}},
       {"#include <nlohmann/", {"import"}},
       {"#include <ompl/", {"plan"}},
+      {"#include <ruckig/", {"plan"}},
   };
   for (const SourceFile& source : Sources()) {
     const std::string text = Contents(source.path);

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <iostream>
 
 namespace mjcf_pdg::app {
@@ -15,6 +16,12 @@ Progress::Progress(const std::string& label, std::optional<std::size_t> total, s
 
 Progress::~Progress() {
   if (bar_ && bar_->count() < bar_->expected_count()) std::cerr << std::endl;
+}
+
+void Progress::Reach(std::size_t done) {
+  if (!bar_) return;
+  done = std::min<std::size_t>(done, bar_->expected_count());
+  if (done > bar_->count()) *bar_ += done - bar_->count();
 }
 
 void Progress::Step() {

@@ -19,7 +19,8 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void Step();  // one more step is done; thread-safe
+  void Step();                   // one more step is done; thread-safe
+  void Reach(std::size_t done);  // so many are done, of more than `total` all
 
  private:
   std::mutex mutex_;

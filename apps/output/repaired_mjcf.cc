@@ -171,14 +171,16 @@ SpecPtr ParseSpec(const std::string& path) {
 }
 
 void AddRepairedKeys(const RepairedRows& repaired, mjSpec* spec) {
-  const auto& [scene, rows, results] = repaired;
+  const auto& [scene, rows, results, times] = repaired;
   const mjModel& m = *scene.model();
   const std::unique_ptr<mjData, DataDeleter> data(mj_makeData(&m));
   if (!data) throw std::runtime_error("MuJoCo cannot make its data");
   const std::vector<std::string> names = KeyNames(rows);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (results[i].status == Status::kUnsolved) continue;
-    FillKey(m, rows[i], results[i].q, data.get(), AddKey(names[i], spec));
+    mjsKey* const key = AddKey(names[i], spec);
+    FillKey(m, rows[i], results[i].q, data.get(), key);
+    if (!times.empty()) key->time = times[i];
   }
 }
 
@@ -204,7 +206,7 @@ std::string FormatMjcf(mjSpec* spec) {
 }
 
 void CheckMjcf(const std::string& path, const mjVFS* vfs, const RepairedRows& repaired) {
-  const auto& [scene, rows, results] = repaired;
+  const auto& [scene, rows, results, times] = repaired;
   std::string error(kErrorSize, '\0');
   const std::unique_ptr<mjModel, ModelDeleter> model(
       mj_loadXML(path.c_str(), vfs, error.data(), kErrorSize));

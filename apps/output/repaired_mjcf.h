@@ -24,6 +24,7 @@ struct RepairedRows {
   const Scene& scene;
   const std::vector<Configuration>& rows;
   const std::vector<Result>& results;
+  std::vector<double> times = {};  // of the new keyframes [s]; empty: those of the rows' keyframes
 };
 
 // Adds to `spec` a keyframe for each row whose result is not unsolved, and removes an old one of

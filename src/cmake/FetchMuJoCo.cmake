@@ -1,42 +1,18 @@
 # mjcf_pdg_fetch_mujoco(RESULT): downloads the pinned MuJoCo wheel with pip, checks its hash, unpacks it, and returns a
 # folder that is good as MuJoCo_ROOT. Wheel and unpacked copy stay in MJCF_PDG_CACHE_DIR, so it happens once.
-#
-# pip rather than file(DOWNLOAD), because pip knows the user's index, proxy and certificates. The wheel's libmujoco does
-# not depend on Python, so any ABI will do: a fixed one lets us pin the hash whatever Python is here.
+# The wheel's libmujoco does not depend on Python, so any ABI will do: a fixed one lets us pin the hash whatever Python is here.
 
 set(_mujoco_version 4.0.1)
 set(_mujoco_sha256_x86_64 efbfb6e8f2bd63c5f19473f8093f01696937ef453d647b3c7a92620f5873b845)
 set(_mujoco_sha256_aarch64 a401eaea5295a29d50c6fdfdb8df8d73c525ab2153751f91c36bd6ccdff95822)
 
-set(MJCF_PDG_CACHE_DIR "$ENV{MJCF_PDG_CACHE_DIR}" CACHE PATH
-    "Where the fetched MuJoCo is kept (empty: the build folder)")
-
-# A python3 that has pip. The first on the PATH may be a virtual environment without it.
-function(_mjcf_pdg_find_pip result)
-  foreach(python IN ITEMS "${MuJoCo_PYTHON}" python3 /usr/bin/python3)
-    if(python)
-      execute_process(COMMAND "${python}" -m pip --version RESULT_VARIABLE failed OUTPUT_QUIET ERROR_QUIET)
-      if(failed EQUAL 0)
-        set(${result} "${python}" PARENT_SCOPE)
-        return()
-      endif()
-    endif()
-  endforeach()
-  message(FATAL_ERROR "MuJoCo 4.0.x was not found, and fetching it needs python3 with pip.\n"
-          "Run apps/install_deps.sh, or set MuJoCo_ROOT to an unpacked MuJoCo ${_mujoco_version}.")
-endfunction()
+include(pip_download)
 
 function(_mjcf_pdg_download_wheel folder sha256)
-  _mjcf_pdg_find_pip(python)
-  message(STATUS "Fetching mujoco-core ${_mujoco_version} with ${python} -m pip")
-  file(WRITE "${folder}/requirements.txt" "mujoco-core==${_mujoco_version} --hash=sha256:${sha256}\n")
-  execute_process(
-    COMMAND "${python}" -m pip download --quiet --disable-pip-version-check --retries 2 --no-deps --only-binary=:all:
-            --require-hashes --requirement "${folder}/requirements.txt" --dest "${folder}" --python-version 3.12
-            --implementation cp --abi cp312 --platform manylinux_2_28_${CMAKE_SYSTEM_PROCESSOR}
-    RESULT_VARIABLE failed OUTPUT_VARIABLE log ERROR_VARIABLE log)
-  if(NOT failed EQUAL 0)
-    message(FATAL_ERROR "Could not fetch mujoco-core ${_mujoco_version}:\n${log}\n"
+  mjcf_pdg_pip_download(failed "${folder}" "mujoco-core==${_mujoco_version} --hash=sha256:${sha256}" --only-binary=:all:
+    --python-version 3.12 --implementation cp --abi cp312 --platform manylinux_2_28_${CMAKE_SYSTEM_PROCESSOR})
+  if(failed)
+    message(FATAL_ERROR "MuJoCo 4.0.x was not found. Could not fetch mujoco-core ${_mujoco_version}:\n${failed}\n"
             "If this machine has no network, do one of these on one that has, and copy the result here:\n"
             "  * unpack MuJoCo ${_mujoco_version} (release archive or mujoco-core wheel) and set MuJoCo_ROOT to it\n"
             "  * build once with -DMJCF_PDG_CACHE_DIR=FOLDER, and use the same FOLDER here")

@@ -78,3 +78,6 @@ file(GENERATE OUTPUT "${PROJECT_BINARY_DIR}/$<CONFIG>/mjcf_pdg.pc" INPUT "${PROJ
 install(FILES "${PROJECT_BINARY_DIR}/$<CONFIG>/mjcf_pdg.pc" DESTINATION "${pkgconfig_dir}")
 
 install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+if(TARGET mjcf_pdg_ruckig AND TARGET mjcf-pdg)  # it is in the program
+  install(FILES "${ruckig_dir}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}/ruckig")
+endif()

@@ -34,6 +34,7 @@ class Planning {
   void Search(const VectorXd& start, const VectorXd& goal);
   void Solve(const ob::ProblemDefinitionPtr& problem, const ob::SpaceInformationPtr& information);
   void Keep(const og::PathGeometric& path);
+  void Straighten(std::vector<VectorXd>& q);
   bool Prove(const std::vector<VectorXd>& path);
   bool Ended() const;
 
@@ -99,6 +100,18 @@ std::vector<VectorXd> Configurations(const og::PathGeometric& path) {
   return q;
 }
 
+// Takes out configurations whose neighbours can be joined: smoothing leaves some on straight parts,
+// and a path that is timed stops at each.
+void Planning::Straighten(std::vector<VectorXd>& q) {
+  for (std::size_t k = 1; k + 1 < q.size() && !Ended();) {
+    if (prover_->IsFree(q[k - 1], q[k + 1])) {
+      q.erase(q.begin() + static_cast<std::ptrdiff_t>(k));
+    } else {
+      ++k;
+    }
+  }
+}
+
 // Shortens the path, each change proven free, and proves what is left once more from end to end.
 void Planning::Keep(const og::PathGeometric& path) {
   og::PathGeometric shorter(path);
@@ -108,6 +121,7 @@ void Planning::Keep(const og::PathGeometric& path) {
   if (!Ended()) simplifier.smoothBSpline(shorter, 2, space_->getMaximumExtent() / 100.0);
   if (!Ended()) simplifier.reduceVertices(shorter);
   std::vector<VectorXd> q = Configurations(shorter);
+  Straighten(q);
   if (!Prove(q)) {
     q = Configurations(path);
     if (!Prove(q)) {

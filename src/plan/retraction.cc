@@ -115,21 +115,18 @@ class PdgRetraction : public Retraction {
  public:
   explicit PdgRetraction(const RetractionInput& input)
       : along_contact_(input), solver_(input.scene, SolverOptions(input)) {
-    // A new sample may be cheaper than a deep one. With 16 fewer seeds of the bridge ended in 10 s.
+    // A new sample may be cheaper than a deep one. Processor seconds per path found (bridge with a
+    // hole of 36 cm, 16 seeds): 1.56 with 16, 1.45 with 40, 3.0 with 100.
     constexpr int kQueries = 40;
     solver_.SetBudget({.queries = kQueries});
   }
 
   const std::vector<VectorXd>& Retract(const VectorXd& near, const VectorXd& blocked) override {
-    chain_ = along_contact_.Retract(near, blocked);
-    const VectorXd nearest = chain_.empty() ? near : chain_.back();
-    solver_.SetHint(AsSpan(nearest));
+    solver_.SetHint(AsSpan(near));
     const Status status = solver_.Solve(AsSpan(blocked), result_);
     queries_ += result_.stats.collision_queries;
-    if (status == Status::kUnsolved) return chain_;
-    const std::vector<VectorXd>& further = along_contact_.Retract(nearest, ToEigen(result_.q));
-    chain_.insert(chain_.end(), further.begin(), further.end());
-    return chain_;
+    const bool solved = status != Status::kUnsolved;
+    return along_contact_.Retract(near, solved ? ToEigen(result_.q) : blocked);
   }
 
   std::int64_t queries() const override { return queries_ + along_contact_.queries(); }
@@ -147,7 +144,6 @@ class PdgRetraction : public Retraction {
   }
 
   ContactRetraction along_contact_;
-  std::vector<VectorXd> chain_;
   Solver solver_;
   Result result_;
   std::int64_t queries_ = 0;

@@ -44,16 +44,15 @@ struct RetractionInput {
 // Differs from it: the distance is the object norm, and every slide is proven free by CCDg.
 std::unique_ptr<Retraction> MakeContactRetraction(const RetractionInput& input);
 
-// By generalized penetration depth: to the nearest free configuration to the sample. It is found
-// from the nearest node, or from where the contact has led from there, and gone to along the
-// contact where the straight motion is not free.
+// By generalized penetration depth: towards the nearest free configuration to the sample, from the
+// nearest node, and along the contact where the straight motion is not free.
 //
 // Source: Tang & Kim, Sec. 6.3.
 // Differs from it:
 //   1. The sample is the end of the step that the tree was to make, not the configuration that was
 //      drawn, which may lie far beyond it.
-//   2. First the tree goes along the contact as above: chosen on three seeds of the bridge, see
-//      plan_bench in bench/README.md.
+//   2. Where the solver finds nothing free, the tree goes along the contact towards the sample
+//      itself.
 std::unique_ptr<Retraction> MakePdgRetraction(const RetractionInput& input);
 
 }  // namespace mjcf_pdg

@@ -1,4 +1,7 @@
 // mjcf-pdg plan: what it writes, its exit codes, what it refuses.
+#include <pty.h>
+#include <signal.h>
+
 #include "tests/support/cli_test.h"
 #include "tests/support/report_file.h"
 
@@ -99,6 +102,47 @@ TEST_F(CliPlanTest, WhatIsNotFoundExitsThreeAndWritesNoPath) {
   EXPECT_NE(json["reason"], "");
   EXPECT_FALSE(std::filesystem::exists(cwd() / "p.npy"));
   EXPECT_FALSE(std::filesystem::exists(cwd() / "p.xml"));
+}
+
+// Ctrl-C on a terminal, where the bar tells that it plans, and SIGTERM. There is no path.
+TEST_F(CliPlanTest, AnInterruptEndsTheSearchAndWritesWhatThereIs) {
+  Write("gap.xml", std::string(kGap).replace(std::string(kGap).find("1.15 0"), 4, "1.05"));
+  for (const auto& [signal, code] : {std::pair{SIGINT, 130}, {SIGTERM, 143}}) {
+    int terminal = -1;
+    const pid_t child = forkpty(&terminal, nullptr, nullptr, nullptr);
+    if (child == 0) {
+      if (chdir(cwd().c_str()) != 0) _exit(99);
+      execl(kProgram, kProgram, "plan", "gap.xml", "--start", "-.5 .5", "--goal", ".5 .5",
+            "--time-limit", "60000", "--json", "p.json", "--out-qpos", "p.csv", nullptr);
+      _exit(99);
+    }
+    std::string said;
+    bool asked = false;
+    char piece[1000];
+    for (ssize_t n; (n = read(terminal, piece, sizeof piece)) > 0;) {
+      said.append(piece, static_cast<std::size_t>(n));
+      if (asked || said.find("planning, at most so many ms (60000)") == std::string::npos) continue;
+      asked = true;
+      if (signal == SIGINT) {
+        ASSERT_EQ(write(terminal, "\x03", 1), 1);
+      } else {
+        ASSERT_EQ(kill(child, signal), 0);
+      }
+    }
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    close(terminal);
+    EXPECT_TRUE(asked);
+    EXPECT_TRUE(WIFEXITED(status)) << said;
+    EXPECT_EQ(WEXITSTATUS(status), code) << said;
+    EXPECT_NE(said.find("no path: none was found within the limit"), std::string::npos) << said;
+    EXPECT_NE(said.find("warning: interrupted before a path was found"), std::string::npos) << said;
+    const Json json = Json::parse(Read("p.json"));
+    EXPECT_EQ(json["found"], false);
+    EXPECT_LT(json["time_us"], 60e6);
+    EXPECT_FALSE(std::filesystem::exists(cwd() / "p.csv"));
+    std::filesystem::remove(cwd() / "p.json");
+  }
 }
 
 TEST_F(CliPlanTest, TheSameSeedGivesTheSameBytes) {

@@ -1,90 +1,113 @@
-// solve --trajectory and --smooth: what they write, and what they refuse.
-#include <gmock/gmock.h>
+// mjcf-pdg plan --speeds: times in the JSON, in keyframes and in the trajectory, and what is
+// refused.
+#include <cmath>
 
 #include "tests/support/cli_test.h"
-#include "tests/support/test_support.h"
 
 namespace mjcf_pdg::test {
 namespace {
 
 using Json = nlohmann::json;
 
+// A ball of radius 0.1 on two slides and a hinge, and a wall with a gap at y = 0.
+constexpr char kGap[] = R"(<mujoco><option timestep=".01"/><worldbody>
+  <geom name="lower" type="box" size=".1 1 .5" pos="0 -1.15 0"/>
+  <geom name="upper" type="box" size=".1 1 .5" pos="0 1.15 0"/>
+  <body name="ball">
+    <joint name="x" type="slide" axis="1 0 0" range="-1 1" limited="true"/>
+    <joint name="y" type="slide" axis="0 1 0" range="-1 1" limited="true"/>
+    <joint name="spin" axis="0 0 1"/>
+    <geom name="sphere" size=".1"/>
+  </body></worldbody>
+  <keyframe><key name="start" qpos="-.5 .5 0"/><key name="goal" qpos=".5 .5 1"/></keyframe></mujoco>)";
+
 class CliTrajectoryTest : public CliTest {
  protected:
   void SetUp() override {
     CliTest::SetUp();
-    std::string rows;
-    for (int k = 0; k < 40; ++k) {
-      rows += std::to_string(-0.6 + 0.03 * k) + " " + std::to_string(-0.05 - 0.001 * k) + "\n";
-    }
-    Write("clip.txt", rows);
+    if (kProgram) Write("gap.xml", kGap);
   }
-
-  std::vector<Json> Solve(const Arguments& more) {
-    Arguments arguments = {"solve",  "scene.xml",  "--qpos-file", "clip.txt",    "--json",
-                           "a.json", "--out-qpos", "a.npy",       "--trajectory"};
+  static Arguments Timed(const Arguments& more) {
+    Arguments arguments = {"plan", "gap.xml", "--start", "start", "--goal", "goal"};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    const Outcome outcome = Run(arguments);
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-    EXPECT_NE(outcome.out.find("40 configurations"), std::string::npos) << outcome.out;
-    std::vector<Json> lines = ParseLines(Read("a.json"));
-    EXPECT_EQ(lines.size(), 40u);
-    for (Json& line : lines) line.erase("time_us");
-    return lines;
+    return arguments;
   }
 };
 
-double Change(const std::vector<Json>& lines) {
-  double sum = 0.0;
-  for (std::size_t k = 1; k < lines.size(); ++k) {
-    for (std::size_t j = 0; j < lines[k]["qpos"].size(); ++j) {
-      sum += std::pow(lines[k]["qpos"][j].get<double>() - lines[k - 1]["qpos"][j].get<double>(), 2);
+TEST_F(CliTrajectoryTest, TimesComeWithThePath) {
+  const Outcome outcome =
+      Run(Timed({"--speeds", "0.5/2,y=0.25", "--accelerations", "4", "--json", "p.json",
+                 "--out-trajectory", "t.jsonl", "--out-mjcf", "keys.xml"}));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("duration"), std::string::npos) << outcome.out;
+  const Json plan = Json::parse(Read("p.json"));
+  const Json &path = plan["path"], &times = plan["times"];
+  ASSERT_EQ(times.size(), path.size());
+  EXPECT_EQ(times.front(), 0.0);
+
+  const std::vector<Json> rows = ParseLines(Read("t.jsonl"));
+  std::size_t corner = 0;
+  const double limits[] = {0.5, 0.25, 2.0};
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    EXPECT_NEAR(rows[k]["time"], 0.01 * static_cast<double>(k), 1e-9);  // the model's time step
+    for (std::size_t j = 0; j < 3; ++j) {
+      EXPECT_LE(std::abs(rows[k]["qvel"][j].get<double>()), limits[j] + 1e-6);
+    }
+    if (corner < times.size() && rows[k]["time"] == times[corner]) {
+      EXPECT_EQ(rows[k]["qpos"], path[corner]);
+      EXPECT_EQ(rows[k]["qvel"], (Json{0.0, 0.0, 0.0}));
+      ++corner;
     }
   }
-  return sum;
+  EXPECT_EQ(corner, times.size());
+  EXPECT_EQ(rows.back()["time"], times.back());
+
+  // Keyframes have the times, and every row of the trajectory is free.
+  EXPECT_NE(Read("keys.xml").find("name=\"path_pdg_2\" time="), std::string::npos)
+      << Read("keys.xml");
+  EXPECT_EQ(Run({"check", "gap.xml", "--qpos-file", "t.jsonl"}).exit_code, 0);
 }
 
-TEST_F(CliTrajectoryTest, FramesAreFollowedAndSmoothedTheSameAtAnyThreadCount) {
-  const std::vector<Json> followed = Solve({});
-  const std::string npy = Read("a.npy");
-  EXPECT_EQ(Solve({"--threads", "4"}), followed);
-  EXPECT_EQ(Read("a.npy"), npy);
-  EXPECT_EQ(Solve({"--smooth", "0"}), followed);
-  const std::vector<Json> smooth = Solve({"--smooth", "5"});
-  EXPECT_EQ(Read("a.npy").size(), npy.size());
-  EXPECT_NE(Read("a.npy"), npy);
-  EXPECT_EQ(Solve({"--smooth", "5", "--threads", "4"}), smooth);
-  EXPECT_LT(Change(smooth), 0.9 * Change(followed));
-  for (std::size_t k = 0; k < smooth.size(); ++k) {
-    EXPECT_EQ(smooth[k]["index"], k);
-    EXPECT_GE(smooth[k]["sigma"], smooth[k]["sigma_lower_bound"]);
-    EXPECT_GE(smooth[k]["min_distance"], -1e-6);
-  }
-}
-
-TEST_F(CliTrajectoryTest, WhatCannotBeSmoothedIsRefused) {
-  const auto refused = [&](const Arguments& more, const std::string& words) {
-    Arguments arguments = {"solve", "scene.xml", "--qpos-file", "clip.txt", "--json", "b.json"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    ExpectRefused(arguments, words);
+TEST_F(CliTrajectoryTest, EveryKindOfFileHasTheSameRows) {
+  const auto rows = [this](const std::string& file) {
+    const Outcome outcome =
+        Run(Timed({"--speeds", "1", "--time-step", "0.05", "--out-trajectory", file}));
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return Read(file);
   };
-  refused({"--smooth", "1"}, "--smooth needs --trajectory");
-  refused({"--smooth", "1", "--trajectory", "--method", "paper"}, "--smooth needs --method auto");
-  refused({"--smooth", "1", "--trajectory", "--time-limit", "5"}, "--time-limit is per row");
-  refused({"--smooth", "1", "--trajectory", "--resume"}, "--resume");
-  for (const char* bad : {"-1", "nan", "inf", "1e7", "x", ""}) {
-    refused({"--trajectory", "--smooth", bad}, "--smooth");
-  }
+  std::string csv = rows("t.csv"), txt = rows("t.txt");
+  const std::string npy = rows("t.npy");
+  const auto lines = static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n'));
+  EXPECT_GT(lines, 20u);
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), ','), static_cast<long>(6 * lines));  // 1 + 3 + 3
+  std::replace(csv.begin(), csv.end(), ',', ' ');
+  EXPECT_EQ(csv, txt);
+  EXPECT_NE(npy.substr(0, 128).find("(" + std::to_string(lines) + ", 7)"), std::string::npos);
+  EXPECT_EQ(npy.size(), 128 + lines * 7 * sizeof(double));
 }
 
-// Rows are told when all are solved: a bad one leaves none.
-TEST_F(CliTrajectoryTest, ABadFrameOfASmoothedClipLeavesNothing) {
-  Write("clip.txt", Read("clip.txt") + "0 nan\n");
-  const Outcome outcome = Run({"solve", "scene.xml", "--qpos-file", "clip.txt", "--trajectory",
-                               "--smooth", "1", "--json", "c.json"});
-  EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_NE(outcome.err.find("clip.txt line 41"), std::string::npos) << outcome.err;
-  EXPECT_FALSE(std::filesystem::exists(cwd() / "c.json"));
+TEST_F(CliTrajectoryTest, ThePathIsTheSameWithoutTimes) {
+  const Json with = Json::parse(Run(Timed({"--speeds", "1", "--json", "-"})).out);
+  const Json without = Json::parse(Run(Timed({"--json", "-"})).out);
+  EXPECT_EQ(with["path"], without["path"]);
+  EXPECT_FALSE(without.contains("times"));
+}
+
+TEST_F(CliTrajectoryTest, BadInputIsRefused) {
+  ExpectRefused(Timed({"--speeds", "0"}), "--speeds: '0' is not a positive number");
+  ExpectRefused(Timed({"--speeds", "1/-2"}), "--speeds: '1/-2'");
+  ExpectRefused(Timed({"--speeds", "fast"}), "--speeds");
+  ExpectRefused(Timed({"--speeds", ""}), "--speeds");
+  ExpectRefused(Timed({"--speeds", "1,,2"}), "--speeds");
+  ExpectRefused(Timed({"--speeds", "1,z=2"}), "--speeds: no joint 'z' (joints: x, y, spin)");
+  ExpectRefused(Timed({"--speeds", "x=1,y=1"}), "no speed for joint 'spin'");
+  ExpectRefused(Timed({"--speeds", "1", "--accelerations", "x="}), "--accelerations");
+  ExpectRefused(Timed({"--accelerations", "1"}), "--accelerations needs --speeds");
+  ExpectRefused(Timed({"--time-step", "1"}), "--time-step needs --speeds");
+  ExpectRefused(Timed({"--out-trajectory", "t.csv"}), "--out-trajectory needs --speeds");
+  ExpectRefused(Timed({"--speeds", "1", "--time-step", "0"}), "--time-step");
+  ExpectRefused(Timed({"--speeds", "1", "--out-trajectory", "t.doc"}), "--out-trajectory");
+  ExpectRefused(Timed({"--speeds", "1e-9"}), "at full speed");
 }
 
 }  // namespace
