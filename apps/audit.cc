@@ -172,12 +172,15 @@ class AuditPage {
   Page page_;
 };
 
-void StageMended(const ModelAudit& one, const AuditArguments& arguments, OutputFiles& outputs) {
+// Returns what was mended, as a line of the text.
+std::string StageMended(const ModelAudit& one, const AuditArguments& arguments,
+                        OutputFiles& outputs) {
   MendOptions options{arguments.fix, arguments.scene.options, {}};
   options.solve.tolerance = arguments.options.tolerance;
   const MendedModel mended = Mended(one.model, one.audit, options);
   for (const std::string& words : mended.left) WriteWarning("--fix: " + words);
   outputs.Stage(arguments.fix, mended.text);
+  return "  mended in " + arguments.fix + ": " + mended.done + "\n";
 }
 
 int RunAudit(const CLI::App& command, AuditArguments& arguments) {
@@ -205,11 +208,11 @@ int RunAudit(const CLI::App& command, AuditArguments& arguments) {
       if (Interrupted()) return SayInterrupted("before the end: nothing was written");
       // The only model that cannot be loaded is bad input; among others it is a finding.
       if (!one.error.empty() && arguments.models.size() == 1) throw Error(one.error);
-      if (!arguments.fix.empty()) StageMended(one, arguments, outputs);
+      const std::string mended = arguments.fix.empty() ? "" : StageMended(one, arguments, outputs);
       if (page) page->Add(one);
       wrong |= one.Wrong();
       json += AuditJson(one);
-      text += AuditText(one);
+      text += AuditText(one) + mended;
       junit.push_back(AuditJunit(one));
       progress.Step();
     }

@@ -161,10 +161,11 @@ class SolveRun {
   void WriteNpySize();
   void StageScene(const Scene& scene);
   void SolveModels();
+  std::string NotFreeWords() const;
   std::string LeftWords() const;
   bool Draws() const { return !arguments_.png.empty() || !arguments_.animation.empty(); }
   bool Watches() const { return !arguments_.trace.empty() || !arguments_.html.empty(); }
-  int ExitCode() const { return table_.all_free() ? kExitFree : kExitNotFree; }
+  int ExitCode() const { return (table_.unsolved() == 0) ? kExitFree : kExitNotFree; }
 
   SolveArguments& arguments_;
   const std::vector<std::string> given_, given_norm_;
@@ -311,6 +312,14 @@ void SolveRun::StageScene(const Scene& scene) {
 #endif
 }
 
+// A file of answers has a row for every configuration. Which of them are not free it cannot say.
+std::string SolveRun::NotFreeWords() const {
+  if (arguments_.out_qpos.empty() || table_.unsolved() == 0) return "";
+  return arguments_.out_qpos + " has all " + std::to_string(table_.rows()) + " rows, also the " +
+         std::to_string(table_.unsolved()) +
+         " unsolved ones, which are not free (\"status\" in --json)\n";
+}
+
 // Where the rows so far are, and how to go on behind them; empty: nowhere.
 std::string SolveRun::LeftWords() const {
   const std::string part = OutputFiles::PartName(arguments_.json);
@@ -360,7 +369,7 @@ int SolveRun::Run() {
   }
   if (page_) outputs_.Stage(arguments_.html, page_->ToString());
   outputs_.Commit();
-  if (!outputs_.uses_stdout()) WriteStdout(table_.ToString());
+  if (!outputs_.uses_stdout()) WriteStdout(table_.ToString() + NotFreeWords());
   return ExitCode();
 }
 

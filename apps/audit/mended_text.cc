@@ -16,6 +16,7 @@
 #include "apps/input/qpos_file.h"
 #include "apps/input/text_file.h"
 #include "apps/output/repaired_mjcf.h"
+#include "apps/output/setpoints.h"
 #include "mjcf_pdg/pdg.h"
 
 namespace mjcf_pdg::app {
@@ -46,20 +47,42 @@ bool IsUrdf(const std::string& text) {
   return !robots.empty() && FindTags(text, "mujoco").empty();
 }
 
-std::string WithQpos(std::string tag, const std::vector<double>& q) {
-  std::string numbers = FormatQposRow(q, "rows.txt");
+// What a keyframe is to have instead of what it has. Setpoints that do not change are empty.
+struct FreeKey {
+  std::vector<double> q;
+  Setpoints setpoints;
+};
+
+std::string WithNumbers(std::string tag, const std::string& name,
+                        const std::vector<double>& values) {
+  if (values.empty()) return tag;
+  std::string numbers = FormatQposRow(values, "rows.txt");
   numbers.pop_back();  // its line break
-  if (const std::optional<TextSpan> qpos = FindAttribute(tag, "qpos")) {
-    return tag.replace(qpos->begin, qpos->length, numbers);
+  if (const std::optional<TextSpan> attribute = FindAttribute(tag, name)) {
+    return tag.replace(attribute->begin, attribute->length, numbers);
   }
-  return "<key qpos=\"" + numbers + "\"" + tag.substr(4);
+  return "<key " + name + "=\"" + numbers + "\"" + tag.substr(4);
+}
+
+std::string WithKey(std::string tag, const FreeKey& key) {
+  tag = WithNumbers(std::move(tag), "act", key.setpoints.act);
+  tag = WithNumbers(std::move(tag), "ctrl", key.setpoints.ctrl);
+  return WithNumbers(std::move(tag), "qpos", key.q);
+}
+
+FreeKey ToFreeKey(const Configuration& row, const std::vector<double>& q, SetpointMover& mover) {
+  const Setpoints before = mover.Of(row);
+  FreeKey key{q, mover.Moved(row, q)};
+  if (key.setpoints.ctrl == before.ctrl) key.setpoints.ctrl.clear();
+  if (key.setpoints.act == before.act) key.setpoints.act.clear();
+  return key;
 }
 
 // What replaces keyframes that are wrong, and the new lines of the model.
 struct Mending {
-  std::vector<std::pair<TextSpan, std::vector<double>>> keys;
+  std::vector<std::pair<TextSpan, FreeKey>> keys;
   std::vector<std::string> contact, keyframe;
-  std::vector<double> begin;      // where the model is to begin instead of qpos0; empty: there
+  FreeKey begin;                  // where the model is to begin instead of qpos0; empty: there
   std::vector<std::string> left;  // what stays wrong, and why
 };
 
@@ -73,6 +96,7 @@ void MendKeys(const Scene& scene, const Audit& audit, const std::string& text,
               const Options& options, Mending& mending) {
   const mjModel& model = *scene.model();
   Solver solver(scene, options);
+  SetpointMover mover(model);
   const std::vector<TextSpan> tags = FindTags(text, "key");
   for (const AuditedKey& key : audit.keys) {
     if (!key.Wrong()) continue;
@@ -86,11 +110,11 @@ void MendKeys(const Scene& scene, const Audit& audit, const std::string& text,
     } else if (result.status == Status::kUnsolved) {
       leave(result.reason);
     } else if (key.of.key < 0) {
-      mending.begin = result.q;
+      mending.begin = ToFreeKey(key.of, result.q, mover);
     } else if (const TextSpan* tag = FindKey(text, tags, key, static_cast<int>(model.nkey))) {
-      mending.keys.emplace_back(*tag, result.q);
+      mending.keys.emplace_back(*tag, ToFreeKey(key.of, result.q, mover));
     } else if (IsOnlyCounted(text, tags, key.of.key)) {
-      mending.keyframe.push_back(WithQpos("<key/>", result.q));
+      mending.keyframe.push_back(WithKey("<key/>", ToFreeKey(key.of, result.q, mover)));
     } else {
       leave("no <key> of the model's text is its");
     }
@@ -116,8 +140,8 @@ std::string Applied(std::string text, const Mending& mending) {
     if (end == std::string::npos) throw Error("--fix: the model has no </mujoco>");
     text.insert(end, lines);
   }
-  for (const auto& [tag, q] : mending.keys) {
-    text.replace(tag.begin, tag.length, WithQpos(tag.Of(text), q));
+  for (const auto& [tag, key] : mending.keys) {
+    text.replace(tag.begin, tag.length, WithKey(tag.Of(text), key));
   }
   return text;
 }
@@ -152,18 +176,22 @@ void ExcludeUnnamed(const Audit& audit, const std::string& path, std::string& te
   mending.contact.insert(mending.contact.end(), lines.begin(), lines.end());
 }
 
-// The model begins where it is free: at its own qpos0, if MJCF can say that, else at a keyframe.
-std::string BeginningFree(std::string text, const ResetPose& pose, std::vector<std::string>& left) {
-  const fs::path folder = fs::absolute(pose.path).parent_path();
-  const std::string whole = WithIncludesOf(text, "body", folder);
-  std::optional<MovedReset> moved = WithResetPose(whole, pose);
-  if (moved && moved->within_limits) return std::move(moved->text);
-  const std::string why =
-      moved ? "nothing overlaps at qpos0, but joints that have to begin there stay outside their "
-              "limits"
-            : "qpos0 stays: other places of bodies would change more than that";
-  left.push_back(why + "; keyframe " + kDefaultKey + " is free");
-  if (moved) text = std::move(moved->text);
+// What was mended, in words.
+std::string Done(const Mending& mending, bool begins_free) {
+  std::string words;
+  const auto append = [&words](std::size_t count, const std::string& what) {
+    if (count == 0) return;
+    words += (words.empty() ? "" : ", ") + std::to_string(count) + " " + what;
+    if (count > 1) words += "s";
+  };
+  append(mending.contact.size(), "<exclude>");
+  append(mending.keys.size() + mending.keyframe.size(), "keyframe");
+  if (begins_free) words += std::string(words.empty() ? "" : ", ") + "qpos0";
+  return words.empty() ? "nothing" : words;
+}
+
+// With a keyframe for the model to be reset to, unless there is one of that name.
+std::string WithDefaultKey(std::string text, const FreeKey& key) {
   const std::vector<TextSpan> tags = FindTags(text, "key");
   for (const TextSpan& tag : tags) {
     const std::string written = tag.Of(text);
@@ -171,8 +199,36 @@ std::string BeginningFree(std::string text, const ResetPose& pose, std::vector<s
     if (name && name->Of(written) == kDefaultKey) return text;
   }
   Mending mending;
-  mending.keyframe.push_back(WithQpos(std::string("<key name=\"") + kDefaultKey + "\"/>", pose.q));
+  mending.keyframe.push_back(WithKey(std::string("<key name=\"") + kDefaultKey + "\"/>", key));
   return Applied(std::move(text), mending);
+}
+
+struct Beginning {
+  std::string text;
+  bool free = false;  // at qpos0
+};
+
+// The model begins where it is free: at its own qpos0, if MJCF can say that, else at a keyframe.
+// MJCF cannot say at which controls it begins, which are 0.
+Beginning BeginningFree(std::string text, const FreeKey& begin, const ResetPose& pose,
+                        std::vector<std::string>& left) {
+  const fs::path folder = fs::absolute(pose.path).parent_path();
+  const std::string whole = WithIncludesOf(text, "body", folder);
+  std::optional<MovedReset> moved = WithResetPose(whole, pose);
+  const std::string key = std::string("keyframe ") + kDefaultKey;
+  if (moved && moved->within_limits) {
+    if (begin.setpoints.ctrl.empty()) return {std::move(moved->text), true};
+    left.push_back("at ctrl = 0 position actuators pull qpos0 back to where it overlapped; " + key +
+                   " has the ctrl that holds it");
+  } else {
+    const std::string why =
+        moved ? "nothing overlaps at qpos0, but joints that have to begin there stay outside their "
+                "limits"
+              : "qpos0 stays: other places of bodies would change more than that";
+    left.push_back(why + "; " + key + " is free");
+  }
+  if (moved) text = std::move(moved->text);
+  return {WithDefaultKey(std::move(text), begin), moved.has_value()};
 }
 
 }  // namespace
@@ -213,12 +269,14 @@ MendedModel Mended(const std::string& model, const Audit& audit, const MendOptio
     MendKeys(scene, audit, text, options.solve, mending);
   }
   text = Applied(std::move(text), mending);
-  if (!mending.begin.empty()) {
+  Beginning beginning;
+  if (!mending.begin.q.empty()) {
     const bool degrees = ParseSpec(model)->compiler.degree != 0;
-    const ResetPose pose{options.target, mending.begin, degrees, options.scene, options.solve};
-    text = BeginningFree(std::move(text), pose, mending.left);
+    const ResetPose pose{options.target, mending.begin.q, degrees, options.scene, options.solve};
+    beginning = BeginningFree(std::move(text), mending.begin, pose, mending.left);
+    text = std::move(beginning.text);
   }
-  return {std::move(text), std::move(mending.left)};
+  return {std::move(text), Done(mending, beginning.free), std::move(mending.left)};
 }
 
 }  // namespace mjcf_pdg::app

@@ -20,15 +20,16 @@ struct MendOptions {
 
 struct MendedModel {
   std::string text;
+  std::string done;               // what is not as it was: "1 <exclude>, 2 keyframes, qpos0"
   std::vector<std::string> left;  // what is wrong as before, and why, a line each
 };
 
 // The MJCF of `model` with <exclude> lines for permanent overlaps and, in keyframes that are wrong,
-// a qpos that is not. Where such keyframes stand in included files, the text of
-// these takes the place of their <include>. A model whose qpos0 is wrong gets bodies that stand
-// elsewhere (WithResetPose), or, where that is not possible, a keyframe "qpos0_pdg". Throws Error
-// if the model is no text, or if it would have to be written to another folder (paths in it are
-// relative).
+// a qpos that is not, and the ctrl and act that hold it there (setpoints.h). Where such keyframes
+// stand in included files, the text of these takes the place of their <include>. A model whose
+// qpos0 is wrong gets bodies that stand elsewhere (WithResetPose), or, where that is not possible
+// or servos pull from there, a keyframe "qpos0_pdg". Throws Error if the model is no text, or if it
+// would have to be written to another folder (paths in it are relative).
 MendedModel Mended(const std::string& model, const Audit& audit, const MendOptions& options);
 
 }  // namespace mjcf_pdg::app

@@ -48,7 +48,7 @@ class SolveTable {
   void Count(Status status) { ++count_[static_cast<int>(status)]; }
 
   std::size_t rows() const { return count_[0] + count_[1] + count_[2]; }
-  bool all_free() const { return count_[static_cast<int>(Status::kUnsolved)] == 0; }
+  std::size_t unsolved() const { return count_[static_cast<int>(Status::kUnsolved)]; }
   std::string ToString() const;
 
  private:

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <mujoco/mujoco.h>
 
+#include <array>
 #include <cmath>
 #include <memory>
 
@@ -211,6 +212,40 @@ TEST_F(CliAuditTest, AModelThatPenetratesAtResetBeginsFree) {
       EXPECT_NEAR(one->geom_xmat[k], other->geom_xmat[k], 1e-9);
     }
   }
+}
+
+// Servos hold what is repaired: their setpoints move with the joints, also of a model that begins
+// elsewhere, whose controls begin at 0.
+TEST_F(CliAuditTest, ServosDoNotPullWhatIsMendedBack) {
+  const auto model = [](const std::string& place) {
+    return R"(<mujoco><worldbody><geom name="plate" type="box" size="1 1 .1"/><body name="ball")" +
+           (" pos=\"0 0 " + place + "\"") +
+           R"(><joint name="z" type="slide" axis="0 0 1"/><geom size=".1"/></body></worldbody>
+      <actuator><position joint="z" kp="100"/><motor joint="z"/></actuator>
+      <keyframe><key name="deep" qpos="-.85" ctrl="-.9 .3"/></keyframe></mujoco>)";
+  };
+  const auto setpoint = [this](int key) {
+    const std::unique_ptr<mjModel, void (*)(mjModel*)> m(
+        mj_loadXML((cwd() / "fixed.xml").c_str(), nullptr, nullptr, 0), mj_deleteModel);
+    EXPECT_NE(m, nullptr);
+    EXPECT_LT(key, m->nkey);
+    return std::array<double, 3>{m->key_qpos[key], m->key_ctrl[2 * key], m->key_ctrl[2 * key + 1]};
+  };
+  Write("model.xml", model("1"));
+  Outcome outcome = Run({"audit", "model.xml", "--fix", "fixed.xml"});
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_THAT(outcome.out, HasSubstr("mended in fixed.xml: 1 keyframe\n"));
+  EXPECT_NEAR(setpoint(0)[0], -0.8, 1e-5);
+  EXPECT_NEAR(setpoint(0)[1], -0.85, 1e-5) << "as far below the joint as before";
+  EXPECT_EQ(setpoint(0)[2], 0.3) << "a motor's control is no place";
+
+  Write("model.xml", model(".15"));
+  outcome = Run({"audit", "model.xml", "--fix", "fixed.xml"});
+  EXPECT_THAT(outcome.err, HasSubstr("position actuators pull qpos0 back"));
+  EXPECT_THAT(outcome.out, HasSubstr("mended in fixed.xml: qpos0\n"));
+  EXPECT_NEAR(setpoint(1)[0], 0.05, 1e-5);
+  EXPECT_NEAR(setpoint(1)[1], 0.05, 1e-5) << "qpos0_pdg";
+  EXPECT_EQ(Run({"check", "fixed.xml"}).exit_code, 0);
 }
 
 // A body with a ball joint stays, and the cart that carries it begins elsewhere. Bodies of an

@@ -59,6 +59,15 @@ class CliBatchTest : public CliTest {
   std::vector<std::string> rows_;
 };
 
+TEST_F(CliBatchTest, AFileOfAnswersIsSaidToHoldUnsolvedOnes) {
+  Write("stuck.xml", R"(<mujoco><worldbody><geom type="plane" size="1 1 .1"/><body pos="0 0 .05">
+    <joint type="slide" axis="0 0 1" limited="true" range="0 .01"/><geom size=".1"/></body>
+    </worldbody></mujoco>)");
+  const Outcome outcome = Run({"solve", "stuck.xml", "--qpos", "0", "--out-qpos", "q.txt"});
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.out, testing::HasSubstr("q.txt has all 1 rows, also the 1 unsolved ones"));
+}
+
 TEST_F(CliBatchTest, ABadRowInTheMiddleLeavesTheRowsBeforeIt) {
   std::vector<std::string> rows = rows_;
   rows[25] = "0 nan\n";
