@@ -77,6 +77,9 @@ struct Summary {
     for (const RowReport& row : report.rows) {
       regressions += IsRegression(row.change);
       if (row.change == Change::kNone) continue;
+      if (IsRegression(row.change) && !row.reason.empty()) {
+        errors += model + ": " + row.now.name + ": " + OneLine(row.reason) + "\n";
+      }
       AddChange({model, row.now.name, NameOf(row.change),
                  row.before ? Short(row.before->sigma) : "-", StatusName(row.now.status),
                  Short(row.now.sigma)});

@@ -63,6 +63,13 @@ class NamedRows {
   std::size_t next_ = 0;
 };
 
+// What overlaps where nothing did: a server shows this alone.
+std::string InTheWay(const Scene& scene, const Configuration& row, Options options) {
+  options.mocap_pos = row.mocap_pos;
+  options.mocap_quat = row.mocap_quat;
+  return Verify(scene, row.q, options).reason;
+}
+
 void RunRows(const Suite& suite, const SuiteCase& one, const std::vector<GoldenRow>& golden,
              const CaseRun& how, CaseReport& report) {
   const Scene scene = Scene::FromFile((suite.folder / one.model).string(), one.scene);
@@ -83,6 +90,7 @@ void RunRows(const Suite& suite, const SuiteCase& one, const std::vector<GoldenR
       report.queries.now += told.now.queries;
     }
     told.change = Compare(suite, one, told.before ? &*told.before : nullptr, told.now);
+    if (told.change == Change::kPenetrates) told.reason = InTheWay(scene, row, one.options);
     if (how.look) how.look(scene, solved, told);
     report.rows.push_back(std::move(told));
     if (progress) progress->Step();

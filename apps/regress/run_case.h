@@ -17,7 +17,7 @@ struct RowReport {
   GoldenRow now;
   std::optional<GoldenRow> before;  // none: there is no golden result
   Change change = Change::kNone;
-  std::string reason;  // of an unsolved row
+  std::string reason;  // of an unsolved row, or of one that penetrates and did not before
   double seconds = 0.0;
 };
 

@@ -93,8 +93,11 @@ TEST_F(CliRegressTest, AModelMadeToPenetrateIsCaught) {
   const std::map<std::string, Json> changes = Changes(3);
   EXPECT_EQ(changes.at("b/two.xml keyframe key1")["change"], "penetrates");
   EXPECT_EQ(changes.at("b/two.xml rows.txt row 0")["change"], "penetrates");
+  EXPECT_THAT(changes.at("b/two.xml keyframe key1")["reason"].get<std::string>(),
+              HasSubstr(" overlap by "));
   EXPECT_TRUE(changes.at("b/two.xml")["failed"]);
   EXPECT_FALSE(changes.at("b/one.xml")["failed"]);
+  EXPECT_THAT(Run({"regress", "suite.json"}).out, HasSubstr("b/two.xml: keyframe key1: "));
 }
 
 TEST_F(CliRegressTest, ALostSolutionIsCaught) {
