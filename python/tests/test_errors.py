@@ -142,3 +142,11 @@ def test_an_unmade_solver_is_refused():
     solver = mjcf_pdg.Solver.__new__(mjcf_pdg.Solver)
     with pytest.raises(TypeError), pytest.warns(RuntimeWarning, match="uninitialized"):
         solver.is_free([0.0])
+
+
+def test_models_and_data_that_were_never_made_are_refused(ball):
+    for call in (mjcf_pdg.Solver, mjcf_pdg.audit, lambda model: mjcf_pdg.solve(model, [0.0])):
+        with pytest.raises(ValueError, match="MjModel was never made"):
+            call(mujoco.MjModel.__new__(mujoco.MjModel))  # mujoco itself crashes when it is asked for nq
+    with pytest.raises(ValueError, match="MjData was never made"):
+        mjcf_pdg.Solver(ball).solve(mujoco.MjData.__new__(mujoco.MjData))
