@@ -217,9 +217,11 @@ Beginning BeginningFree(std::string text, const FreeKey& begin, const ResetPose&
   std::optional<MovedReset> moved = WithResetPose(whole, pose);
   const std::string key = std::string("keyframe ") + kDefaultKey;
   if (moved && moved->within_limits) {
-    if (begin.setpoints.ctrl.empty()) return {std::move(moved->text), true};
-    left.push_back("at ctrl = 0 position actuators pull qpos0 back to where it overlapped; " + key +
-                   " has the ctrl that holds it");
+    const auto& [ctrl, act] = begin.setpoints;
+    if (ctrl.empty() && act.empty()) return {std::move(moved->text), true};
+    left.push_back(
+        "position actuators pull qpos0 back to where it overlapped, as ctrl and act begin at 0; " +
+        key + " has what holds it");
   } else {
     const std::string why =
         moved ? "nothing overlaps at qpos0, but joints that have to begin there stay outside their "

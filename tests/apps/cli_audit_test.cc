@@ -245,6 +245,14 @@ TEST_F(CliAuditTest, ServosDoNotPullWhatIsMendedBack) {
   EXPECT_THAT(outcome.out, HasSubstr("mended in fixed.xml: qpos0\n"));
   EXPECT_NEAR(setpoint(1)[0], 0.05, 1e-5);
   EXPECT_NEAR(setpoint(1)[1], 0.05, 1e-5) << "qpos0_pdg";
+
+  // So it is where an activation is the place that is pulled to.
+  std::string integrated = model(".15");
+  integrated.replace(integrated.find("<position"), 9, "<intvelocity actrange=\"-2 2\"");
+  Write("model.xml", integrated);
+  outcome = Run({"audit", "model.xml", "--fix", "fixed.xml"});
+  EXPECT_THAT(outcome.err, HasSubstr("position actuators pull qpos0 back"));
+  EXPECT_THAT(Read("fixed.xml"), HasSubstr(" act=\""));
   EXPECT_EQ(Run({"check", "fixed.xml"}).exit_code, 0);
 }
 
