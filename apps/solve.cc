@@ -157,6 +157,7 @@ class SolveRun {
   void BeginFiles(const Scene& scene, std::size_t skipped);
   void Tell(const Scene& scene, const std::string& model, const SolvedRow& solved);
   void Show(const Scene& scene, const std::string& model, const SolvedRow& solved);
+  std::string AllRowsCommand(const std::string& model) const;
   void ShowTrajectory(const std::string& model);
   void WriteNpySize();
   void StageScene(const Scene& scene);
@@ -244,8 +245,10 @@ void SolveRun::Show(const Scene& scene, const std::string& model, const SolvedRo
   PageRow row = SolvedPageRow(scene, arguments_.options.metric, solved);
   row.values = {std::max(0.0, -1e3 * solved.result.depth_in), 1e3 * std::sqrt(solved.result.sigma)};
   row.content["norm"] = NormCommand(model, given_norm_);
-  if (arguments_.options.trajectory) {
+  if (arguments_.options.trajectory) {  // a frame depends on those before it
     motion_.push_back({solved.result.q, solved.row.label});
+    row.content["command"] =
+        AllRowsCommand(model) + " | sed -n " + std::to_string(motion_.size()) + "p";
   } else {
     row.content["command"] =
         RowCommand{{"solve", model, "--trace", "search.jsonl"}, given_}.Of(solved.row);
@@ -285,10 +288,8 @@ void SolveRun::SolveModel(const std::string& model) {
   StageScene(scene);
 }
 
-void SolveRun::ShowTrajectory(const std::string& model) {
-  if (motion_.empty()) return;
-  PageRow row = TrajectoryPageRow(motion_);
-  row.values = {0.0, 0.0};
+// Makes all rows of a model again, a line of JSON each.
+std::string SolveRun::AllRowsCommand(const std::string& model) const {
   std::vector<std::string> again = {"solve", model};
   again.insert(again.end(), given_.begin(), given_.end());
   const WhichArguments& which = arguments_.which;
@@ -296,7 +297,14 @@ void SolveRun::ShowTrajectory(const std::string& model) {
   for (const std::string& q : which.qpos) again.insert(again.end(), {"--qpos", q});
   if (!which.file.empty()) again.insert(again.end(), {"--qpos-file", which.file});
   again.insert(again.end(), {"--json", "-"});
-  row.content["command"] = ShellCommand(again);
+  return ShellCommand(again);
+}
+
+void SolveRun::ShowTrajectory(const std::string& model) {
+  if (motion_.empty()) return;
+  PageRow row = TrajectoryPageRow(motion_);
+  row.values = {0.0, 0.0};
+  row.content["command"] = AllRowsCommand(model);
   page_->Add(row);
   motion_.clear();
 }

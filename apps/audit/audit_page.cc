@@ -53,7 +53,7 @@ PageRow KeyRow(const Scene& scene, const AuditedKey& key) {
 
 // Pairs by class, and those that never overlap.
 PageTable Counts(const std::string& model, const Audit& audit) {
-  PageTable table{"Pairs of " + model, {"overlap", "pairs"}, Json::array(), {}};
+  PageTable table{"Pairs of " + model, {"overlap", "pairs"}, Json::array(), {}, {}};
   for (const Overlap kind : {Overlap::kPermanent, Overlap::kDefault, Overlap::kSometimes}) {
     const auto count = std::count_if(audit.pairs.begin(), audit.pairs.end(),
                                      [&](const AuditedPair& pair) { return pair.kind == kind; });
@@ -79,10 +79,10 @@ void AddAudit(const std::string& model, const Scene& scene, const Audit& audit,
   for (const AuditedKey& key : audit.keys) add(KeyRow(scene, key));
   page.AddTable(Counts(model, audit));
   PageTable exclude{
-      "MuJoCo leaves these out with <exclude>", {"body 1", "body 2"}, Json::array(), {}};
+      "MuJoCo leaves these out with <exclude>", {"body 1", "body 2"}, Json::array(), {}, {}};
   for (const auto& [body1, body2] : audit.exclude) exclude.rows.push_back({body1, body2});
   if (!audit.exclude.empty()) page.AddTable(exclude);
-  PageTable warnings{"Warnings", {model}, Json::array(), {}};
+  PageTable warnings{"Warnings", {model}, Json::array(), {}, {}};
   for (const std::string& words : audit.warnings) warnings.rows.push_back(Json::array({words}));
   if (!audit.warnings.empty()) page.AddTable(warnings);
 }

@@ -55,7 +55,7 @@ PageRow MotionPageRow(const Scene& scene, const Ends& ends, const Motion& motion
     const double t = static_cast<double>(k) / kMotionFrames;
     if (t < motion.t) page.frames.push_back({OnTheWay(scene, ends.from, ends.to, t), place(t)});
   }
-  PageTable stop{"What ends the motion", {"geom 1", "geom 2"}, Json::array(), {}};
+  PageTable stop{"What ends the motion", {"geom 1", "geom 2"}, Json::array(), {}, {}};
   if (motion.outcome != MotionOutcome::kFree) {
     page.frames.push_back({motion.q, place(motion.t) + ": " + words});
     for (const std::array<int, 2>& pair : motion.pairs) {

@@ -49,9 +49,15 @@ void Page::BeginModel(const std::string& name) {
   scene_.reset();
 }
 
+void Page::AddTable(PageTable table) {
+  table.command = head_["again"];
+  tables_.push_back(TableJson(table));
+}
+
 Json Page::TableJson(const PageTable& table) {
   Json json = {{"title", table.title}, {"columns", table.columns}, {"rows", table.rows}};
   if (!table.frames.empty()) json["frames"] = table.frames;
+  if (!table.command.empty()) json["command"] = table.command;
   return json;
 }
 

@@ -36,6 +36,7 @@ struct PageTable {
   std::vector<std::string> columns;
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();  // lists of cells
   std::vector<std::size_t> frames;  // of a row's table: where a line of it leads; empty: nowhere
+  std::string command;              // of a row's table: makes it again, where the row's does not
 };
 
 struct PageRow {
@@ -61,7 +62,7 @@ class Page {
   void BeginModel(const std::string& name, const Scene& scene);
   void BeginModel(const std::string& name);
   void Add(const PageRow& row);
-  void AddTable(const PageTable& table) { tables_.push_back(TableJson(table)); }
+  void AddTable(PageTable table);
   std::string ToString() const;
 
  private:

@@ -58,7 +58,7 @@ PageRow PathPageRow(const Scene& scene, const PlannedPath& planned) {
   row.of.label = "path";
   row.status = path.found ? "found" : "not_found";
   row.wrong = !path.found;
-  PageTable edges{"Edges of the path", {"edge", "√σ mm", "", "poses"}, Json::array(), {}};
+  PageTable edges{"Edges of the path", {"edge", "√σ mm", "", "poses"}, Json::array(), {}, {}};
   if (!path.found || path.start.status != Status::kAlreadyFree) {
     row.frames.push_back({planned.start.q, "the start as given"});
   }

@@ -18,9 +18,10 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 double Rms(const GoldenRow& row) { return 1e3 * std::sqrt(row.sigma); }
 
-// Status, √σ and queries: golden and now.
-PageTable Compared(const RowReport& report) {
-  PageTable table{"Against the golden result", {"", "golden", "now"}, Json::array(), {}};
+// Status, √σ and queries: golden and now; `again` is the command that compares. (That of the row
+// asks for contacts, which takes a query more.)
+PageTable Compared(const RowReport& report, const std::string& again) {
+  PageTable table{"Against the golden result", {"", "golden", "now"}, Json::array(), {}, again};
   if (!report.before) return table;
   const GoldenRow &before = *report.before, &now = report.now;
   table.rows = {{"status", StatusName(before.status), StatusName(now.status)},
@@ -73,7 +74,7 @@ std::vector<std::string> OptionWords(const Json& given, bool of_norm) {
 }  // namespace
 
 RegressPage::RegressPage(const std::string& again)
-    : page_({again, {"golden rms mm", "rms mm", "queries"}, Json::array()}) {}
+    : again_(again), page_({again, {"golden rms mm", "rms mm", "queries"}, Json::array()}) {}
 
 void RegressPage::Begin(const Suite& suite, const SuiteCase& one) {
   name_ = (suite.folder / one.model).string();
@@ -94,7 +95,7 @@ void RegressPage::Add(const Scene& scene, const SolvedRow& solved, const RowRepo
       RowCommand{{"solve", name_, "--trace", "search.jsonl"}, OptionWords(given_, false)}.Of(
           solved.row);
   row.content["norm"] = NormCommand(name_, OptionWords(given_, true));
-  row.tables.push_back(Compared(report));
+  row.tables.push_back(Compared(report, again_));
   page_.Add(row);
 }
 

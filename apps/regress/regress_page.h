@@ -27,8 +27,9 @@ class RegressPage {
  private:
   void AddUnsolved(const PageRow& row);
 
+  std::string again_;
   Page page_;
-  PageTable models_{"Queries of each model", {"model", "golden", "now", ""}, {}, {}};
+  PageTable models_{"Queries of each model", {"model", "golden", "now", ""}, {}, {}, {}};
   std::string name_;  // of the present model
   Options options_;   // of the present case
   nlohmann::ordered_json given_;

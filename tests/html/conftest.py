@@ -47,6 +47,7 @@ def reports(tmp_path_factory) -> dict[str, pathlib.Path]:
     (folder / "models").symlink_to(ROOT / "models")
     (folder / "ball.xml").write_text(BALL_AND_WALL)
     (folder / "many.csv").write_text("".join(f"{k % 50 / 100} {-k % 7 / 100}\n" for k in range(3000)))
+    (folder / "clip.csv").write_text("".join(f"{k / 100} -.0{k}\n" for k in range(6)))
     options = {"armature": 0.5, "tolerance": 1e-5, "movable": ["ball"], "allow": [["sphere", "wall", 0.002]], "exact_mesh": False}
     (folder / "suite.json").write_text(json.dumps({"version": 1, "options": {"armature": 2}, "cases": [
         {"model": "ball.xml", "configurations": ["qpos0", {"random": 5, "seed": 1}], "options": options},
@@ -65,6 +66,7 @@ def reports(tmp_path_factory) -> dict[str, pathlib.Path]:
         "regress": (["regress", "suite.json"], 3),
         "plan": (["plan", "models/placement/placement.xml", "--start", "start", "--goal", "goal"], 0),
         "hidden": (["check", "shell.xml"], 3),
+        "clip": (["solve", "ball.xml", "--qpos-file", "clip.csv", "--trajectory"], 0),
         "many": (["solve", "ball.xml", "--qpos-file", "many.csv", "--threads", "2"], 0),
     }
 

@@ -23,10 +23,10 @@ def alike(first: bytes, second: bytes) -> bool:
 
 def answer(reports, command: str) -> str:
     """What a command of a page says, run where the reports were made."""
-    words = shlex.split(command)
-    assert words[0] == "mjcf-pdg"
+    assert command.startswith("mjcf-pdg ")
     folder = next(iter(reports.values())).parent
-    return subprocess.run([PROGRAM, *words[1:]], cwd=folder, capture_output=True, text=True, timeout=120).stdout
+    command = command.replace("mjcf-pdg", shlex.quote(PROGRAM), 1)
+    return subprocess.run(["sh", "-c", command], cwd=folder, capture_output=True, text=True, timeout=120).stdout
 
 
 def facts(reader) -> dict[str, str]:
@@ -186,6 +186,22 @@ def test_a_regression_comes_again_with_the_options_of_its_suite(open_report, rep
     assert alike_numbers(facts(reader)["σ, m²"], parts["sigma"])
     rows = [json.loads(line) for line in answer(reports, reader.page.inner_text("#again")).splitlines()]
     assert rows[0]["sigma"] == again["sigma"] and rows[0]["change"] == "sigma_up"
+    assert reader.page.inner_text("#row-tables pre") == reader.page.inner_text("#page-tables pre") == reader.page.inner_text("#again")
+    compared = dict(line.split("\t", 1) for line in reader.texts("#row-tables tbody tr"))
+    assert compared["collision queries"] == f'{rows[0]["golden"]["queries"]}\t{rows[0]["queries"]}'
+    assert compared["status"] == f'{rows[0]["golden"]["status"]}\t{rows[0]["status"]}'
+
+
+def test_a_frame_of_a_trajectory_comes_again_from_the_command_beside_it(open_report, reports):
+    reader = open_report("clip")
+    for frame in (0, 4):
+        choose(reader, frame)
+        again = json.loads(answer(reports, reader.page.inner_text("#command")))
+        assert again["index"] == frame
+        assert alike_numbers(facts(reader)["σ, m²"], again["sigma"]) and again["sigma"] > 0
+        assert facts(reader)["collision queries"] == str(again["collision_queries"])
+    choose(reader, 6)  # all of them
+    assert len(answer(reports, reader.page.inner_text("#command")).splitlines()) == 6
 
 
 def test_plots_are_as_wide_as_the_window_leaves_room(open_report):

@@ -33,15 +33,16 @@ export function fill(body, rows, choose) {
   }));
 }
 
-// The tables that a row or the page brings: {title, columns, rows, frames?}. `go(frame)` moves the slider.
+// The tables that a row or the page brings: {title, columns, rows, frames?, command?}. `go(frame)` moves the slider.
 export function fillTables(place, tables, go) {
-  place.replaceChildren(...tables.map(({title, columns, rows, frames}) => {
+  place.replaceChildren(...tables.map(({title, columns, rows, frames, command}) => {
     const section = element('section'), table = element('table'), head = element('tr'), body = element('tbody');
     head.append(...columns.map((column) => element('th', column)));
     fill(body, rows, frames && ((k) => go(frames[k])));
     table.append(element('thead'), body);
     table.firstChild.append(head);
     section.append(element('h2', title), table);
+    if (command) section.append(element('p', 'The same again:', {class: 'faint'}), element('pre', command));
     return section;
   }));
 }

@@ -66,15 +66,15 @@ function fillPage() {
   $('model').textContent = page.models[model];
   fill($('facts'), row.facts ?? []);
   $('reason').textContent = row.reason ?? '';
-  showSection('facts', row.facts?.length || row.reason);
+  showSection('facts', row.facts?.length || row.reason || row.command);
   fillContacts('contacts_in', 'contacts');
   fillContacts('contacts', 'contacts_in');
   fillTables($('row-tables'), row.tables, showFrame);
   showSection('joints', row.joints?.length);
   drawPlots();
   $('command').textContent = row.command ?? '';
+  $('command-part').hidden = !row.command;
   $('norm-part').hidden = !row.norm;
-  showSection('command', row.command);
 }
 
 function showScene(bodies) {
