@@ -14,9 +14,10 @@ using Json = nlohmann::ordered_json;
 constexpr int kMotionFrames = 40;  // on the slider, from end to end
 
 Json Facts(const Verdict& verdict) {
-  Json facts = Json::array({PageFact("smallest distance, mm", 1e3 * verdict.min_distance),
-                            PageFact("joint limits exceeded by, rad or m", verdict.limit_excess),
-                            PageFact("certified (no SDF)", verdict.certified ? "yes" : "no")});
+  Json facts =
+      Json::array({PageFact("smallest distance, mm", 1e3 * verdict.min_distance),
+                   PageFact("joint limits exceeded by, rad or m", verdict.limit_excess),
+                   PageFact("certified by signed distances", verdict.certified ? "yes" : "no")});
   if (verdict.equality_residual > 0.0) {
     facts.push_back(PageFact("equalities violated by, m or rad", verdict.equality_residual));
   }

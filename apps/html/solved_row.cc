@@ -18,16 +18,16 @@ constexpr std::size_t kFrames = 40;  // of one descent
 constexpr std::size_t kTrajectoryFrames = 400;
 
 Json Facts(const Result& result) {
-  Json facts = Json::array({PageFact("√σ, how far (rms), mm", 1e3 * std::sqrt(result.sigma)),
-                            PageFact("no free configuration is nearer than, mm",
-                                     1e3 * std::sqrt(result.sigma_lower_bound)),
-                            PageFact("σ, m²", result.sigma),
-                            PageFact("depth as given, mm", std::max(0.0, -1e3 * result.depth_in)),
-                            PageFact("smallest distance now, mm", 1e3 * result.min_distance),
-                            PageFact("start that won", result.start),
-                            PageFact("iterations", result.stats.iterations),
-                            PageFact("collision queries", result.stats.collision_queries),
-                            PageFact("certified (no SDF)", result.certified ? "yes" : "no")});
+  Json facts = Json::array(
+      {PageFact("√σ, how far (rms), mm", 1e3 * std::sqrt(result.sigma)),
+       PageFact("no free configuration is nearer than, mm",
+                1e3 * std::sqrt(result.sigma_lower_bound)),
+       PageFact("σ, m²", result.sigma),
+       PageFact("depth as given, mm", std::max(0.0, -1e3 * result.depth_in)),
+       PageFact("smallest distance now, mm", 1e3 * result.min_distance),
+       PageFact("start that won", result.start), PageFact("iterations", result.stats.iterations),
+       PageFact(kQueriesFact, result.stats.collision_queries),
+       PageFact("certified by signed distances", result.certified ? "yes" : "no")});
   if (result.limit_excess_in > kLimitTolerance) {
     facts.push_back(
         PageFact("joint limits exceeded as given by, rad or m", result.limit_excess_in));

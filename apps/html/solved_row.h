@@ -10,6 +10,9 @@
 
 namespace mjcf_pdg::app {
 
+// Name of the fact that says how many collision queries the solve took.
+inline constexpr const char* kQueriesFact = "collision queries";
+
 // The slider goes from q_in through the descent that led to the answer to the answer. Without
 // command and values.
 PageRow SolvedPageRow(const Scene& scene, Metric metric, const SolvedRow& solved);

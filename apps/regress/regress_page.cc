@@ -18,8 +18,7 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 double Rms(const GoldenRow& row) { return 1e3 * std::sqrt(row.sigma); }
 
-// Status, √σ and queries: golden and now; `again` is the command that compares. (That of the row
-// asks for contacts, which takes a query more.)
+// Status, √σ and queries: golden and now; `again` is the command that compares.
 PageTable Compared(const RowReport& report, const std::string& again) {
   PageTable table{"Against the golden result", {"", "golden", "now"}, Json::array(), {}, again};
   if (!report.before) return table;
@@ -87,6 +86,11 @@ void RegressPage::Add(const Scene& scene, const SolvedRow& solved, const RowRepo
   if (!begun_) page_.BeginModel(name_, scene);
   begun_ = true;
   PageRow row = SolvedPageRow(scene, options_.metric, WithContacts(scene, options_, solved));
+  // Only the table that compares has them: the row's command asks for contacts, which takes more.
+  Json& facts = row.content["facts"];
+  facts.erase(std::remove_if(facts.begin(), facts.end(),
+                             [](const Json& fact) { return fact[0] == kQueriesFact; }),
+              facts.end());
   row.status = report.change == Change::kNone ? row.status : NameOf(report.change);
   row.wrong = IsRegression(report.change);
   row.values = {report.before ? Rms(*report.before) : kNone, Rms(report.now),

@@ -212,6 +212,38 @@ TEST_F(ContactsTest, NothingIsMissedAmongAllPairsOfRandomRobots) {
   EXPECT_GT(found, 40);
 }
 
+// The broad phases know where a geom stands and how it is turned, not only how large it is.
+TEST_F(ContactsTest, NothingIsMissedFarFromTheOrigin) {
+  int found = 0, total = 0;
+  for (const int type1 : ConvexTypes()) {
+    for (const int type2 : ConvexTypes()) {
+      if (type1 == mjGEOM_PLANE) continue;
+      SCOPED_TRACE(TypeName(type1) + " on " + TypeName(type2));
+      for (int trial = 0; trial < 10; ++trial) {
+        const Vector3d there = 3.0 * rng_.UnitVector();
+        const Vector3d axis = rng_.UnitVector();
+        const std::string pose = "pos='" + Join(there.data(), 3) + "' axisangle='" +
+                                 Join(axis.data(), 3) + " " +
+                                 std::to_string(rng_.Uniform(0.0, 180.0)) + "'";
+        const Scene scene = Scene::FromString(TwoGeomXml({.first = RandomShape(type1, rng_),
+                                                          .second = RandomShape(type2, rng_),
+                                                          .pose2 = pose}));
+        ContactFinder finder(scene.tables());
+        finder.Pose(Shifted(RandomConfiguration(scene, rng_, 0.5), there));
+        NearPair near;
+        ASSERT_TRUE(finder.Distance(0, 10.0, near));
+        EXPECT_LE(finder.DistanceBound(0), near.distance + 1e-9);
+        const double margin = rng_.Uniform(0.0, 0.2);
+        found += near.distance < margin;
+        ++total;
+        EXPECT_EQ(finder.Find(margin).size(), near.distance < margin ? 1u : 0u) << near.distance;
+      }
+    }
+  }
+  EXPECT_GT(found, total / 5);
+  EXPECT_LT(found, total * 4 / 5);
+}
+
 TEST_F(ContactsTest, DistanceOfOnePairObeysItsCutoff) {
   const Scene scene = Scene::FromString(TwoGeomXml({}));
   ContactFinder finder(scene.tables());
