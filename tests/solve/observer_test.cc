@@ -3,10 +3,13 @@
 #include <mujoco/mujoco.h>
 
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <vector>
 
+#include "base/tuning.h"
 #include "mjcf_pdg/pdg.h"
+#include "model/scene_tables.h"
 #include "tests/support/test_support.h"
 
 namespace mjcf_pdg {
@@ -103,6 +106,37 @@ TEST(Observer, SeesTheAnswerAmongTheFreeIterates) {
   bool met = false;
   for (const Seen& it : seen) met = met || (it.free && it.q == result.q);
   EXPECT_TRUE(met);
+}
+
+// A ball between two plates that are nearer than it is wide, wherever it goes: while nothing free
+// is known, starts are strewn about q_in, in a length that the scene gives, and ever farther.
+TEST(Observer, SeesBlindStartsSpreadOut) {
+  const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
+      <geom type="box" size="50 50 1" pos="0 0 1.08"/><geom type="box" size="50 50 1" pos="0 0 -1.08"/>
+      <body><joint name="x" type="slide" axis="1 0 0" range="-20 20"/>
+      <joint name="y" type="slide" axis="0 1 0" range="-20 20"/>
+      <geom size=".1"/></body></worldbody></mujoco>)");
+  double early = 0.0, late = 0.0;  // sums of how far starts are, over what their turn's spread is
+  int starts = 0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    Options options;
+    options.seed = seed;
+    Solver solver(scene, options);
+    std::vector<Seen> seen;
+    solver.SetObserver(Into(seen));
+    ASSERT_EQ(solver.Solve(std::vector<double>{0.0, 0.0}).status, Status::kUnsolved);
+    std::vector<double> far;
+    for (const Seen& it : seen) {
+      if (it.start == "noise" && it.step == 0) far.push_back(std::hypot(it.q[0], it.q[1]));
+    }
+    starts = static_cast<int>(far.size());
+    ASSERT_GE(starts, 4);
+    for (int k = 0; k < starts; ++k) {
+      (2 * k < starts ? early : late) += far[k] / tuning::starts::kNoise[k % 4];
+    }
+  }
+  EXPECT_GT(early / (10.0 * starts), tuning::starts::kLeastNoise * scene.tables().size);
+  EXPECT_GT(late, 1.5 * early);
 }
 
 // A free configuration needs no search.

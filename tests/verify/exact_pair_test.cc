@@ -201,6 +201,25 @@ TEST_F(ExactPairTest, BodiesWhollyInsideCollideAndHollowsAreFree) {
   EXPECT_FALSE(Verify(around, FreePose({0.0, 0.0, 0.1})).free);
 }
 
+// Of a body wholly inside, too, the contact says how deep it is and which way is out: the nearest
+// face, from geom 1 to geom 2.
+TEST_F(ExactPairTest, OfABodyInsideTheNearestFaceIsTheWayOut) {
+  for (const char* geom : kGeoms) {
+    const Scene block = MeshScene(test::BoxMesh({0.4, 0.4, 0.4}), geom);
+    for (int k = 0; k < 6; ++k) {
+      const Vector3d out = (k < 3 ? 1.0 : -1.0) * Vector3d::Unit(k % 3);
+      const Verdict verdict = Verify(block, FreePose(0.3 * out));
+      ASSERT_EQ(verdict.contacts.size(), 1u) << geom;
+      const Contact& contact = verdict.contacts[0];
+      const double way = contact.geom[0] < contact.geom[1] ? 1.0 : -1.0;
+      const Vector3d normal =
+          way * Vector3d(contact.normal_W[0], contact.normal_W[1], contact.normal_W[2]);
+      EXPECT_GT(normal.dot(out), 0.99) << geom << " " << out.transpose();
+      EXPECT_LT(contact.distance, -0.1) << geom;
+    }
+  }
+}
+
 // An L, extruded along z; `inset` moves every wall inwards [m].
 MeshShape Angle(double inset = 0.0) {
   const double low = inset, far = 0.2 - inset, mid = 0.1 - inset;
