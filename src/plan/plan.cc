@@ -23,6 +23,17 @@ using Clock = std::chrono::steady_clock;
 // Not tuned.
 constexpr double kContactClearance = 1e-3;
 constexpr double kRange = 0.1;  // of the largest distance of random configurations; not tuned
+// A search that has not found a path after so many samples, times a term of Luby's sequence, begins
+// anew.
+constexpr std::int64_t kSamplesOfARun = 1000;
+
+// Term k = 1, 2, ... of 1 1 2 1 1 2 4 1 1 2 1 1 2 4 8 ... (Luby, Sinclair and Zuckerman, Optimal
+// speedup of Las Vegas algorithms, 1993).
+std::int64_t Luby(std::int64_t k) {
+  std::int64_t power = 1;
+  while (2 * power - 1 < k) power *= 2;
+  return 2 * power - 1 == k ? power : Luby(k - power + 1);
+}
 
 class Planning {
  public:
@@ -163,10 +174,15 @@ void Planning::Solve(const ob::ProblemDefinitionPtr& problem,
                   information);
   named.planner->setProblemDefinition(problem);
   named.planner->setup();
-  named.planner->solve(ob::PlannerTerminationCondition([this] { return Ended(); }));
-  ob::PlannerData data(information);
-  named.planner->getPlannerData(data);
-  path_.nodes = static_cast<int>(data.numVertices());
+  for (std::int64_t run = 1; !problem->hasExactSolution() && !Ended(); ++run) {
+    named.planner->clear();
+    const std::int64_t last = space_->samples() + Luby(run) * kSamplesOfARun;
+    named.planner->solve(ob::PlannerTerminationCondition(
+        [this, last] { return space_->samples() >= last || Ended(); }));
+    ob::PlannerData data(information);
+    named.planner->getPlannerData(data);
+    path_.nodes += static_cast<int>(data.numVertices());
+  }
   if (named.retraction) path_.collision_queries += named.retraction->queries();
 }
 
