@@ -12,8 +12,8 @@ namespace ob = ompl::base;
 
 RetractingRrtConnect::RetractingRrtConnect(const ob::SpaceInformationPtr& space,
                                            const std::string& name,
-                                           std::unique_ptr<Retraction> retraction)
-    : RRTConnect(space), retraction_(std::move(retraction)) {
+                                           std::unique_ptr<Retraction> retraction, bool both)
+    : RRTConnect(space), retraction_(std::move(retraction)), both_(both) {
   setName(name);
 }
 
@@ -28,7 +28,7 @@ RetractingRrtConnect::Motion* RetractingRrtConnect::Add(TreeData& tree, Motion* 
 }
 
 RetractingRrtConnect::GrowState RetractingRrtConnect::Grow(TreeData& tree, const ob::State* target,
-                                                           bool retract, Motion*& last) {
+                                                           bool& retract, Motion*& last) {
   ob::ScopedState<> end(si_->getStateSpace());
   Motion wanted;
   wanted.state = const_cast<ob::State*>(target);  // only read, to be compared with nodes
@@ -42,6 +42,7 @@ RetractingRrtConnect::GrowState RetractingRrtConnect::Grow(TreeData& tree, const
     return reaches ? REACHED : ADVANCED;
   }
   if (!retract) return TRAPPED;
+  retract = false;
   const std::vector<VectorXd>& chain =
       retraction_->Retract(ConfigurationSpace::Q(near->state), ConfigurationSpace::Q(end.get()));
   last = near;
@@ -50,6 +51,16 @@ RetractingRrtConnect::GrowState RetractingRrtConnect::Grow(TreeData& tree, const
     last = Add(tree, last, end.get());
   }
   return chain.empty() ? TRAPPED : ADVANCED;
+}
+
+// Grows towards a node of the other tree until it is reached or something is in the way.
+RetractingRrtConnect::GrowState RetractingRrtConnect::Join(
+    TreeData& tree, const ob::State* target, const ob::PlannerTerminationCondition& ptc,
+    Motion*& last) {
+  bool retract = both_;
+  GrowState state = ADVANCED;
+  while (state == ADVANCED && !ptc) state = Grow(tree, target, retract, last);
+  return state;
 }
 
 bool RetractingRrtConnect::AddRoots(const ob::PlannerTerminationCondition& ptc) {
@@ -83,11 +94,10 @@ ob::PlannerStatus RetractingRrtConnect::solve(const ob::PlannerTerminationCondit
     TreeData& other = from_start ? tGoal_ : tStart_;
     sampler_->sampleUniform(sample.get());
     Motion* node = nullptr;
-    if (Grow(tree, sample.get(), true, node) == TRAPPED) continue;
+    bool retract = true;
+    if (Grow(tree, sample.get(), retract, node) == TRAPPED) continue;
     Motion* met = nullptr;
-    GrowState state = ADVANCED;
-    while (state == ADVANCED && !ptc) state = Grow(other, node->state, false, met);
-    if (state != REACHED) continue;
+    if (Join(other, node->state, ptc, met) != REACHED) continue;
     Connect(from_start ? node : met, from_start ? met : node);
     return ob::PlannerStatus::EXACT_SOLUTION;
   }
