@@ -11,10 +11,14 @@ namespace mjcf_pdg {
 namespace ob = ompl::base;
 
 RetractingRrtConnect::RetractingRrtConnect(const ob::SpaceInformationPtr& space,
-                                           const std::string& name,
-                                           std::unique_ptr<Retraction> retraction, bool both)
-    : RRTConnect(space), retraction_(std::move(retraction)), both_(both) {
+                                           const std::string& name, Retractions retractions)
+    : RRTConnect(space), retractions_(std::move(retractions)) {
   setName(name);
+}
+
+std::int64_t RetractingRrtConnect::retraction_queries() const {
+  return retractions_.growing->queries() +
+         (retractions_.joining ? retractions_.joining->queries() : 0);
 }
 
 RetractingRrtConnect::Motion* RetractingRrtConnect::Add(TreeData& tree, Motion* parent,
@@ -28,7 +32,7 @@ RetractingRrtConnect::Motion* RetractingRrtConnect::Add(TreeData& tree, Motion* 
 }
 
 RetractingRrtConnect::GrowState RetractingRrtConnect::Grow(TreeData& tree, const ob::State* target,
-                                                           bool& retract, Motion*& last) {
+                                                           Retraction*& retraction, Motion*& last) {
   ob::ScopedState<> end(si_->getStateSpace());
   Motion wanted;
   wanted.state = const_cast<ob::State*>(target);  // only read, to be compared with nodes
@@ -41,10 +45,10 @@ RetractingRrtConnect::GrowState RetractingRrtConnect::Grow(TreeData& tree, const
     last = Add(tree, near, end.get());
     return reaches ? REACHED : ADVANCED;
   }
-  if (!retract) return TRAPPED;
-  retract = false;
+  if (!retraction) return TRAPPED;
   const std::vector<VectorXd>& chain =
-      retraction_->Retract(ConfigurationSpace::Q(near->state), ConfigurationSpace::Q(end.get()));
+      retraction->Retract(ConfigurationSpace::Q(near->state), ConfigurationSpace::Q(end.get()));
+  retraction = nullptr;
   last = near;
   for (const VectorXd& q : chain) {
     ConfigurationSpace::Q(end.get()) = q;
@@ -57,9 +61,9 @@ RetractingRrtConnect::GrowState RetractingRrtConnect::Grow(TreeData& tree, const
 RetractingRrtConnect::GrowState RetractingRrtConnect::Join(
     TreeData& tree, const ob::State* target, const ob::PlannerTerminationCondition& ptc,
     Motion*& last) {
-  bool retract = both_;
+  Retraction* retraction = retractions_.joining.get();
   GrowState state = ADVANCED;
-  while (state == ADVANCED && !ptc) state = Grow(tree, target, retract, last);
+  while (state == ADVANCED && !ptc) state = Grow(tree, target, retraction, last);
   return state;
 }
 
@@ -94,8 +98,8 @@ ob::PlannerStatus RetractingRrtConnect::solve(const ob::PlannerTerminationCondit
     TreeData& other = from_start ? tGoal_ : tStart_;
     sampler_->sampleUniform(sample.get());
     Motion* node = nullptr;
-    bool retract = true;
-    if (Grow(tree, sample.get(), retract, node) == TRAPPED) continue;
+    Retraction* retraction = retractions_.growing.get();
+    if (Grow(tree, sample.get(), retraction, node) == TRAPPED) continue;
     Motion* met = nullptr;
     if (Join(other, node->state, ptc, met) != REACHED) continue;
     Connect(from_start ? node : met, from_start ? met : node);
