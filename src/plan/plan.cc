@@ -23,6 +23,21 @@ using Clock = std::chrono::steady_clock;
 // Not tuned.
 constexpr double kContactClearance = 1e-3;
 constexpr double kRange = 0.1;  // of the largest distance of random configurations; not tuned
+// A search that retracts and has not found a path after so many samples, times a term of Luby's
+// sequence, begins anew: a few samples in the right place make a path soon or not at all. Seconds
+// per path on the bridge, with 60, 125, 250, 500, 1000 and 2000 (PDg in both trees): 0.36, 0.39,
+// 0.55, 0.49, 0.62 and 1.0; birrt-r, but for the last, 1.3, 1.4, 1.8, 2.1 and 2.4. Without, three
+// and four of eight runs found none in 6000 samples. OMPL's own planners need large trees: birrt
+// took 3.7 instead of 1.1 on Placement.
+constexpr std::int64_t kSamplesOfARun = 100;
+
+// Term k = 1, 2, ... of 1 1 2 1 1 2 4 1 1 2 1 1 2 4 8 ... (Luby, Sinclair and Zuckerman, Optimal
+// speedup of Las Vegas algorithms, 1993).
+std::int64_t Luby(std::int64_t k) {
+  std::int64_t power = 1;
+  while (2 * power - 1 < k) power *= 2;
+  return 2 * power - 1 == k ? power : Luby(k - power + 1);
+}
 
 class Planning {
  public:
@@ -163,11 +178,17 @@ void Planning::Solve(const ob::ProblemDefinitionPtr& problem,
                   information);
   named.planner->setProblemDefinition(problem);
   named.planner->setup();
-  named.planner->solve(ob::PlannerTerminationCondition([this] { return Ended(); }));
-  ob::PlannerData data(information);
-  named.planner->getPlannerData(data);
-  path_.nodes = static_cast<int>(data.numVertices());
-  if (named.retraction) path_.collision_queries += named.retraction->queries();
+  for (std::int64_t run = 1; !problem->hasExactSolution() && !Ended(); ++run) {
+    named.planner->clear();
+    const std::int64_t last = named.retracting ? space_->samples() + Luby(run) * kSamplesOfARun
+                                               : std::numeric_limits<std::int64_t>::max();
+    named.planner->solve(ob::PlannerTerminationCondition(
+        [this, last] { return space_->samples() >= last || Ended(); }));
+    ob::PlannerData data(information);
+    named.planner->getPlannerData(data);
+    path_.nodes += static_cast<int>(data.numVertices());
+  }
+  if (named.retracting) path_.collision_queries += named.retracting->retraction_queries();
 }
 
 Path Planning::Run(const std::vector<double>& start, const std::vector<double>& goal) {

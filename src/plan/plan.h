@@ -44,7 +44,7 @@ struct Path {
   // planned. They are repaired to the nearest configuration that is free.
   Result start, goal;
   std::string reason;  // why nothing was found, in words; else empty
-  int nodes = 0;       // of the planner's trees
+  int nodes = 0;       // of the planner's trees, those of runs that were given up included
   std::int64_t samples = 0;
   // Configurations that were posed, for whatever reason: motions, repairs, retractions.
   std::int64_t collision_queries = 0;

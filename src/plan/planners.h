@@ -8,16 +8,15 @@
 #include <string>
 #include <vector>
 
-#include "plan/retraction.h"
+#include "plan/retracting_rrt_connect.h"
 
 namespace mjcf_pdg {
 
 std::vector<std::string> PlannerNames();
 
-// A planner, and what retracts its samples (null: nothing does), which it owns.
 struct NamedPlanner {
   ompl::base::PlannerPtr planner;
-  const Retraction* retraction = nullptr;
+  const RetractingRrtConnect* retracting = nullptr;  // the same, if it retracts
 };
 
 // `range` is the length of a step [m], the same for all that have one. Throws Error, which lists

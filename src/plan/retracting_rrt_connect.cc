@@ -11,10 +11,14 @@ namespace mjcf_pdg {
 namespace ob = ompl::base;
 
 RetractingRrtConnect::RetractingRrtConnect(const ob::SpaceInformationPtr& space,
-                                           const std::string& name,
-                                           std::unique_ptr<Retraction> retraction)
-    : RRTConnect(space), retraction_(std::move(retraction)) {
+                                           const std::string& name, Retractions retractions)
+    : RRTConnect(space), retractions_(std::move(retractions)) {
   setName(name);
+}
+
+std::int64_t RetractingRrtConnect::retraction_queries() const {
+  return retractions_.growing->queries() +
+         (retractions_.joining ? retractions_.joining->queries() : 0);
 }
 
 RetractingRrtConnect::Motion* RetractingRrtConnect::Add(TreeData& tree, Motion* parent,
@@ -28,7 +32,7 @@ RetractingRrtConnect::Motion* RetractingRrtConnect::Add(TreeData& tree, Motion* 
 }
 
 RetractingRrtConnect::GrowState RetractingRrtConnect::Grow(TreeData& tree, const ob::State* target,
-                                                           bool retract, Motion*& last) {
+                                                           Retraction*& retraction, Motion*& last) {
   ob::ScopedState<> end(si_->getStateSpace());
   Motion wanted;
   wanted.state = const_cast<ob::State*>(target);  // only read, to be compared with nodes
@@ -41,15 +45,26 @@ RetractingRrtConnect::GrowState RetractingRrtConnect::Grow(TreeData& tree, const
     last = Add(tree, near, end.get());
     return reaches ? REACHED : ADVANCED;
   }
-  if (!retract) return TRAPPED;
+  if (!retraction) return TRAPPED;
   const std::vector<VectorXd>& chain =
-      retraction_->Retract(ConfigurationSpace::Q(near->state), ConfigurationSpace::Q(end.get()));
+      retraction->Retract(ConfigurationSpace::Q(near->state), ConfigurationSpace::Q(end.get()));
+  retraction = nullptr;
   last = near;
   for (const VectorXd& q : chain) {
     ConfigurationSpace::Q(end.get()) = q;
     last = Add(tree, last, end.get());
   }
   return chain.empty() ? TRAPPED : ADVANCED;
+}
+
+// Grows towards a node of the other tree until it is reached or something is in the way.
+RetractingRrtConnect::GrowState RetractingRrtConnect::Join(
+    TreeData& tree, const ob::State* target, const ob::PlannerTerminationCondition& ptc,
+    Motion*& last) {
+  Retraction* retraction = retractions_.joining.get();
+  GrowState state = ADVANCED;
+  while (state == ADVANCED && !ptc) state = Grow(tree, target, retraction, last);
+  return state;
 }
 
 bool RetractingRrtConnect::AddRoots(const ob::PlannerTerminationCondition& ptc) {
@@ -83,11 +98,10 @@ ob::PlannerStatus RetractingRrtConnect::solve(const ob::PlannerTerminationCondit
     TreeData& other = from_start ? tGoal_ : tStart_;
     sampler_->sampleUniform(sample.get());
     Motion* node = nullptr;
-    if (Grow(tree, sample.get(), true, node) == TRAPPED) continue;
+    Retraction* retraction = retractions_.growing.get();
+    if (Grow(tree, sample.get(), retraction, node) == TRAPPED) continue;
     Motion* met = nullptr;
-    GrowState state = ADVANCED;
-    while (state == ADVANCED && !ptc) state = Grow(other, node->state, false, met);
-    if (state != REACHED) continue;
+    if (Join(other, node->state, ptc, met) != REACHED) continue;
     Connect(from_start ? node : met, from_start ? met : node);
     return ob::PlannerStatus::EXACT_SOLUTION;
   }

@@ -51,7 +51,8 @@ std::unique_ptr<Retraction> MakeContactRetraction(const RetractionInput& input);
 // Differs from it:
 //   1. The sample is the end of the step that the tree was to make, not the configuration that was
 //      drawn, which may lie far beyond it.
-//   2. Where the solver finds nothing free, the tree goes along the contact towards the sample
+//   2. birrt-pdg asks for it where its trees are to be joined (planners.cc).
+//   3. Where the solver finds nothing free, the tree goes along the contact towards the sample
 //      itself.
 std::unique_ptr<Retraction> MakePdgRetraction(const RetractionInput& input);
 
