@@ -109,6 +109,11 @@ bool TerrainContacts::Nearest(const OnTerrain& on, const Vector3d& shift, const 
     const GjkEnding ending = on.Ask(next->prism, shift, best.distance, accuracy, found);
     if (ending != GjkEnding::kApart && ending != GjkEnding::kBeyond) return false;
     if (ending == GjkEnding::kApart && found.distance < best.distance) best = found;
+    // What parts the core from this prism parts it from most of its neighbours, too.
+    const double begin = found.n.dot(on.Support(-found.n) + shift);
+    for (NearPrism& near : near_) {
+      near.at_least = std::max(near.at_least, begin - near.prism.Farthest(found.n));
+    }
   }
 }
 
