@@ -91,7 +91,7 @@ class OnTerrain {
 
  private:
   bool Nearer(const Prism& prism, const Vector3d& shift, double apart) const;
-  double AtLeast(const Prism& prism, const Vector3d& shift, double reach) const;
+  double AboveTop(const Prism& prism, const Vector3d& shift) const;
 
   const SupportPoints& support_;
   const HeightField field_;
@@ -99,7 +99,9 @@ class OnTerrain {
   const double radius_, size_;
   Matrix3d R_field_W_, R_;
   Vector3d field_x_W_, origin_;  // `origin_`: of the geom, in the frame of the field
-  // The core's box in its own axes: its centre and half its edges, as columns; and in the field's.
+  // The core's box in its own axes, which are columns: its centre and half its edges, as vectors,
+  // too; and its box in the field's axes.
+  Matrix3d axes_;
   Vector3d center_;
   Matrix3d half_edges_;
   Eigen::AlignedBox3d core_box_;
