@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "collide/terrain/top_nearest.h"
+
 namespace mjcf_pdg {
 namespace {
 
@@ -101,6 +103,7 @@ OnTerrain::OnTerrain(const SceneTables& tables, const PosedModel& posed, const K
   center_ = R_ * AsVector(m.geom_aabb + 6 * geom_);
   const Vector3d half = (AsVector(m.geom_aabb + 6 * geom_ + 3).array() - radius_).cwiseMax(0.0);
   const int type = m.geom_type[geom_];
+  is_segment_ = type == mjGEOM_CAPSULE || type == mjGEOM_SPHERE;
   axes_ = type == mjGEOM_CAPSULE || type == mjGEOM_CYLINDER ? OneLevelAxis(R_) : R_;
   half_edges_ = axes_ * half.asDiagonal();
   const Vector3d reach = half_edges_.cwiseAbs().rowwise().sum();
@@ -183,6 +186,14 @@ Prism OnTerrain::InField(Prism prism) const {
 GjkEnding OnTerrain::Ask(const Prism& prism, const Vector3d& shift, double cutoff,
                          const GjkAccuracy& accuracy, GjkNearest& found) const {
   ++asked_;
+  if (GuessNearest(prism, shift, found)) {
+    // The plane normal to what is between the points proves them, as in Gjk.
+    const double at_least = found.n.dot(Support(-found.n) + shift) - prism.Farthest(found.n);
+    if (at_least >= cutoff) return GjkEnding::kBeyond;
+    const double wanted =
+        accuracy.gap + accuracy.share * std::abs(found.distance - accuracy.zero);
+    if (found.distance - at_least <= wanted) return GjkEnding::kApart;
+  }
   const auto support = [&](const Vector3d& n) {
     const Vector3d p1 = prism.Support(n), p2 = Support(-n) + shift;
     return Simplex::Corner{p1 - p2, p1, p2};
@@ -190,6 +201,24 @@ GjkEnding OnTerrain::Ask(const Prism& prism, const Vector3d& shift, double cutof
   Simplex simplex;
   simplex.Add(support(prism.Cross()));
   return Gjk(support, kTooThin * size_, cutoff, accuracy, simplex, found);
+}
+
+// The nearest points of the core, moved by `shift`, and the prism's top, if there is a closed form
+// for them; they need not be those of the prism.
+bool OnTerrain::GuessNearest(const Prism& prism, const Vector3d& shift, GjkNearest& found) const {
+  NearestPoints nearest;
+  if (is_segment_) {
+    const Vector3d middle = center_ + shift, half = half_edges_.col(2);
+    if (!NearestOfSegment(prism.top, middle - half, middle + half, nearest)) return false;
+  } else if (!NearestOfFace(prism.top, Support(-prism.Cross()) + shift, nearest)) {
+    return false;
+  }
+  const Vector3d between = nearest.p2 - nearest.p1;
+  found.distance = between.norm();
+  if (!(found.distance > kTooThin * size_)) return false;
+  found.n = between / found.distance;
+  found.corner = {-between, nearest.p1, nearest.p2};
+  return true;
 }
 
 bool OnTerrain::Overlap(const Prism& prism, const Vector3d& shift) const {

@@ -91,6 +91,7 @@ class OnTerrain {
 
  private:
   bool Nearer(const Prism& prism, const Vector3d& shift, double apart) const;
+  bool GuessNearest(const Prism& prism, const Vector3d& shift, GjkNearest& found) const;
   double AboveTop(const Prism& prism, const Vector3d& shift) const;
 
   const SupportPoints& support_;
@@ -104,6 +105,7 @@ class OnTerrain {
   Matrix3d axes_;
   Vector3d center_;
   Matrix3d half_edges_;
+  bool is_segment_;  // the core of a sphere or a capsule, along the third axis
   Eigen::AlignedBox3d core_box_;
   mutable std::int64_t asked_ = 0;
 };
