@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "collide/terrain/top_nearest.h"
-
 namespace mjcf_pdg {
 namespace {
 
@@ -101,11 +99,13 @@ OnTerrain::OnTerrain(const SceneTables& tables, const PosedModel& posed, const K
   R_ = R_field_W_.transpose() * AsMatrix(d.geom_xmat + 9 * geom_);
   origin_ = R_field_W_.transpose() * (AsVector(d.geom_xpos + 3 * geom_) - field_x_W_);
   center_ = R_ * AsVector(m.geom_aabb + 6 * geom_);
-  const Vector3d half = (AsVector(m.geom_aabb + 6 * geom_ + 3).array() - radius_).cwiseMax(0.0);
+  half_ = (AsVector(m.geom_aabb + 6 * geom_ + 3).array() - radius_).cwiseMax(0.0);
   const int type = m.geom_type[geom_];
-  is_segment_ = type == mjGEOM_CAPSULE || type == mjGEOM_SPHERE;
+  core_ = type == mjGEOM_CAPSULE || type == mjGEOM_SPHERE ? Core::kSegment
+          : type == mjGEOM_BOX                            ? Core::kBox
+                                                          : Core::kOther;
   axes_ = type == mjGEOM_CAPSULE || type == mjGEOM_CYLINDER ? OneLevelAxis(R_) : R_;
-  half_edges_ = axes_ * half.asDiagonal();
+  half_edges_ = axes_ * half_.asDiagonal();
   const Vector3d reach = half_edges_.cwiseAbs().rowwise().sum();
   core_box_ = {center_ - reach, center_ + reach};
 }
@@ -186,13 +186,18 @@ Prism OnTerrain::InField(Prism prism) const {
 GjkEnding OnTerrain::Ask(const Prism& prism, const Vector3d& shift, double cutoff,
                          const GjkAccuracy& accuracy, GjkNearest& found) const {
   ++asked_;
-  if (GuessNearest(prism, shift, found)) {
-    // The plane normal to what is between the points proves them, as in Gjk.
-    const double at_least = found.n.dot(Support(-found.n) + shift) - prism.Farthest(found.n);
-    if (at_least >= cutoff) return GjkEnding::kBeyond;
-    const double wanted =
-        accuracy.gap + accuracy.share * std::abs(found.distance - accuracy.zero);
-    if (found.distance - at_least <= wanted) return GjkEnding::kApart;
+  const Vector3d center = center_ + shift, half = half_edges_.col(2);
+  NearestPoints guess;
+  GjkEnding ending;
+  const auto proves = [&] {
+    return Proves(guess, prism, shift, cutoff, accuracy, found, ending);
+  };
+  if (core_ == Core::kSegment) {
+    if (NearestOfSegment(prism.top, center - half, center + half, guess) && proves()) return ending;
+  } else if (NearestOfFace(prism.top, Support(-prism.Cross()) + shift, guess)) {
+    if (proves()) return ending;
+  } else if (core_ == Core::kBox) {
+    if (NearestOfCorner(prism.top, center, axes_, half_, guess) && proves()) return ending;
   }
   const auto support = [&](const Vector3d& n) {
     const Vector3d p1 = prism.Support(n), p2 = Support(-n) + shift;
@@ -203,21 +208,21 @@ GjkEnding OnTerrain::Ask(const Prism& prism, const Vector3d& shift, double cutof
   return Gjk(support, kTooThin * size_, cutoff, accuracy, simplex, found);
 }
 
-// The nearest points of the core, moved by `shift`, and the prism's top, if there is a closed form
-// for them; they need not be those of the prism.
-bool OnTerrain::GuessNearest(const Prism& prism, const Vector3d& shift, GjkNearest& found) const {
-  NearestPoints nearest;
-  if (is_segment_) {
-    const Vector3d middle = center_ + shift, half = half_edges_.col(2);
-    if (!NearestOfSegment(prism.top, middle - half, middle + half, nearest)) return false;
-  } else if (!NearestOfFace(prism.top, Support(-prism.Cross()) + shift, nearest)) {
-    return false;
-  }
-  const Vector3d between = nearest.p2 - nearest.p1;
-  found.distance = between.norm();
-  if (!(found.distance > kTooThin * size_)) return false;
-  found.n = between / found.distance;
-  found.corner = {-between, nearest.p1, nearest.p2};
+// Whether the points are the nearest, by the plane normal to what is between them, or if that shows
+// a distance of `cutoff` or more. Then fills `found` and `ending`, as Gjk would.
+bool OnTerrain::Proves(const NearestPoints& guess, const Prism& prism, const Vector3d& shift,
+                       double cutoff, const GjkAccuracy& accuracy, GjkNearest& found,
+                       GjkEnding& ending) const {
+  const Vector3d between = guess.p2 - guess.p1;
+  const double distance = between.norm();
+  if (!(distance > kTooThin * size_)) return false;
+  const Vector3d n = between / distance;
+  const double at_least = n.dot(Support(-n) + shift) - prism.Farthest(n);
+  const double wanted = accuracy.gap + accuracy.share * std::abs(distance - accuracy.zero);
+  const bool beyond = at_least >= cutoff;
+  if (!beyond && distance - at_least > wanted) return false;
+  ending = beyond ? GjkEnding::kBeyond : GjkEnding::kApart;
+  found = {{-between, guess.p1, guess.p2}, n, distance};
   return true;
 }
 

@@ -11,6 +11,7 @@
 
 #include "collide/convex/gjk.h"
 #include "collide/convex/support_points.h"
+#include "collide/terrain/top_nearest.h"
 #include "model/height_field.h"
 #include "model/kinematics.h"
 
@@ -91,7 +92,8 @@ class OnTerrain {
 
  private:
   bool Nearer(const Prism& prism, const Vector3d& shift, double apart) const;
-  bool GuessNearest(const Prism& prism, const Vector3d& shift, GjkNearest& found) const;
+  bool Proves(const NearestPoints& guess, const Prism& prism, const Vector3d& shift, double cutoff,
+              const GjkAccuracy& accuracy, GjkNearest& found, GjkEnding& ending) const;
   double AboveTop(const Prism& prism, const Vector3d& shift) const;
 
   const SupportPoints& support_;
@@ -103,9 +105,9 @@ class OnTerrain {
   // The core's box in its own axes, which are columns: its centre and half its edges, as vectors,
   // too; and its box in the field's axes.
   Matrix3d axes_;
-  Vector3d center_;
+  Vector3d center_, half_;
   Matrix3d half_edges_;
-  bool is_segment_;  // the core of a sphere or a capsule, along the third axis
+  enum class Core { kSegment, kBox, kOther } core_;  // a segment goes along the third axis
   Eigen::AlignedBox3d core_box_;
   mutable std::int64_t asked_ = 0;
 };

@@ -76,4 +76,18 @@ bool NearestOfFace(const Triangle& top, const Vector3d& lowest, NearestPoints& n
   return true;
 }
 
+bool NearestOfCorner(const Triangle& top, const Vector3d& center, const Eigen::Matrix3d& axes,
+                     const Vector3d& half, NearestPoints& nearest) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Vector3d& corner : top) {
+    const Vector3d inside = axes.transpose() * (corner - center);
+    const Vector3d clamped = inside.cwiseMax(-half).cwiseMin(half);
+    const double squared = (inside - clamped).squaredNorm();
+    if (squared >= least) continue;
+    least = squared;
+    nearest = {corner, center + axes * clamped};
+  }
+  return least > 0.0;
+}
+
 }  // namespace mjcf_pdg

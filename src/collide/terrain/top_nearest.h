@@ -1,8 +1,8 @@
 // The nearest points of a prism's top and the core of a geom above it, in closed form.
 //
 // They are a guess, which costs a tenth of a search: of a segment or a point it is right unless the
-// core reaches below the top; of a box or a cylinder, unless two edges are nearest. The caller
-// proves it by the plane between the points, or searches (OnTerrain::Ask).
+// core reaches below the top; of a box, unless two edges are nearest. The caller proves it by the
+// plane between the points, or searches (OnTerrain::Ask).
 #ifndef MJCF_PDG_SRC_COLLIDE_TERRAIN_TOP_NEAREST_H_
 #define MJCF_PDG_SRC_COLLIDE_TERRAIN_TOP_NEAREST_H_
 
@@ -26,6 +26,12 @@ bool NearestOfSegment(const Triangle& top, const Eigen::Vector3d& a, const Eigen
 // If `lowest`, the core's point that is farthest against the normal of the top, is above the top
 // itself, the two nearest points are it and the one below. Otherwise returns false.
 bool NearestOfFace(const Triangle& top, const Eigen::Vector3d& lowest, NearestPoints& nearest);
+
+// The corner of the top that is nearest to the box, whose axes are columns, and the point of the
+// box nearest to it. Returns false if the box contains a corner.
+bool NearestOfCorner(const Triangle& top, const Eigen::Vector3d& center,
+                     const Eigen::Matrix3d& axes, const Eigen::Vector3d& half,
+                     NearestPoints& nearest);
 
 }  // namespace mjcf_pdg
 
