@@ -46,7 +46,6 @@ class HeightField {
   double dy() const { return dy_; }
 
  private:
-
   const double* half_size_and_heights_;  // half sizes along x and y, largest z, depth of the base
   const float* heights_;                 // rows_ × cols_, shares of the largest z
   int rows_, cols_;                      // of corners

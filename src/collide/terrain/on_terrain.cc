@@ -134,8 +134,8 @@ void OnTerrain::CollectPrisms(const CellRange& cells, const Vector3d& shift, dou
     double top = top_of(cells.col_begin);
     for (added.col = cells.col_begin; added.col < cells.col_end; ++added.col) {
       const double next = top_of(added.col + 1);
-      const double of_cell = bound.At(first.x() + (added.col - cells.col_begin) * field_.dx(),
-                                      std::max(top, next));
+      const double of_cell =
+          bound.At(first.x() + (added.col - cells.col_begin) * field_.dx(), std::max(top, next));
       top = next;
       if (of_cell > reach) continue;
       for (int triangle = 0; triangle < 2; ++triangle) {
@@ -189,9 +189,7 @@ GjkEnding OnTerrain::Ask(const Prism& prism, const Vector3d& shift, double cutof
   const Vector3d center = center_ + shift, half = half_edges_.col(2);
   NearestPoints guess;
   GjkEnding ending;
-  const auto proves = [&] {
-    return Proves(guess, prism, shift, cutoff, accuracy, found, ending);
-  };
+  const auto proves = [&] { return Proves(guess, prism, shift, cutoff, accuracy, found, ending); };
   if (core_ == Core::kSegment) {
     if (NearestOfSegment(prism.top, center - half, center + half, guess) && proves()) return ending;
   } else if (NearestOfFace(prism.top, Support(-prism.Cross()) + shift, guess)) {
