@@ -91,6 +91,7 @@ TEST_F(CliPluginsTest, TheSetpointOfAPidGoesAlongWithTheRepairedKeyframe) {
   EXPECT_NEAR(number("ctrl", 1), -0.85, 1e-5) << "as far below the joint as before";
   EXPECT_EQ(number("ctrl", 0), 0.3) << "a motor's control is no place";
   std::string limited = model(R"(<config key="ki" value="1"/><config key="slewmax" value="1"/>)");
+  limited.insert(limited.find(" plugin=\"mujoco.pid\"><config"), " actdim=\"2\"");
   limited.insert(limited.find(" ctrl="), " act=\".01 -.95\"");
   Write("pid.xml", limited);
   ASSERT_EQ(Run({"solve", "pid.xml", "--key", "deep", "--out-mjcf", "out.xml"}).exit_code, 0);
