@@ -12,6 +12,9 @@
 namespace mjcf_pdg::test {
 namespace {
 
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The corner that is farthest along n.
