@@ -12,6 +12,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTooThin = 1e-6;
 // Planes whose normals are nearly across a way bound its length by nothing useful.
 constexpr double kGrazing = 0.05;
+// An axis is upright, so that all others around it are level, if its sine is below this.
+constexpr double kUpright = 1e-6;
 // A round geom overlaps a prism if it does by more than this, rounding apart [scene's size].
 constexpr double kRounding = 1e-10;
 
@@ -20,7 +22,7 @@ constexpr double kRounding = 1e-10;
 Matrix3d OneLevelAxis(const Matrix3d& R) {
   const Vector3d along = R.col(2), level = Vector3d::UnitZ().cross(along);
   const double length = level.norm();
-  if (!(length > kGrazing)) return R;
+  if (!(length > kUpright)) return R;
   Matrix3d axes;
   axes << level / length, along.cross(level / length), along;
   return axes;
@@ -28,8 +30,8 @@ Matrix3d OneLevelAxis(const Matrix3d& R) {
 
 // A lower bound of the distance of a box from what is below the height `top` in a cell of the grid,
 // whose faces are parallel to the field's axes: by the two boxes, and by the planes below the faces
-// of the box's own axes. Everything is relative to the cell's corner of least x and y of the first
-// cell that is asked about.
+// of the box's own axes. A cell is told by its corner of least x and y, relative to the geom's
+// origin like all else.
 class CellBound {
  public:
   // `low` and `high` bound the box in the axes of the field.

@@ -1,6 +1,6 @@
 // The nearest points of a prism's top and the core of a geom above it, in closed form.
 //
-// They are a guess, which costs a tenth of a search: of a segment or a point it is right unless the
+// They are a guess, cheaper than a search: of a segment or a point it is right unless the
 // core reaches below the top; of a box, unless two edges are nearest. The caller proves it by the
 // plane between the points, or searches (OnTerrain::Ask).
 #ifndef MJCF_PDG_SRC_COLLIDE_TERRAIN_TOP_NEAREST_H_
