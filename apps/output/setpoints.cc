@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 #include <stdexcept>
 
 namespace mjcf_pdg::app {
@@ -16,27 +17,48 @@ bool IsServo(const mjModel& m, int actuator) {
          biasprm[1] == -gainprm[0];
 }
 
+// Whether the actuator is one of MuJoCo's own plugin mujoco.pid, which pulls to a position, too.
+bool IsPidPlugin(const mjModel& m, int actuator) {
+  const int instance = m.actuator_plugin[actuator];
+  const mjpPlugin* plugin = instance >= 0 ? mjp_getPluginAtSlot(m.plugin[instance]) : nullptr;
+  return plugin && std::strcmp(plugin->name, "mujoco.pid") == 0;
+}
+
+bool IsConfigured(const mjModel& m, int actuator, const char* what) {
+  const char* value = mj_getPluginConfig(&m, m.actuator_plugin[actuator], what);
+  return value && *value;
+}
+
 // Index in ctrl of the actuator's position setpoint; -1 if it has none.
 int PositionControl(const mjModel& m, int actuator) {
   const int dynamics = m.actuator_dyntype[actuator];
   if (m.actuator_outnum[actuator] != 1 || m.actuator_ctrlnum[actuator] < 1) return -1;
-  const bool servo = IsServo(m, actuator) && (dynamics == mjDYN_NONE || dynamics == mjDYN_FILTER ||
-                                              dynamics == mjDYN_FILTEREXACT);
+  const bool servo =
+      (IsServo(m, actuator) || IsPidPlugin(m, actuator)) &&
+      (dynamics == mjDYN_NONE || dynamics == mjDYN_FILTER || dynamics == mjDYN_FILTEREXACT);
   // The position comes first among the inputs of a pid actuator.
   const bool pid = m.actuator_gaintype[actuator] == mjGAIN_PID &&
                    (m.actuator_ctrlspec[actuator] & mjINPUT_POS) != 0;
   return servo || pid ? m.actuator_ctrladr[actuator] : -1;
 }
 
-// Index in act of the position that the actuator pulls to: a filtered control, or, of an
-// intvelocity actuator, the integral of one. -1 if it has none.
-int PositionActivation(const mjModel& m, int actuator) {
-  const int dynamics = m.actuator_dyntype[actuator];
+// Indices in act of the positions that the actuator pulls to: of a filtered control, or, of an
+// intvelocity actuator, of the integral of one. The plugin has before it, if so configured, an
+// integral of the error and the control of the last step, from which slewmax counts.
+std::vector<int> PositionActivations(const mjModel& m, int actuator) {
+  const int dynamics = m.actuator_dyntype[actuator], count = m.actuator_actnum[actuator];
   const bool holds =
       dynamics == mjDYN_FILTER || dynamics == mjDYN_FILTEREXACT || dynamics == mjDYN_INTEGRATOR;
-  return holds && IsServo(m, actuator) && m.actuator_actnum[actuator] == 1
-             ? m.actuator_actadr[actuator]
-             : -1;
+  const bool plugin = IsPidPlugin(m, actuator);
+  const int first = m.actuator_actadr[actuator];
+  std::vector<int> positions;
+  if (plugin && IsConfigured(m, actuator, "slewmax")) {
+    positions.push_back(first + (IsConfigured(m, actuator, "ki") ? 1 : 0));
+  }
+  if (holds && (plugin || (IsServo(m, actuator) && count == 1))) {
+    positions.push_back(first + count - 1);
+  }
+  return positions;
 }
 
 void Move(double& value, double change, const mjtNum* range) {
@@ -87,7 +109,7 @@ Setpoints SetpointMover::Moved(const Configuration& row, const std::vector<doubl
       const mjtNum* range = m.actuator_ctrllimited[c] ? m.actuator_ctrlrange + 2 * c : nullptr;
       Move(setpoints.ctrl[static_cast<std::size_t>(c)], change, range);
     }
-    if (const int k = PositionActivation(m, a); k >= 0) {
+    for (const int k : PositionActivations(m, a)) {
       const mjtNum* range = m.actuator_actlimited[a] ? m.actuator_actrange + 2 * a : nullptr;
       Move(setpoints.act[static_cast<std::size_t>(k)], change, range);
     }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "collide/terrain/on_terrain.h"
+
 namespace mjcf_pdg {
 namespace {
 

@@ -15,7 +15,7 @@
 
 #include "ccd/motion_bound.h"
 #include "collide/convex/support_points.h"
-#include "collide/terrain/on_terrain.h"
+#include "collide/terrain/prism.h"
 
 namespace mjcf_pdg {
 

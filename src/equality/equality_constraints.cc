@@ -11,6 +11,13 @@ namespace {
 
 namespace tune = tuning::equality;
 
+// Pivots below this share of the largest are taken for 0: a Gram matrix has squared singular
+// values, and errs by about its size times the rounding.
+constexpr double kGramRank = 1e-13;
+// A change that leaves no more than this share of what is broken mends it: the next step of
+// Newton's method does the rest.
+constexpr double kMended = 1e-6;
+
 // A copy of the model's struct for which MuJoCo makes rows of equality constraints alone, as a
 // dense matrix.
 mjModel WithEqualitiesAlone(const mjModel& query_model) {
@@ -39,10 +46,12 @@ EqualityConstraints::EqualityConstraints(const SceneTables& tables)
 
 void EqualityConstraints::SetMocap(const MocapPoses& poses) {
   if (posed_) posed_->SetMocap(poses);
+  linearized_at_.resize(0);
 }
 
 void EqualityConstraints::SetActive(std::span<const mjtBool> active) {
   if (!posed_) return;
+  linearized_at_.resize(0);
   const mjModel& m = *tables_.model;
   equalities_ = false;
   tendons_ = tendon_limits_.any();
@@ -61,7 +70,8 @@ std::span<const mjtBool> EqualityConstraints::active() const {
 }
 
 void EqualityConstraints::Linearize(const VectorXd& q) {
-  if (!any_) return;
+  if (!any_ || (linearized_at_.size() == q.size() && linearized_at_ == q)) return;
+  linearized_at_ = q;
   posed_->Pose(q);
   mjData* d = posed_->data();
   if (tendons_) mj_tendon(&model_, d);
@@ -123,16 +133,46 @@ double EqualityConstraints::Violation(const VectorXd& q) {
   return Largest();
 }
 
-// Sets step_ to the least change that mends what is broken, as it is linearized, without joints
-// that are at a limit and would leave it. Returns false if nothing can change.
+// Sets step_ to the least change, by the weights, that mends what is broken as it is linearized.
+void EqualityConstraints::Mend(const VectorXd& weight) {
+  weighted_.noalias() = broken_jacobian_ * weight.asDiagonal();
+  if (!MendByGram()) {
+    solver_.setThreshold(tune::kRank);
+    solver_.compute(weighted_);
+    step_ = solver_.solve(-broken_);
+  }
+  step_ = weight.cwiseProduct(step_).eval();
+}
+
+// With A the weighted Jacobian and b what is broken: Aᵀy with A Aᵀ y = -b, which is several times
+// cheaper than a decomposition of A. Constraints that depend on each other leave y some freedom,
+// but not Aᵀy. Returns false where that does not mend what is broken: constraints that conflict, or
+// nearly depend on each other, need the decomposition.
+bool EqualityConstraints::MendByGram() {
+  gram_.noalias() = weighted_ * weighted_.transpose();
+  of_gram_.compute(gram_);
+  const auto pivots = of_gram_.vectorD();
+  const double least = kGramRank * pivots.cwiseAbs().maxCoeff();
+  forces_ = of_gram_.transpositionsP() * -broken_;
+  of_gram_.matrixL().solveInPlace(forces_);
+  for (Eigen::Index k = 0; k < pivots.size(); ++k) {
+    forces_[k] = pivots[k] > least ? forces_[k] / pivots[k] : 0.0;
+  }
+  of_gram_.matrixU().solveInPlace(forces_);
+  forces_ = of_gram_.transpositionsP().transpose() * forces_;
+  step_.noalias() = weighted_.transpose() * forces_;
+  forces_ = broken_;
+  forces_.noalias() += weighted_ * step_;
+  return forces_.squaredNorm() <= kMended * kMended * broken_.squaredNorm();
+}
+
+// Sets step_ to the least change that mends what is broken, without joints that are at a limit and
+// would leave it. Returns false if nothing can change.
 bool EqualityConstraints::Correct(const VectorXd& q) {
   CollectBroken();
   VectorXd weight = weight_;
   for (std::size_t round = 0; round <= tables_.joints.size(); ++round) {
-    solver_.setThreshold(tune::kRank);
-    solver_.compute(broken_jacobian_ * weight.asDiagonal());
-    step_ = solver_.solve(-broken_);
-    step_ = weight.cwiseProduct(step_).eval();
+    Mend(weight);
     bool blocked = false;
     for (const JointEntry& joint : tables_.joints) {
       if (!joint.limited || joint.type == mjJNT_BALL) continue;

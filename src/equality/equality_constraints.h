@@ -31,7 +31,8 @@ class EqualityConstraints {
 
   bool any() const { return any_; }  // some constraint is held, or some tendon limit
 
-  // Evaluates the constraints at q (nq entries): residual(), jacobian() and tendon_limits().
+  // Evaluates the constraints at q (nq entries): residual(), jacobian() and tendon_limits(). Costs
+  // nothing where the last evaluation was at that q.
   void Linearize(const VectorXd& q);
   const VectorXd& residual() const { return residual_; }  // k entries [m or rad]
   const MatrixXd& jacobian() const { return jacobian_; }  // k × n, of residual() by dq
@@ -51,6 +52,8 @@ class EqualityConstraints {
   void ScaleRows();
   void CollectBroken();
   bool Correct(const VectorXd& q);
+  void Mend(const VectorXd& weight);
+  bool MendByGram();
 
   const SceneTables& tables_;
   mjModel model_;                      // with equality rows alone
@@ -61,7 +64,12 @@ class EqualityConstraints {
   MatrixXd jacobian_;
   VectorXd broken_;  // the residuals, and tendon limits that are exceeded as if they were residuals
   MatrixXd broken_jacobian_;
-  VectorXd weight_;  // per dof: the inverse of what a unit of it counts
+  VectorXd weight_;         // per dof: the inverse of what a unit of it counts
+  VectorXd linearized_at_;  // q of the last Linearize; empty: another evaluation is needed
+  // Scratch of Mend.
+  MatrixXd weighted_, gram_;
+  VectorXd forces_;
+  Eigen::LDLT<MatrixXd> of_gram_;
   Eigen::CompleteOrthogonalDecomposition<MatrixXd> solver_;
 };
 

@@ -55,9 +55,4 @@ std::array<Eigen::Vector3d, 3> HeightField::Triangle(int row, int col, int trian
   return {low, high, Corner(row + 1, col)};
 }
 
-double HeightField::Top(int row, int col) const {
-  return std::max(
-      {Height(row, col), Height(row, col + 1), Height(row + 1, col), Height(row + 1, col + 1)});
-}
-
 }  // namespace mjcf_pdg

@@ -38,14 +38,14 @@ class HeightField {
   double base() const { return -half_size_and_heights_[3]; }  // z of the base
   // The three corners of a cell's triangle, 0 or 1, counter-clockwise seen from above.
   std::array<Eigen::Vector3d, 3> Triangle(int row, int col, int triangle) const;
-  // The largest z of a cell.
-  double Top(int row, int col) const;
-
- private:
-  double Height(int row, int col) const {
+  double Height(int row, int col) const {  // z of that corner
     return half_size_and_heights_[2] * heights_[row * cols_ + col];
   }
+  // Between corners, along x and along y.
+  double dx() const { return dx_; }
+  double dy() const { return dy_; }
 
+ private:
   const double* half_size_and_heights_;  // half sizes along x and y, largest z, depth of the base
   const float* heights_;                 // rows_ × cols_, shares of the largest z
   int rows_, cols_;                      // of corners

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <sstream>
 
 #include "tests/support/cli_test.h"
 #include "tests/support/test_support.h"
@@ -62,6 +63,40 @@ TEST_F(CliPluginsTest, SensorsAndActuatorsOfPluginsDoNoHarm) {
       <config key="size" value="2 2"/><config key="fov" value="10 10"/><config key="gamma" value="0"/>
       <config key="nchannel" value="1"/></plugin></sensor></mujoco>)");
   EXPECT_NEAR(SolveJson({"servo.xml", "--threads", "2"})[0]["qpos"][0].get<double>(), 0.05, 1e-5);
+}
+
+// A ball that lies 5 cm deep in a plate is lifted, and with it what the plugin pulls it to: its
+// control and, of one whose control may only change so fast, the control of the last step.
+TEST_F(CliPluginsTest, TheSetpointOfAPidGoesAlongWithTheRepairedKeyframe) {
+  const auto model = [](const std::string& config) {
+    return R"(<mujoco><extension><plugin plugin="mujoco.pid"/></extension><worldbody>
+      <geom type="box" size="1 1 .1"/><body pos="0 0 1"><joint name="z" type="slide" axis="0 0 1"/>
+      <geom size=".1"/></body></worldbody><actuator><motor joint="z"/><plugin joint="z"
+      plugin="mujoco.pid"><config key="kp" value="40"/>)" +
+           config + R"(</plugin></actuator><keyframe><key name="deep" qpos="-.85" ctrl=".3 -.9"/>
+      </keyframe></mujoco>)";
+  };
+  // The n-th number of an attribute of the repaired keyframe.
+  const auto number = [this](const std::string& attribute, int n) {
+    const std::string text = Read("out.xml");
+    const std::size_t key = text.find("deep_pdg"), at = text.find(attribute + "=\"", key);
+    EXPECT_NE(at, std::string::npos) << text;
+    std::istringstream numbers(text.substr(at + attribute.size() + 2));
+    double value = 0.0;
+    for (int k = 0; k <= n; ++k) numbers >> value;
+    return value;
+  };
+  Write("pid.xml", model(""));
+  ASSERT_EQ(Run({"solve", "pid.xml", "--key", "deep", "--out-mjcf", "out.xml"}).exit_code, 0);
+  EXPECT_NEAR(number("ctrl", 1), -0.85, 1e-5) << "as far below the joint as before";
+  EXPECT_EQ(number("ctrl", 0), 0.3) << "a motor's control is no place";
+  std::string limited = model(R"(<config key="ki" value="1"/><config key="slewmax" value="1"/>)");
+  limited.insert(limited.find(" plugin=\"mujoco.pid\"><config"), " actdim=\"2\"");
+  limited.insert(limited.find(" ctrl="), " act=\".01 -.95\"");
+  Write("pid.xml", limited);
+  ASSERT_EQ(Run({"solve", "pid.xml", "--key", "deep", "--out-mjcf", "out.xml"}).exit_code, 0);
+  EXPECT_NEAR(number("act", 1), -0.9, 1e-5);
+  EXPECT_EQ(number("act", 0), 0.01) << "the integral of the error is no place";
 }
 
 TEST_F(CliPluginsTest, OthersAreLoadedFromTheirFolder) {

@@ -209,6 +209,25 @@ TEST(EqualityCases, WhatJoinsAMocapBodyIsLeftOutAndSaidUnlessAllAreHeld) {
   EXPECT_NEAR(result.q[0], 0, 1e-6);  // the anchor of the hand is where the tool was at qpos0
 }
 
+// An evaluation is used again at the same q only while nothing else has changed.
+TEST(EqualityCases, ResidualsFollowTheMocapBodyAndWhatIsActive) {
+  SceneOptions all;
+  all.equality = EqualityMode::kAll;
+  const Scene held = Scene::FromString(kDriven, all);
+  EqualityConstraints equality(held.tables());
+  const VectorXd q = VectorXd::Constant(1, 0.25);
+  EXPECT_NEAR(equality.Violation(q), 0.25, 1e-12);
+  equality.SetMocap({{0, 0, 1.25}, {1, 0, 0, 0}});
+  EXPECT_NEAR(equality.Violation(q), 0.0, 1e-12);
+  equality.SetMocap({{0, 0, 1.5}, {1, 0, 0, 0}});
+  EXPECT_NEAR(equality.Violation(q), 0.25, 1e-12);
+  const mjtBool inactive[] = {0}, active[] = {1};
+  equality.SetActive(inactive);
+  EXPECT_EQ(equality.Violation(q), 0.0);
+  equality.SetActive(active);
+  EXPECT_NEAR(equality.Violation(q), 0.25, 1e-12);
+}
+
 TEST(EqualityCases, IgnoredMeansIgnoredAndInactiveIsNotHeld) {
   SceneOptions ignore;
   ignore.equality = EqualityMode::kIgnore;

@@ -1,6 +1,7 @@
 #include "collide/terrain/on_terrain.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace mjcf_pdg {
@@ -11,8 +12,64 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTooThin = 1e-6;
 // Planes whose normals are nearly across a way bound its length by nothing useful.
 constexpr double kGrazing = 0.05;
+// An axis is upright, so that all others around it are level, if its sine is below this.
+constexpr double kUpright = 1e-6;
 // A round geom overlaps a prism if it does by more than this, rounding apart [scene's size].
 constexpr double kRounding = 1e-10;
+
+// Axes of a body of revolution around the third column of R, the first of them horizontal: then its
+// box reaches least far down.
+Matrix3d OneLevelAxis(const Matrix3d& R) {
+  const Vector3d along = R.col(2), level = Vector3d::UnitZ().cross(along);
+  const double length = level.norm();
+  if (!(length > kUpright)) return R;
+  Matrix3d axes;
+  axes << level / length, along.cross(level / length), along;
+  return axes;
+}
+
+// A lower bound of the distance of a box from what is below the height `top` in a cell of the grid,
+// whose faces are parallel to the field's axes: by the two boxes, and by the planes below the faces
+// of the box's own axes. A cell is told by its corner of least x and y, relative to the geom's
+// origin like all else.
+class CellBound {
+ public:
+  // `low` and `high` bound the box in the axes of the field.
+  CellBound(const HeightField& field, const Vector3d& low, const Vector3d& high,
+            const Matrix3d& axes, const Vector3d& center, const Matrix3d& half_edges)
+      : dx_(field.dx()), dy_(field.dy()), low_(low), high_(high) {
+    for (int k = 0; k < 3; ++k) {
+      up_[k] = std::copysign(1.0, axes(2, k)) * axes.col(k);
+      below_[k] = up_[k].dot(center) - half_edges.col(k).norm() - std::max(up_[k].x(), 0.0) * dx_ -
+                  std::max(up_[k].y(), 0.0) * dy_;
+    }
+  }
+
+  void SetRow(double y) {
+    beside_y_ = std::max({low_.y() - (y + dy_), y - high_.y(), 0.0});
+    for (int k = 0; k < 3; ++k) below_row_[k] = below_[k] - up_[k].y() * y;
+  }
+  double At(double x, double top) const {
+    const double beside_x = std::max({low_.x() - (x + dx_), x - high_.x(), 0.0});
+    const double above = low_.z() - top;
+    const double outside = std::max(above, 0.0);
+    double at_least = std::min(above, 0.0);
+    if (beside_x > 0.0 || beside_y_ > 0.0 || above > 0.0) {
+      at_least = std::sqrt(beside_x * beside_x + beside_y_ * beside_y_ + outside * outside);
+    }
+    for (int k = 0; k < 3; ++k) {
+      at_least = std::max(at_least, below_row_[k] - up_[k].x() * x - up_[k].z() * top);
+    }
+    return at_least;
+  }
+
+ private:
+  double dx_, dy_;
+  Vector3d low_, high_;
+  Vector3d up_[3];
+  double below_[3], below_row_[3] = {};
+  double beside_y_ = 0.0;
+};
 
 }  // namespace
 
@@ -44,8 +101,13 @@ OnTerrain::OnTerrain(const SceneTables& tables, const PosedModel& posed, const K
   R_ = R_field_W_.transpose() * AsMatrix(d.geom_xmat + 9 * geom_);
   origin_ = R_field_W_.transpose() * (AsVector(d.geom_xpos + 3 * geom_) - field_x_W_);
   center_ = R_ * AsVector(m.geom_aabb + 6 * geom_);
-  const Vector3d half = (AsVector(m.geom_aabb + 6 * geom_ + 3).array() - radius_).cwiseMax(0.0);
-  half_edges_ = R_ * half.asDiagonal();
+  half_ = (AsVector(m.geom_aabb + 6 * geom_ + 3).array() - radius_).cwiseMax(0.0);
+  const int type = m.geom_type[geom_];
+  core_ = type == mjGEOM_CAPSULE || type == mjGEOM_SPHERE ? Core::kSegment
+          : type == mjGEOM_BOX                            ? Core::kBox
+                                                          : Core::kOther;
+  axes_ = type == mjGEOM_CAPSULE || type == mjGEOM_CYLINDER ? OneLevelAxis(R_) : R_;
+  half_edges_ = axes_ * half_.asDiagonal();
   const Vector3d reach = half_edges_.cwiseAbs().rowwise().sum();
   core_box_ = {center_ - reach, center_ + reach};
 }
@@ -59,45 +121,41 @@ CellRange OnTerrain::CellsNear(const Vector3d& shift, double reach) const {
 void OnTerrain::CollectPrisms(const CellRange& cells, const Vector3d& shift, double reach,
                               std::vector<NearPrism>& near) const {
   near.clear();
-  const double lowest = core_box_.min().z() + shift.z() + origin_.z() - reach;
+  if (cells.empty()) return;
+  CellBound bound(field_, core_box_.min() + shift, core_box_.max() + shift, axes_, center_ + shift,
+                  half_edges_);
+  const Vector3d first = field_.Corner(cells.row_begin, cells.col_begin) - origin_;
   NearPrism added;
   added.prism.base = field_.base() - origin_.z();
   for (added.row = cells.row_begin; added.row < cells.row_end; ++added.row) {
+    bound.SetRow(first.y() + (added.row - cells.row_begin) * field_.dy());
+    const auto top_of = [&](int col) {
+      return std::max(field_.Height(added.row, col), field_.Height(added.row + 1, col)) -
+             origin_.z();
+    };
+    double top = top_of(cells.col_begin);
     for (added.col = cells.col_begin; added.col < cells.col_end; ++added.col) {
-      if (field_.Top(added.row, added.col) < lowest) continue;
+      const double next = top_of(added.col + 1);
+      const double of_cell =
+          bound.At(first.x() + (added.col - cells.col_begin) * field_.dx(), std::max(top, next));
+      top = next;
+      if (of_cell > reach) continue;
       for (int triangle = 0; triangle < 2; ++triangle) {
         added.prism.top = field_.Triangle(added.row, added.col, triangle);
         for (Vector3d& corner : added.prism.top) corner -= origin_;
-        added.at_least = AtLeast(added.prism, shift, reach);
+        added.at_least = std::max(of_cell, AboveTop(added.prism, shift));
         if (added.at_least <= reach) near.push_back(added);
       }
     }
   }
 }
 
-// By the boxes of the two in the axes of the field; if those are within `reach`, also by the planes
-// of the prism's top and of the faces of the core's own box.
-double OnTerrain::AtLeast(const Prism& prism, const Vector3d& shift, double reach) const {
-  const auto& [a, b, c] = prism.top;
-  Vector3d low = a.cwiseMin(b).cwiseMin(c);
-  low.z() = std::min(low.z(), prism.base);
-  const Vector3d high = a.cwiseMax(b).cwiseMax(c);
-  const Vector3d below = low - (core_box_.max() + shift), above = core_box_.min() + shift - high;
-  const Vector3d gap = below.cwiseMax(above);
-  const double by_boxes = std::min(gap.maxCoeff(), 0.0) + gap.cwiseMax(0.0).norm();
-  if (by_boxes > reach) return by_boxes;
-  const Vector3d n = prism.Normal();
-  const double by_plane =
-      n.dot(center_ + shift - a) - (n.transpose() * half_edges_).cwiseAbs().sum();
-  double at_least = std::max(by_boxes, by_plane);
-  const Vector3d from = center_ + shift;
-  for (int axis = 0; axis < 3; ++axis) {
-    Vector3d face = R_.col(axis);
-    if (face.dot(a - from) < 0.0) face = -face;
-    const double half = std::abs(face.dot(half_edges_.col(axis)));
-    at_least = std::max(at_least, -prism.Farthest(-face) - face.dot(from) - half);
-  }
-  return at_least;
+// How far the core's box, moved by `shift`, is above the plane of the prism's top.
+double OnTerrain::AboveTop(const Prism& prism, const Vector3d& shift) const {
+  const Vector3d n = prism.Cross();
+  const double above =
+      n.dot(center_ + shift - prism.top[0]) - (n.transpose() * half_edges_).cwiseAbs().sum();
+  return above / n.norm();
 }
 
 double OnTerrain::ExitBound(const Prism& prism, const Vector3d& u) const {
@@ -114,7 +172,7 @@ double OnTerrain::ExitBound(const Prism& prism, const Vector3d& u) const {
   const Vector3d n = prism.Normal();
   consider(n, n.dot(prism.top[0]));
   for (int axis = 0; axis < 3; ++axis) {
-    Vector3d face = R_.col(axis);
+    Vector3d face = axes_.col(axis);
     if (face.dot(u) < 0.0) face = -face;
     consider(face, prism.Farthest(face));
   }
@@ -130,6 +188,17 @@ Prism OnTerrain::InField(Prism prism) const {
 GjkEnding OnTerrain::Ask(const Prism& prism, const Vector3d& shift, double cutoff,
                          const GjkAccuracy& accuracy, GjkNearest& found) const {
   ++asked_;
+  const Vector3d center = center_ + shift, half = half_edges_.col(2);
+  NearestPoints guess;
+  GjkEnding ending;
+  const auto proves = [&] { return Proves(guess, prism, shift, cutoff, accuracy, found, ending); };
+  if (core_ == Core::kSegment) {
+    if (NearestOfSegment(prism.top, center - half, center + half, guess) && proves()) return ending;
+  } else if (NearestOfFace(prism.top, Support(-prism.Cross()) + shift, guess)) {
+    if (proves()) return ending;
+  } else if (core_ == Core::kBox) {
+    if (NearestOfCorner(prism.top, center, axes_, half_, guess) && proves()) return ending;
+  }
   const auto support = [&](const Vector3d& n) {
     const Vector3d p1 = prism.Support(n), p2 = Support(-n) + shift;
     return Simplex::Corner{p1 - p2, p1, p2};
@@ -137,6 +206,24 @@ GjkEnding OnTerrain::Ask(const Prism& prism, const Vector3d& shift, double cutof
   Simplex simplex;
   simplex.Add(support(prism.Cross()));
   return Gjk(support, kTooThin * size_, cutoff, accuracy, simplex, found);
+}
+
+// Whether the points are the nearest, by the plane normal to what is between them, or if that shows
+// a distance of `cutoff` or more. Then fills `found` and `ending`, as Gjk would.
+bool OnTerrain::Proves(const NearestPoints& guess, const Prism& prism, const Vector3d& shift,
+                       double cutoff, const GjkAccuracy& accuracy, GjkNearest& found,
+                       GjkEnding& ending) const {
+  const Vector3d between = guess.p2 - guess.p1;
+  const double distance = between.norm();
+  if (!(distance > kTooThin * size_)) return false;
+  const Vector3d n = between / distance;
+  const double at_least = n.dot(Support(-n) + shift) - prism.Farthest(n);
+  const double wanted = accuracy.gap + accuracy.share * std::abs(distance - accuracy.zero);
+  const bool beyond = at_least >= cutoff;
+  if (!beyond && distance - at_least > wanted) return false;
+  ending = beyond ? GjkEnding::kBeyond : GjkEnding::kApart;
+  found = {{-between, guess.p1, guess.p2}, n, distance};
+  return true;
 }
 
 bool OnTerrain::Overlap(const Prism& prism, const Vector3d& shift) const {

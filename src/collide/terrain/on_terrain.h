@@ -4,48 +4,17 @@
 #define MJCF_PDG_SRC_COLLIDE_TERRAIN_ON_TERRAIN_H_
 
 #include <Eigen/Dense>
-#include <algorithm>
-#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "collide/convex/gjk.h"
 #include "collide/convex/support_points.h"
+#include "collide/terrain/prism.h"
+#include "collide/terrain/top_nearest.h"
 #include "model/height_field.h"
 #include "model/kinematics.h"
 
 namespace mjcf_pdg {
-
-// The prism below one triangle of the surface.
-struct Prism {
-  std::array<Vector3d, 3> top;
-  double base = 0.0;  // z
-
-  Vector3d Support(const Vector3d& n) const;  // a point farthest along n
-  // n · Support(n). Inline, because every prism near a geom is asked a few times.
-  double Farthest(const Vector3d& n) const {
-    const double down = n.z() * base;
-    double farthest = 0.0;
-    for (int k = 0; k < 3; ++k) {
-      const double along =
-          n.x() * top[k].x() + n.y() * top[k].y() + std::max(n.z() * top[k].z(), down);
-      farthest = k == 0 ? along : std::max(farthest, along);
-    }
-    return farthest;
-  }
-  Vector3d Cross() const;  // normal of the top, upwards, of any length
-  Vector3d Normal() const { return Cross().normalized(); }
-};
-
-// A prism and a lower bound of its distance from the core, negative if they seem to overlap [m].
-struct NearPrism {
-  double at_least = 0.0;
-  Prism prism;
-  int row = 0, col = 0;  // of its cell
-  // Of the search that goes through them: an upper bound of the way out of it [m]; asked already.
-  double exit = 0.0;
-  bool asked = false;
-};
 
 // Everything is in the axes of the field, relative to the geom's origin; lengths in m. A geom is
 // its core (support_points.h) and a ball of `radius` around it.
@@ -91,7 +60,9 @@ class OnTerrain {
 
  private:
   bool Nearer(const Prism& prism, const Vector3d& shift, double apart) const;
-  double AtLeast(const Prism& prism, const Vector3d& shift, double reach) const;
+  bool Proves(const NearestPoints& guess, const Prism& prism, const Vector3d& shift, double cutoff,
+              const GjkAccuracy& accuracy, GjkNearest& found, GjkEnding& ending) const;
+  double AboveTop(const Prism& prism, const Vector3d& shift) const;
 
   const SupportPoints& support_;
   const HeightField field_;
@@ -99,9 +70,12 @@ class OnTerrain {
   const double radius_, size_;
   Matrix3d R_field_W_, R_;
   Vector3d field_x_W_, origin_;  // `origin_`: of the geom, in the frame of the field
-  // The core's box in its own axes: its centre and half its edges, as columns; and in the field's.
-  Vector3d center_;
+  // The core's box in its own axes, which are columns: its centre and half its edges, as vectors,
+  // too; and its box in the field's axes.
+  Matrix3d axes_;
+  Vector3d center_, half_;
   Matrix3d half_edges_;
+  enum class Core { kSegment, kBox, kOther } core_;  // a segment goes along the third axis
   Eigen::AlignedBox3d core_box_;
   mutable std::int64_t asked_ = 0;
 };

@@ -76,10 +76,13 @@ bool TerrainContacts::AppendApart(const OnTerrain& on, const Vector3d& shift, do
     return blocks == 1 ? 0 : 2 * (near.row >= row) + (near.col >= col);
   };
   for (int block = 0; block < blocks; ++block) {
+    block_.clear();
+    for (NearPrism& near : near_) {
+      if (block_of(near) == block) block_.push_back(&near);
+    }
     GjkNearest found;
     found.distance = reach;
-    const auto in_block = [&](const NearPrism& near) { return block_of(near) == block; };
-    if (!Nearest(on, shift, in_block, found)) return false;
+    if (!Nearest(on, shift, found)) return false;
     if (found.distance >= reach) continue;
     const double distance = found.distance - on.radius() - found.n.dot(shift);
     if (distance >= margin) continue;
@@ -89,27 +92,32 @@ bool TerrainContacts::AppendApart(const OnTerrain& on, const Vector3d& shift, do
   return true;
 }
 
-// Lowers `best` to the nearest prism of those, if one is nearer. The ones with the least bounds are
-// asked first. Returns false if the moved core overlaps one.
-template <typename Which>
-bool TerrainContacts::Nearest(const OnTerrain& on, const Vector3d& shift, const Which& which,
-                              GjkNearest& best) {
+// Lowers `best` to the nearest of the prisms in block_, if one is nearer. The ones with the least
+// bounds are asked first. Returns false if the moved core overlaps one.
+bool TerrainContacts::Nearest(const OnTerrain& on, const Vector3d& shift, GjkNearest& best) {
   const GjkAccuracy accuracy{
       .gap = kMeet * on.size(), .share = kMeetShare, .zero = on.radius(), .last = kLastShare};
   const double slack = kMeet * on.size();  // a prism that is no nearer than this much is not
+  const auto nearer = [](const NearPrism* a, const NearPrism* b) {
+    return a->at_least < b->at_least;
+  };
   GjkNearest found;
-  while (true) {
-    NearPrism* next = nullptr;
-    for (NearPrism& near : near_) {
-      if (near.asked || near.at_least >= best.distance - slack || !which(near)) continue;
-      if (!next || near.at_least < next->at_least) next = &near;
-    }
-    if (!next) return true;
-    next->asked = true;
-    const GjkEnding ending = on.Ask(next->prism, shift, best.distance, accuracy, found);
+  while (!block_.empty()) {
+    const auto next = std::min_element(block_.begin(), block_.end(), nearer);
+    if ((*next)->at_least >= best.distance - slack) return true;
+    const GjkEnding ending = on.Ask((*next)->prism, shift, best.distance, accuracy, found);
     if (ending != GjkEnding::kApart && ending != GjkEnding::kBeyond) return false;
     if (ending == GjkEnding::kApart && found.distance < best.distance) best = found;
+    *next = block_.back();
+    block_.pop_back();
+    // What parts the core from this prism parts it from most of its neighbours, too.
+    const double begin = found.n.dot(on.Support(-found.n) + shift);
+    std::erase_if(block_, [&](NearPrism* near) {
+      near->at_least = std::max(near->at_least, begin - near->prism.Farthest(found.n));
+      return near->at_least >= best.distance - slack;
+    });
   }
+  return true;
 }
 
 SignedGap TerrainContacts::ToWorld(const OnTerrain& on, const SignedGap& gap) {

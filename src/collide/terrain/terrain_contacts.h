@@ -36,13 +36,13 @@ class TerrainContacts {
 
  private:
   bool AppendApart(const OnTerrain& on, const Vector3d& shift, double margin, int blocks);
-  template <typename Which>
-  bool Nearest(const OnTerrain& on, const Vector3d& shift, const Which& which, GjkNearest& best);
+  bool Nearest(const OnTerrain& on, const Vector3d& shift, GjkNearest& best);
   static SignedGap ToWorld(const OnTerrain& on, const SignedGap& gap);
 
   const SceneTables& tables_;
   WayOut way_out_;
   std::vector<NearPrism> near_;
+  std::vector<NearPrism*> block_;  // those of near_ in one block that may be nearest
   std::vector<SignedGap> scratch_;
   std::int64_t distances_ = 0;
 };

@@ -18,18 +18,21 @@ constexpr double kSteep = 0.7;
 // shorter by this share.
 constexpr int kMostTurns = 3;
 constexpr double kShorter = 1e-6;
-// How exactly the way out of one prism is found [share of it, and scene's size].
-constexpr double kLengthShare = 1e-6, kLengthGap = 1e-9;
+// How exactly the way out of one prism is found [share of it, and scene's size], and for a rough
+// way: as exactly as it ends apart.
+constexpr double kLengthShare = 1e-6, kLengthGap = 1e-9, kRoughGap = 1.1e-4;
 constexpr int kMostPlanes = 30;
 // Where the search for that begins beyond the last touch, so that there is a normal [scene's size].
 constexpr double kAside = 1e-4;
 // A way that leads into other prisms so often is followed no farther.
 constexpr int kMostRounds = 8;
+// A plane whose normal is nearly across a way bounds its length by nothing useful.
+constexpr double kGrazing = 0.05;
 
 // How far the geom must move along u to leave one prism, which is no farther than `exit`. Each
 // plane that parts the two at the present end of the way tells how far the way would have to go to
 // reach it: less far.
-Way LeaveOne(const OnTerrain& on, const Prism& prism, const Vector3d& u, double exit) {
+Way LeaveOne(const OnTerrain& on, const Prism& prism, const Vector3d& u, double exit, double gap) {
   Way way{u, exit, u};
   double at = exit + kAside * on.size();
   const GjkAccuracy accuracy{.share = 0.1 * kLengthShare, .last = 1.0};
@@ -44,7 +47,7 @@ Way LeaveOne(const OnTerrain& on, const Prism& prism, const Vector3d& u, double 
     if (needed < way.length || plane == 0) way.n = found.n;
     way.length = std::min(way.length, needed);
     at = std::min(at, needed);
-    if (gained < kLengthShare * std::abs(way.length) + kLengthGap * on.size()) break;
+    if (gained < kLengthShare * std::abs(way.length) + gap * on.size()) break;
   }
   return way;
 }
@@ -73,6 +76,7 @@ Way WayOut::Find(const OnTerrain& on, Effort effort, std::vector<NearPrism>& nea
   };
   Way best = LeaveBox(on);
   has_last_ = false;
+  gap_ = effort == Effort::kShortest ? kLengthGap : kRoughGap;
   // Straight up it meets only what it overlaps, unless it comes from below.
   if (on.core_box().min().z() < on.FieldBox().min().z()) collect(on.radius() + best.length);
   Shorten(on, Vector3d::UnitZ(), near, best);
@@ -115,8 +119,16 @@ bool WayOut::Shorten(const OnTerrain& on, const Vector3d& u, std::vector<NearPri
   Prism last = last_;
   // Lengthens the way so that it leads out of a prism that the geom overlaps at its end.
   const auto leave = [&](NearPrism& one) {
-    const Way out = LeaveOne(on, one.prism, u, one.exit);
+    const Way out = LeaveOne(on, one.prism, u, one.exit, gap_);
     one.exit = out.length;
+    // The plane at its end tells of the other prisms, too, how far they are left at most.
+    const double along = out.n.dot(u), nearest = on.Support(-out.n).dot(out.n) - on.radius();
+    if (along > kGrazing) {
+      for (NearPrism& other : near) {
+        const double exit = (other.prism.Farthest(out.n) - nearest) / along;
+        other.exit = std::min(other.exit, exit);
+      }
+    }
     if (out.length <= way.length) return false;
     way = out;
     last = one.prism;

@@ -39,6 +39,7 @@ class WayOut {
   std::vector<Vector3d> normals_;  // of the surface that the geom overlaps, no two alike
   Prism last_;                     // that the best way leaves last, if has_last_
   bool has_last_ = false;
+  double gap_ = 0.0;  // how exactly the way out of one prism is found [scene's size]
 };
 
 }  // namespace mjcf_pdg
