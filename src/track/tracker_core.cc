@@ -26,10 +26,18 @@ TrackerCore::TrackerCore(const Scene& scene, const TrackOptions& o, const Pace& 
       elsewhere(work),
       approach(work, options.max_step) {
   work.remembers_distances = true;
+  if (!Limited()) return;
+  own_side = std::make_unique<Follower>(work, pace.follow);
+  detour = std::make_unique<Detour>(work, options.max_step);
 }
 
-// By the verifier, one query: by Check where that is to be reported of the answer.
+// By the verifier, one query. What the budget does not allow to ask is not called free.
 bool TrackerCore::Free(const VectorXd& q) {
+  return Left() > 0 && Ask(q);
+}
+
+// By Check where that is to be reported of the answer.
+bool TrackerCore::Ask(const VectorXd& q) {
   asked.assign(q.data(), q.data() + q.size());
   work.budget.Charge(1);
   if (!core.reporter.Reports()) return core.verifier.IsFree(asked, q_in);
@@ -77,9 +85,11 @@ void TrackerCore::First(Result& result) {
 
 void TrackerCore::Tick(BudgetMeter::Clock::time_point begin, Result& result) {
   Reporter::Clear(result);
-  work.budget.Begin(
-      {.queries = options.queries - tune::kReserve, .seconds = options.options.time_limit}, begin,
-      work.finder.queries());
+  // Of these no search may take any: the answer is asked about for the report, or has a bound.
+  const int words = (work.equality.any() || core.reporter.Reports() ? 1 : 0) + (pace.bounds ? 1 : 0);
+  work.budget.Begin({.queries = options.queries - words - tune::kReserve,
+                     .seconds = options.options.time_limit},
+                    begin, work.finder.queries());
   work.budget.Charge(1);
   asked.clear();
   const bool command_free = core.reporter.Input(q_in, result);
@@ -105,7 +115,7 @@ void TrackerCore::Reset(std::span<const double> q) {
   on_command = false;
   started = true;
   blocked = 0;
-  on_way = false;
+  if (detour) detour->Reset();
   elsewhere.Reset();
 }
 
@@ -123,7 +133,7 @@ void TrackerCore::Answer(Result& result) {
   on_command = at == command;
   if (on_command) return;
   const bool last = std::equal(asked.begin(), asked.end(), at.begin(), at.end());
-  if (work.equality.any() && !last) Free(at);  // whose constraints are reported
+  if (work.equality.any() && !last) Ask(at);  // whose constraints are reported
   asked.assign(at.data(), at.data() + at.size());
   core.reporter.Solved(q_in, {asked, start, last && core.reporter.Reports()}, result);
   if (pace.bounds) Bound(result);
@@ -155,6 +165,7 @@ void TrackerCore::Begin() {
 bool TrackerCore::Follow() {
   const bool known = !obstacles_moved || (Limited() && at == optimum);  // see Evaded
   const bool own_free = known || Free(optimum);
+  if (work.Spent()) return own_free;
   const double own_sigma = own_free ? work.norm.Sigma(optimum) : kInfinity;
   const double reach = tune::kReach * moved + Noise();
   const LocalResult* found = &follower.Follow({optimum, own_free, Obstacles(), reach});
@@ -162,6 +173,7 @@ bool TrackerCore::Follow() {
   double length = found->length;
   if (own_free && !(found->sigma < own_sigma)) return true;
   if (!found->free || !Free(found->q)) {
+    if (work.Spent()) return own_free;
     candidate = found->q;
     found = &follower.Retreat(candidate);
     iterations += found->iterations;
@@ -218,11 +230,12 @@ bool TrackerCore::Approached(bool command_free) {
   stood = at;
   if (Limited() && !Evaded()) return false;
   evaded = at;
+  const bool settled = at == optimum;
   if (command_free) {
     switched = blocked == 0 && follower.Farther(optimum, command, tune::kJump * moved + Noise());
     optimum = command;
   } else if (Follow()) {
-    if (!on_way && blocked == 0) TrySwitch();
+    if (settled && blocked == 0) TrySwitch();
   } else {
     if (!Limited()) return false;
     optimum = at;  // what it was on its way to is lost
@@ -231,52 +244,10 @@ bool TrackerCore::Approached(bool command_free) {
     at = optimum;
     return true;
   }
-  if (!Moved(command_free)) return false;
-  if (evaded == stood || approach.Cut(stood, at) == 1.0) return true;
-  at = evaded;  // to evade and to go on is too far for one tick
-  return Free(at);
-}
-
-// Towards the optimum, as far as the way leads. Returns false if the follower is not free then.
-bool TrackerCore::Moved(bool command_free) {
-  on_way = true;
-  if (switched && !command_free)
-    return Free(at);  // the search took the queries: off in the next tick
-  if (MoveTowards(optimum) || (blocked == 0 && SlideTowards(optimum))) {
-    on_way = at != optimum;
-    return true;
-  }
-  // No way leads there: back to the optimum on this side.
-  on_way = false;
-  if (blocked == 0) blocked = tune::kBlocked;
-  work.Begin(command, core.mocap, Rest());
-  candidate = follower.Follow({at, true, Obstacles(), kInfinity}).q;
-  if (!Free(candidate)) return Free(at);
-  optimum = candidate;
-  return MoveTowards(optimum) || Free(at);
-}
-
-// Returns whether that leads anywhere.
-bool TrackerCore::MoveTowards(const VectorXd& target) {
-  const bool unproven = !options.certify_motion;
-  double share = unproven ? approach.Cut(at, target) : approach.CutToProof(at, target);
-  if (unproven && !Free(approach.q())) share = approach.CutToProof(at, target);
-  if (share < tune::kLeastShare || !Free(approach.q())) return false;
-  at = approach.q();
+  if (settled) side_reach = tune::kReach * moved + Noise();
+  GoOn();
+  if (evaded != stood && approach.Cut(stood, at) < 1.0) at = evaded;  // too far for one tick
   return true;
-}
-
-// Where the straight way is blocked: along the obstacle, to what is nearest to the next point of
-// the straight way. Returns whether that comes nearer to the target.
-bool TrackerCore::SlideTowards(const VectorXd& target) {
-  approach.Cut(at, target);
-  work.Begin(approach.q(), core.mocap, Rest());
-  const double before = follower.Apart(at, target);
-  const VectorXd& beside = follower.Follow({at, true, Obstacles(), kInfinity}).q;
-  last_at = at;
-  if (MoveTowards(beside) && follower.Apart(at, target) < before) return true;
-  at = last_at;
-  return false;
 }
 
 // Nothing that is followed is free: a solve with what is left of the budget. Where max_step does

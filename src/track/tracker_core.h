@@ -7,6 +7,7 @@
 #include <mujoco/mujoco.h>
 
 #include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "mjcf_pdg/tracker.h"
 #include "solve/solver_core.h"
 #include "track/approach.h"
+#include "track/detour.h"
 #include "track/elsewhere.h"
 #include "track/follower.h"
 
@@ -44,12 +46,15 @@ struct TrackerCore {
   }
   // What a tick may move an answer that stands [√σ, m].
   double Noise() const { return tuning::track::kNoise * work.problem().size; }
+  // Queries that this tick may still make.
+  std::int64_t Left() const { return work.budget.Left(work.finder.queries()) + tuning::track::kReserve; }
   // How often obstacles have moved until now.
   int Obstacles() const { return moves + obstacles_moved; }
   std::int64_t LcpSteps() const {
     return core.LcpSteps() + follower.lcp_steps() + elsewhere.lcp_steps();
   }
   bool Free(const VectorXd& q);
+  bool Ask(const VectorXd& q);
   void Solve(Result& result);
   void First(Result& result);
   void Tick(BudgetMeter::Clock::time_point begin, Result& result);
@@ -60,8 +65,10 @@ struct TrackerCore {
   void TrySwitch();
   bool Evaded();
   bool Approached(bool command_free);
-  bool Moved(bool command_free);
-  bool MoveTowards(const VectorXd& target);
+  void GoOn();
+  bool GoAlong();
+  void GoBeside();
+  bool GoTowards(const VectorXd& target);
   bool SlideTowards(const VectorXd& target);
   const VectorXd* Rest() const { return options.options.rest > 0.0 ? &at_rest : nullptr; }
   void FallBack(Result& result);
@@ -73,10 +80,12 @@ struct TrackerCore {
   Follower follower;
   Elsewhere elsewhere;
   Approach approach;
+  // Where steps are limited: what stands on its own side while a way to `optimum` is sought.
+  std::unique_ptr<Follower> own_side;
+  std::unique_ptr<Detour> detour;
 
   bool started = false, obstacles_moved = false, switched = false;
-  bool on_command = false,
-       on_way = false;  // the follower stands on the command; on its way to `optimum`
+  bool on_command = false;  // the follower stands on the command
   int moves = 0;        // how often obstacles had moved before this tick
   int iterations = 0;   // of this tick
   int blocked = 0;  // ticks for which no other optimum is sought, since the way to one was blocked
@@ -85,6 +94,7 @@ struct TrackerCore {
   std::vector<double> q_in, asked, merged;
   VectorXd command, last_command, optimum, at, last_at, candidate, at_rest;
   VectorXd stood, evaded;  // where it stood before this tick, and before it went on
+  double side_reach = 0.0;  // of the descent beside [√σ, m]
 };
 
 }  // namespace mjcf_pdg

@@ -1,0 +1,241 @@
+#include "track/detour.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace mjcf_pdg {
+namespace {
+
+// Nodes of a tree. With four queries a tick both are full after a quarter of a second.
+constexpr int kNodes = 512;
+// Points of a way: a branch of either tree, and a trail of either end.
+constexpr int kTrail = 256, kPoints = 2 * kNodes + 2 * kTrail;
+// An edge is as long as this many ticks' steps, or this share of the distance between the ends
+// where that is longer.
+constexpr double kTicks = 8.0, kShare = 1.0 / 16.0;
+// Samples lie in a box around the middle between the ends. Its half width is this many times their
+// distance at first [1], and grows by as much every so many samples.
+constexpr double kWidth = 0.5;
+constexpr int kSamplesPerWidth = 16;
+// A joint that hardly differs between the ends, by less than this share of what the one does that
+// differs most, is left alone in three of four samples [1].
+constexpr double kStill = 0.05, kStillMoves = 0.25;
+
+}  // namespace
+
+double LargestStep(const SceneTables& tables, const VectorXd& dq) {
+  double largest = 0.0;
+  for (const JointEntry& joint : tables.joints) {
+    if (joint.ndof == 1) {
+      largest = std::max(largest, std::abs(dq[joint.col]));
+      continue;
+    }
+    for (int k = 0; k < joint.ndof; k += 3) {
+      largest = std::max(largest, dq.segment<3>(joint.col + k).norm());
+    }
+  }
+  return largest;
+}
+
+Detour::Detour(Workspace& work, double max_step)
+    : problem_(work.problem()), work_(work), max_step_(max_step), random_(work.problem().options.seed) {
+  const int nq = problem_.tables.model->nq;
+  for (Tree& tree : trees_) {
+    tree.q.resize(nq, kNodes);
+    tree.parent.resize(kNodes);
+  }
+  for (auto& trail : trails_) trail.assign(kTrail, VectorXd(nq));
+  way_.assign(kPoints, VectorXd(nq));
+  dq_.resize(problem_.tables.n);
+  for (VectorXd* q : {&target_, &q_, &node_q_}) q->resize(nq);
+}
+
+void Detour::Reset() {
+  planted_ = found_ = false;
+}
+
+double Detour::Distance(const VectorXd& from, const VectorXd& to) {
+  Difference(problem_.tables, from, to, dq_);
+  return LargestStep(problem_.tables, dq_);
+}
+
+void Detour::Plant(int tree, const VectorXd& q) {
+  trees_[tree].size = 0;
+  Add(tree, q, -1);
+  trails_[tree][0] = q;
+  trail_sizes_[tree] = 1;
+}
+
+void Detour::Ends(const VectorXd& from, const VectorXd& to) {
+  if (found_) {
+    if (end_ == kPoints || Distance(way_[end_ - 1], to) > stride_) return Reset();
+    const bool far = end_ - begin_ > 1 && Distance(way_[end_ - 2], to) > stride_;
+    way_[far ? end_++ : end_ - 1] = to;
+    return;
+  }
+  const VectorXd* const ends[] = {&from, &to};
+  for (int k = 0; k < 2 && planted_; ++k) {
+    int& size = trail_sizes_[k];
+    const double moved = Distance(trails_[k][size - 1], *ends[k]);
+    if (moved > stride_ || size == kTrail) planted_ = false;
+    if (planted_ && moved > 0.5 * stride_) trails_[k][size++] = *ends[k];
+  }
+  if (planted_) return;
+  stride_ = std::max(std::min(kTicks * max_step_, Distance(from, to)), kShare * Distance(from, to));
+  for (int k = 0; k < 2; ++k) Plant(k, *ends[k]);
+  planted_ = true;
+  samples_ = 0;
+  connecting_ = true;
+  other_ = 0;
+  Aim(0, 0, to);
+}
+
+int Detour::Add(int tree, const VectorXd& q, int parent) {
+  Tree& t = trees_[tree];
+  t.q.col(t.size) = q;
+  t.parent[t.size] = parent;
+  return t.size++;
+}
+
+int Detour::Nearest(int tree, const VectorXd& q) const {
+  const Tree& t = trees_[tree];
+  Eigen::Index nearest = 0;
+  (t.q.leftCols(t.size).colwise() - q).colwise().squaredNorm().minCoeff(&nearest);
+  return static_cast<int>(nearest);
+}
+
+void Detour::Aim(int tree, int node, const VectorXd& target) {
+  tree_ = tree;
+  node_ = node;
+  target_ = target;
+}
+
+bool Detour::failed() const {
+  return planted_ && !found_ && std::max(trees_[0].size, trees_[1].size) == kNodes;
+}
+
+// An edge more of the present growth, one query. False if it is over: blocked, or there.
+bool Detour::Grow() {
+  node_q_ = trees_[tree_].q.col(node_);
+  const double left = Distance(node_q_, target_);
+  if (left <= stride_ && connecting_) {
+    Join(node_, other_);
+    return false;
+  }
+  const double share = std::min(1.0, stride_ / left);
+  dq_ *= share;
+  Integrate(problem_.tables, node_q_, dq_, q_);
+  if (work_.equality.any()) work_.equality.Project(q_);
+  if (!work_.Free(q_)) return false;
+  node_ = Add(tree_, q_, node_);
+  return share < 1.0;
+}
+
+// A growth is over: the other tree goes to where it ended, or a tree goes to the next sample.
+void Detour::AimNext() {
+  if (!connecting_) {
+    connecting_ = true;
+    other_ = node_;
+    node_q_ = trees_[tree_].q.col(node_);
+    return Aim(1 - tree_, Nearest(1 - tree_, node_q_), node_q_);
+  }
+  connecting_ = false;
+  Sample();
+  const int tree = samples_ % 2;
+  Aim(tree, Nearest(tree, q_), q_);
+}
+
+void Detour::Sample() {
+  const int wider = 1 + samples_++ / kSamplesPerWidth;
+  const VectorXd& from = trails_[0][trail_sizes_[0] - 1];
+  const double apart = Distance(from, trails_[1][trail_sizes_[1] - 1]);
+  const double width = std::min(kWidth * apart * wider, M_PI);
+  for (Eigen::Index k = 0; k < dq_.size(); ++k) {
+    const bool still = std::abs(dq_[k]) < kStill * apart;
+    dq_[k] *= 0.5;
+    if (!still || random_.Uniform() < kStillMoves) {
+      dq_[k] += width * (2.0 * random_.Uniform() - 1.0);
+    }
+  }
+  Integrate(problem_.tables, from, dq_, q_);
+  ClampToLimits(problem_.tables, q_);
+}
+
+bool Detour::Search(int queries) {
+  const std::int64_t last = work_.finder.queries() + queries;
+  while (!found_ && !failed() && work_.finder.queries() < last && !work_.Spent()) {
+    if (!Grow() && !found_) AimNext();
+  }
+  return found_;
+}
+
+void Detour::Append(const VectorXd& q) {
+  way_[end_++] = q;
+}
+
+// The trees meet, tree_ at `node`, the other one at `other`.
+void Detour::Join(int node, int other) {
+  const int at[] = {tree_ == 0 ? node : other, tree_ == 0 ? other : node};
+  begin_ = end_ = 0;
+  for (int k = trail_sizes_[0] - 1; k >= 1; --k) Append(trails_[0][k]);
+  const int first = end_;
+  for (int n = at[0]; n >= 0; n = trees_[0].parent[n]) Append(trees_[0].q.col(n));
+  std::reverse(way_.begin() + first, way_.begin() + end_);
+  for (int n = at[1]; n >= 0; n = trees_[1].parent[n]) Append(trees_[1].q.col(n));
+  for (int k = 1; k < trail_sizes_[1]; ++k) Append(trails_[1][k]);
+  found_ = true;
+  corner_ = 0;
+  checked_ = 0;
+}
+
+const VectorXd& Detour::Next(const VectorXd& at) {
+  while (end_ - begin_ > 1 && Distance(at, way_[begin_]) <= max_step_) ++begin_;
+  return way_[begin_];
+}
+
+double Detour::Ticks(double& sigma) {
+  double ticks = 0.0, sum = 0.0;
+  for (int k = begin_ + 1; k < end_; ++k) {
+    const double t = Distance(way_[k - 1], way_[k]) / max_step_;
+    ticks += t;
+    sum += t * 0.5 * (work_.norm.Sigma(way_[k - 1]) + work_.norm.Sigma(way_[k]));
+  }
+  sigma = ticks > 0.0 ? sum / ticks : 0.0;
+  return ticks;
+}
+
+// The corner that lies between two points of the way is left out if the straight edge between them
+// is free, looked at once every stride.
+void Detour::Shorten(int queries) {
+  for (int asked = 0; asked < queries && !work_.Spent();) {
+    if (corner_ <= begin_ || corner_ + 1 >= end_) {
+      if (end_ - begin_ < 3) return;
+      corner_ = begin_ + 1;
+      checked_ = 0;
+    }
+    const VectorXd &from = way_[corner_ - 1], &to = way_[corner_ + 1];
+    const double length = Distance(from, to);
+    const int points = static_cast<int>(std::ceil(length / stride_)) - 1;
+    bool free = true;
+    while (free && checked_ < points && asked < queries) {
+      ++checked_;
+      Difference(problem_.tables, from, to, dq_);
+      dq_ *= static_cast<double>(checked_) / (points + 1);
+      Integrate(problem_.tables, from, dq_, q_);
+      free = work_.Free(q_);
+      ++asked;
+    }
+    if (free && checked_ < points) return;
+    if (free) {
+      for (int k = corner_; k + 1 < end_; ++k) way_[k].swap(way_[k + 1]);
+      --end_;
+      ++asked;  // however few queries it took
+    } else {
+      ++corner_;
+    }
+    checked_ = 0;
+  }
+}
+
+}  // namespace mjcf_pdg
