@@ -2,15 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <limits>
 
 namespace mjcf_pdg {
 namespace {
 
 // Nodes of a tree. With four queries a tick both are full after a quarter of a second.
-constexpr int kNodes = 512;
+constexpr int kNodes = 1024;
 // Points of a way: a branch of either tree, and a trail of either end.
-constexpr int kTrail = 256, kPoints = 2 * kNodes + 2 * kTrail;
+constexpr int kTrail = 256, kPoints = 2 * kNodes + 4 * kTrail;
 // An edge is as long as this many ticks' steps, or this share of the distance between the ends
 // where that is longer.
 constexpr double kTicks = 8.0, kShare = 1.0 / 16.0;
@@ -69,10 +71,8 @@ void Detour::Plant(int tree, const VectorXd& q) {
 
 void Detour::Ends(const VectorXd& from, const VectorXd& to) {
   if (found_) {
-    if (end_ == kPoints || Distance(way_[end_ - 1], to) > stride_) return Reset();
-    const bool far = end_ - begin_ > 1 && Distance(way_[end_ - 2], to) > stride_;
-    way_[far ? end_++ : end_ - 1] = to;
-    return;
+    BeginAt(from);
+    return EndAt(to);
   }
   const VectorXd* const ends[] = {&from, &to};
   for (int k = 0; k < 2 && planted_; ++k) {
@@ -86,9 +86,25 @@ void Detour::Ends(const VectorXd& from, const VectorXd& to) {
   for (int k = 0; k < 2; ++k) Plant(k, *ends[k]);
   planted_ = true;
   samples_ = 0;
+  nearest_ = 0;
+  nearest_sigma_ = std::numeric_limits<double>::infinity();
   connecting_ = true;
   other_ = 0;
   Aim(0, 0, to);
+}
+
+// A point that is far from the last one but one is one more.
+void Detour::EndAt(const VectorXd& q) {
+  if (partial_) return;
+  if (end_ == kPoints || Distance(way_[end_ - 1], q) > stride_) return Reset();
+  const bool far = end_ - begin_ > 1 && Distance(way_[end_ - 2], q) > stride_;
+  way_[far ? end_++ : end_ - 1] = q;
+}
+
+void Detour::BeginAt(const VectorXd& q) {
+  if (begin_ == 0 || Distance(way_[begin_], q) > stride_) return Reset();
+  const bool far = end_ - begin_ > 1 && Distance(way_[begin_ + 1], q) > stride_;
+  way_[far ? --begin_ : begin_] = q;
 }
 
 int Detour::Add(int tree, const VectorXd& q, int parent) {
@@ -112,6 +128,7 @@ void Detour::Aim(int tree, int node, const VectorXd& target) {
 }
 
 bool Detour::failed() const {
+  if (getenv("DBG") && planted_ && !found_ && std::max(trees_[0].size, trees_[1].size) == kNodes) fprintf(stderr, "failed samples %d nodes %d %d\n", samples_, trees_[0].size, trees_[1].size);
   return planted_ && !found_ && std::max(trees_[0].size, trees_[1].size) == kNodes;
 }
 
@@ -120,7 +137,8 @@ bool Detour::Grow() {
   node_q_ = trees_[tree_].q.col(node_);
   const double left = Distance(node_q_, target_);
   if (left <= stride_ && connecting_) {
-    Join(node_, other_);
+    partial_ = false;
+    Join(tree_ == 0 ? node_ : other_, tree_ == 0 ? other_ : node_);
     return false;
   }
   const double share = std::min(1.0, stride_ / left);
@@ -129,6 +147,13 @@ bool Detour::Grow() {
   if (work_.equality.any()) work_.equality.Project(q_);
   if (!work_.Free(q_)) return false;
   node_ = Add(tree_, q_, node_);
+  if (tree_ == 0) {
+    const double sigma = work_.norm.Sigma(q_);
+    if (sigma < nearest_sigma_) {
+      nearest_ = node_;
+      nearest_sigma_ = sigma;
+    }
+  }
   return share < 1.0;
 }
 
@@ -174,19 +199,27 @@ void Detour::Append(const VectorXd& q) {
   way_[end_++] = q;
 }
 
-// The trees meet, tree_ at `node`, the other one at `other`.
-void Detour::Join(int node, int other) {
-  const int at[] = {tree_ == 0 ? node : other, tree_ == 0 ? other : node};
-  begin_ = end_ = 0;
+bool Detour::EndsNearer(double sigma) {
+  if (nearest_ == 0 || nearest_sigma_ >= sigma) return false;
+  node_q_ = trees_[0].q.col(nearest_);
+  nearest_sigma_ = work_.norm.Sigma(node_q_);  // the command has moved since
+  if (nearest_sigma_ >= sigma) return false;
+  partial_ = true;
+  Join(nearest_, -1);
+  return true;
+}
+
+// The trees meet at two nodes, or the first one leads to `first` alone.
+void Detour::Join(int first, int second) {
+  begin_ = end_ = kTrail;
   for (int k = trail_sizes_[0] - 1; k >= 1; --k) Append(trails_[0][k]);
-  const int first = end_;
-  for (int n = at[0]; n >= 0; n = trees_[0].parent[n]) Append(trees_[0].q.col(n));
-  std::reverse(way_.begin() + first, way_.begin() + end_);
-  for (int n = at[1]; n >= 0; n = trees_[1].parent[n]) Append(trees_[1].q.col(n));
-  for (int k = 1; k < trail_sizes_[1]; ++k) Append(trails_[1][k]);
+  const int root = end_;
+  for (int n = first; n >= 0; n = trees_[0].parent[n]) Append(trees_[0].q.col(n));
+  std::reverse(way_.begin() + root, way_.begin() + end_);
+  for (int n = second; n >= 0; n = trees_[1].parent[n]) Append(trees_[1].q.col(n));
+  for (int k = 1; k < trail_sizes_[1] && !partial_; ++k) Append(trails_[1][k]);
   found_ = true;
-  corner_ = 0;
-  checked_ = 0;
+  corner_ = checked_ = 0;
 }
 
 const VectorXd& Detour::Next(const VectorXd& at) {

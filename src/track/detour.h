@@ -27,8 +27,12 @@ class Detour {
   // Both ends (nq), in every tick: trees begin there, or, if there are some, the way goes on to
   // there. Forgets what is known if an end has jumped.
   void Ends(const VectorXd& from, const VectorXd& to);
-  // Lets the trees grow by at most `queries` queries. Returns whether there is a way.
+  // The same of the way's end alone, for whoever goes along it.
+  void EndAt(const VectorXd& to);
+  // Lets the trees grow by at most `queries` queries. Returns whether they have met: there is a way.
   bool Search(int queries);
+  // Makes a way to the node of least σ that the first tree has; false if that is not below `sigma`.
+  bool EndsNearer(double sigma);
   // Tries to leave corners of the way out, by at most `queries` queries.
   void Shorten(int queries);
 
@@ -39,6 +43,8 @@ class Detour {
   // The point of the way to go to from `at`: the last one that is within a tick's reach and those
   // before it are dropped. The way must not be at its end.
   const VectorXd& Next(const VectorXd& at);
+  // Where the way ends.
+  const VectorXd& end() const { return way_[end_ - 1]; }
   // How many ticks the way takes, and the mean of σ from the workspace's q_in along it [m²].
   double Ticks(double& sigma);
 
@@ -49,6 +55,7 @@ class Detour {
     int size = 0;
   };
 
+  void BeginAt(const VectorXd& from);
   void Plant(int tree, const VectorXd& q);
   int Add(int tree, const VectorXd& q, int parent);
   int Nearest(int tree, const VectorXd& q) const;
@@ -56,7 +63,7 @@ class Detour {
   bool Grow();
   void AimNext();
   void Sample();
-  void Join(int node, int other);
+  void Join(int first, int second);
   void Append(const VectorXd& q);
   double Distance(const VectorXd& from, const VectorXd& to);
 
@@ -67,6 +74,9 @@ class Detour {
   std::array<std::vector<VectorXd>, 2> trails_;  // of either end since its tree was planted
   std::array<int, 2> trail_sizes_ = {};
   bool planted_ = false, found_ = false;
+  bool partial_ = false;  // the way that was found does not lead to the other end
+  int nearest_ = 0;       // the node of the first tree that had the least σ when it grew
+  double nearest_sigma_ = 0.0;  // [m²]
   Random random_;
   // The present growth: tree, its node, and the configuration that it goes to.
   int tree_ = 0, node_ = 0, samples_ = 0;

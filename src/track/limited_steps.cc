@@ -10,16 +10,16 @@ namespace {
 
 // A straight way of no more ticks than this is tried without looking ahead.
 constexpr double kStraight = 8.0;
+// A way pays if what σ is larger along it than on this side is less than this many times what σ is
+// smaller at its end [1].
+constexpr double kPays = 4.0;
 
 }  // namespace
 
 // `at` stays free.
 void TrackerCore::GoOn() {
-  if (detour->planted()) detour->Ends(at, optimum);
-  if (detour->found()) {
-    if (GoAlong()) return;
-    detour->Reset();
-  }
+  if (detour->planted() && !going) detour->Ends(at, optimum);
+  if (going && GoAlong()) return;
   if (approach.Ticks(at, optimum) <= kStraight && GoTowards(optimum)) {
     detour->Reset();
     return;
@@ -30,28 +30,48 @@ void TrackerCore::GoOn() {
     detour->Reset();
     return;
   }
-  if (blocked > 0) return;
+  if (blocked == 0) SeekWay();
+}
+
+// Seeks a way to the optimum, and sets off where that pays.
+void TrackerCore::SeekWay() {
   if (!detour->planted()) detour->Ends(at, optimum);
-  if (detour->Search(static_cast<int>(Left()))) {
-    switched = true;
-  } else if (detour->failed()) {
-    detour->Reset();
-    optimum = at;
-    blocked = tune::kBlocked;
+  const double stay = work.norm.Sigma(at);
+  if (detour->found()) {
+    detour->Shorten(static_cast<int>(Left()));
+  } else if (!detour->Search(static_cast<int>(Left()))) {
+    const double kept = 1.0 - options.switch_gain;
+    if (!detour->EndsNearer(kept * kept * stay)) {
+      if (!detour->failed()) return;
+      detour->Reset();
+      optimum = at;
+      blocked = tune::kBlocked;
+      return;
+    }
   }
+  double on_way = 0.0;
+  detour->Ticks(on_way);
+  const double there = work.norm.Sigma(detour->end());
+  going = on_way - stay < kPays * (stay - there);
+  switched = switched || going;
 }
 
 // The way that was found; what queries are left make it shorter. Returns whether that leads
 // anywhere.
 bool TrackerCore::GoAlong() {
-  const VectorXd& next = detour->Next(at);
-  if (!GoTowards(next) && !SlideTowards(next)) return false;
-  if (at == optimum) {
-    detour->Reset();
-  } else {
-    detour->Shorten(static_cast<int>(Left()));
+  detour->EndAt(optimum);
+  bool leads = detour->found();
+  if (leads) {
+    const VectorXd& next = detour->Next(at);
+    leads = GoTowards(next) || SlideTowards(next);
   }
-  return true;
+  going = leads && at != detour->end();
+  if (going) {
+    detour->Shorten(static_cast<int>(Left()));
+  } else {
+    detour->Reset();
+  }
+  return leads;
 }
 
 // Follows the optimum on this side, where it stands or where max_step lets it go.

@@ -116,6 +116,7 @@ void TrackerCore::Reset(std::span<const double> q) {
   started = true;
   blocked = 0;
   if (detour) detour->Reset();
+  going = false;
   elsewhere.Reset();
 }
 

@@ -66,6 +66,7 @@ struct TrackerCore {
   bool Evaded();
   bool Approached(bool command_free);
   void GoOn();
+  void SeekWay();
   bool GoAlong();
   void GoBeside();
   bool GoTowards(const VectorXd& target);
@@ -94,6 +95,7 @@ struct TrackerCore {
   std::vector<double> q_in, asked, merged;
   VectorXd command, last_command, optimum, at, last_at, candidate, at_rest;
   VectorXd stood, evaded;  // where it stood before this tick, and before it went on
+  bool going = false;      // it is on its way there by the detour
   double side_reach = 0.0;  // of the descent beside [√σ, m]
 };
 
