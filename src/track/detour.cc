@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
 
 namespace mjcf_pdg {
@@ -128,7 +126,6 @@ void Detour::Aim(int tree, int node, const VectorXd& target) {
 }
 
 bool Detour::failed() const {
-  if (getenv("DBG") && planted_ && !found_ && std::max(trees_[0].size, trees_[1].size) == kNodes) fprintf(stderr, "failed samples %d nodes %d %d\n", samples_, trees_[0].size, trees_[1].size);
   return planted_ && !found_ && std::max(trees_[0].size, trees_[1].size) == kNodes;
 }
 
@@ -195,7 +192,7 @@ bool Detour::Search(int queries) {
   return found_;
 }
 
-void Detour::Append(const VectorXd& q) {
+void Detour::Append(const Eigen::Ref<const VectorXd>& q) {
   way_[end_++] = q;
 }
 

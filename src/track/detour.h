@@ -64,7 +64,7 @@ class Detour {
   void AimNext();
   void Sample();
   void Join(int first, int second);
-  void Append(const VectorXd& q);
+  void Append(const Eigen::Ref<const VectorXd>& q);
   double Distance(const VectorXd& from, const VectorXd& to);
 
   const Problem& problem_;

@@ -15,6 +15,10 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+// Queries of a solve beyond its budget: one of the command, one that ends it, and three of what is
+// not free (Budget in types.h); and one of where max_step lets the follower go instead.
+constexpr int kBeyondSolve = 6;
+
 }  // namespace
 
 TrackerCore::TrackerCore(const Scene& scene, const TrackOptions& o, const Pace& p)
@@ -97,7 +101,7 @@ void TrackerCore::Tick(BudgetMeter::Clock::time_point begin, Result& result) {
     at = optimum = command;
   } else {
     Begin();
-    if (Approached(command_free)) {
+    if (!lost && Approached(command_free)) {
       Answer(result);
     } else {
       FallBack(result);
@@ -112,7 +116,7 @@ void TrackerCore::Reset(std::span<const double> q) {
   at = optimum = Eigen::Map<const VectorXd>(q.data(), static_cast<Eigen::Index>(q.size()));
   last_command = at;
   obstacles_moved = true;  // nobody has asked whether q is free
-  on_command = false;
+  on_command = lost = false;
   started = true;
   blocked = 0;
   if (detour) detour->Reset();
@@ -174,12 +178,16 @@ bool TrackerCore::Follow() {
   double length = found->length;
   if (own_free && !(found->sigma < own_sigma)) return true;
   if (!found->free || !Free(found->q)) {
-    if (work.Spent()) return own_free;
     candidate = found->q;
-    found = &follower.Retreat(candidate);
-    iterations += found->iterations;
-    length += found->length;
-    if (!found->free || !Free(found->q)) return own_free;
+    if (!work.Spent()) {
+      found = &follower.Retreat(candidate);
+      iterations += found->iterations;
+      length += found->length;
+    }
+    if (!found->free || !Free(found->q)) {
+      if (!own_free) optimum = found->q;  // from where the next tick goes on
+      return own_free;
+    }
   }
   const double limit = tune::kJump * moved + Noise();
   const bool jumps = follower.Farther(optimum, found->q, limit, length);
@@ -251,15 +259,21 @@ bool TrackerCore::Approached(bool command_free) {
   return true;
 }
 
-// Nothing that is followed is free: a solve with what is left of the budget. Where max_step does
-// not let the follower go there at once, it goes as far as it may.
+// Nothing that is followed is free: a solve with what is left of the budget, if that is enough for
+// one; in the next tick it comes first. Where max_step does not let the follower go there at once,
+// it goes as far as it may.
 void TrackerCore::FallBack(Result& result) {
-  const std::int64_t left = work.budget.Left(work.finder.queries());
+  on_command = false;
+  const std::int64_t left = Left() - kBeyondSolve;
+  if (left < 1) {
+    lost = !lost && options.queries > kBeyondSolve + 3;  // the command and two words
+    return Stand(Limited() ? at : optimum, result);
+  }
+  lost = false;
   const double left_s = std::max(options.options.time_limit - work.budget.Elapsed(),
                                  std::numeric_limits<double>::min());  // 0 would be no limit
-  core.budget = {.queries = static_cast<int>(std::max<std::int64_t>(1, left)), .seconds = left_s};
+  core.budget = {.queries = static_cast<int>(left), .seconds = left_s};
   Solve(result);
-  on_command = false;
   if (result.status == Status::kUnsolved) return;
   optimum = ToEigen(result.q);
   switched = true;
@@ -269,11 +283,17 @@ void TrackerCore::FallBack(Result& result) {
   if (at == optimum) return;
   start = Component::kMotionCoherence;
   if (Free(at)) return Answer(result);
-  result.q.assign(at.data(), at.data() + at.size());
+  Stand(at, result);
+}
+
+// An answer that is not free, one query.
+void TrackerCore::Stand(const VectorXd& q, Result& result) {
+  result.q.assign(q.data(), q.data() + q.size());
   result.status = Status::kUnsolved;
-  result.sigma = work.norm.Sigma(at);
+  result.sigma = work.norm.Sigma(q);
+  result.min_distance = core.verifier.Check(result.q, q_in).min_distance;
   result.cause = Cause::kBudget;
-  result.reason = "the way to a free configuration takes longer than a tick at this max_step";
+  result.reason = "no free configuration found that a tick reaches within its queries and max_step";
 }
 
 void TrackerCore::SetMocap(const MocapPoses& poses) {

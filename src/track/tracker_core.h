@@ -73,6 +73,7 @@ struct TrackerCore {
   bool SlideTowards(const VectorXd& target);
   const VectorXd* Rest() const { return options.options.rest > 0.0 ? &at_rest : nullptr; }
   void FallBack(Result& result);
+  void Stand(const VectorXd& q, Result& result);
 
   const TrackOptions options;
   const Pace pace;
@@ -87,6 +88,7 @@ struct TrackerCore {
 
   bool started = false, obstacles_moved = false, switched = false;
   bool on_command = false;  // the follower stands on the command
+  bool lost = false;    // nothing free is known, and this tick begins with a solve
   int moves = 0;        // how often obstacles had moved before this tick
   int iterations = 0;   // of this tick
   int blocked = 0;  // ticks for which no other optimum is sought, since the way to one was blocked
