@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace mjcf_pdg {
-namespace {
-
-// Nodes of a tree. With four queries a tick both are full after a quarter of a second.
-constexpr int kNodes = 1024;
-// Points of a way: a branch of either tree, and a trail of either end.
-constexpr int kTrail = 256, kPoints = 2 * kNodes + 4 * kTrail;
+namespace tune {
+// Nodes of a tree, which four queries a tick fill in a quarter of a second or more; points of the
+// trail of either end; and of a way, which is made of a branch and a trail of either, and grows at
+// both ends.
+constexpr int kNodes = 1024, kTrail = 256, kPoints = 2 * kNodes + 4 * kTrail;
 // An edge is as long as this many ticks' steps, or this share of the distance between the ends
-// where that is longer.
+// where that is longer [1].
 constexpr double kTicks = 8.0, kShare = 1.0 / 16.0;
 // Samples lie in a box around the middle between the ends. Its half width is this many times their
 // distance at first [1], and grows by as much every so many samples.
@@ -21,8 +21,7 @@ constexpr int kSamplesPerWidth = 16;
 // A joint that hardly differs between the ends, by less than this share of what the one does that
 // differs most, is left alone in three of four samples [1].
 constexpr double kStill = 0.05, kStillMoves = 0.25;
-
-}  // namespace
+}  // namespace tune
 
 double LargestStep(const SceneTables& tables, const VectorXd& dq) {
   double largest = 0.0;
@@ -39,21 +38,22 @@ double LargestStep(const SceneTables& tables, const VectorXd& dq) {
 }
 
 Detour::Detour(Workspace& work, double max_step)
-    : problem_(work.problem()), work_(work), max_step_(max_step), random_(work.problem().options.seed) {
+    : problem_(work.problem()),
+      work_(work),
+      max_step_(max_step),
+      random_(work.problem().options.seed) {
   const int nq = problem_.tables.model->nq;
   for (Tree& tree : trees_) {
-    tree.q.resize(nq, kNodes);
-    tree.parent.resize(kNodes);
+    tree.q.resize(nq, tune::kNodes);
+    tree.parent.resize(tune::kNodes);
   }
-  for (auto& trail : trails_) trail.assign(kTrail, VectorXd(nq));
-  way_.assign(kPoints, VectorXd(nq));
+  for (auto& trail : trails_) trail.assign(tune::kTrail, VectorXd(nq));
+  way_.assign(tune::kPoints, VectorXd(nq));
   dq_.resize(problem_.tables.n);
   for (VectorXd* q : {&target_, &q_, &node_q_}) q->resize(nq);
 }
 
-void Detour::Reset() {
-  planted_ = found_ = false;
-}
+void Detour::Reset() { planted_ = found_ = false; }
 
 double Detour::Distance(const VectorXd& from, const VectorXd& to) {
   Difference(problem_.tables, from, to, dq_);
@@ -76,11 +76,12 @@ void Detour::Ends(const VectorXd& from, const VectorXd& to) {
   for (int k = 0; k < 2 && planted_; ++k) {
     int& size = trail_sizes_[k];
     const double moved = Distance(trails_[k][size - 1], *ends[k]);
-    if (moved > stride_ || size == kTrail) planted_ = false;
+    if (moved > stride_ || size == tune::kTrail) planted_ = false;
     if (planted_ && moved > 0.5 * stride_) trails_[k][size++] = *ends[k];
   }
   if (planted_) return;
-  stride_ = std::max(std::min(kTicks * max_step_, Distance(from, to)), kShare * Distance(from, to));
+  stride_ = std::max(std::min(tune::kTicks * max_step_, Distance(from, to)),
+                     tune::kShare * Distance(from, to));
   for (int k = 0; k < 2; ++k) Plant(k, *ends[k]);
   planted_ = true;
   samples_ = 0;
@@ -94,7 +95,7 @@ void Detour::Ends(const VectorXd& from, const VectorXd& to) {
 // A point that is far from the last one but one is one more.
 void Detour::EndAt(const VectorXd& q) {
   if (partial_) return;
-  if (end_ == kPoints || Distance(way_[end_ - 1], q) > stride_) return Reset();
+  if (end_ == tune::kPoints || Distance(way_[end_ - 1], q) > stride_) return Reset();
   const bool far = end_ - begin_ > 1 && Distance(way_[end_ - 2], q) > stride_;
   way_[far ? end_++ : end_ - 1] = q;
 }
@@ -126,7 +127,7 @@ void Detour::Aim(int tree, int node, const VectorXd& target) {
 }
 
 bool Detour::failed() const {
-  return planted_ && !found_ && std::max(trees_[0].size, trees_[1].size) == kNodes;
+  return planted_ && !found_ && std::max(trees_[0].size, trees_[1].size) == tune::kNodes;
 }
 
 // An edge more of the present growth, one query. False if it is over: blocked, or there.
@@ -169,14 +170,14 @@ void Detour::AimNext() {
 }
 
 void Detour::Sample() {
-  const int wider = 1 + samples_++ / kSamplesPerWidth;
+  const int wider = 1 + samples_++ / tune::kSamplesPerWidth;
   const VectorXd& from = trails_[0][trail_sizes_[0] - 1];
   const double apart = Distance(from, trails_[1][trail_sizes_[1] - 1]);
-  const double width = std::min(kWidth * apart * wider, M_PI);
+  const double width = std::min(tune::kWidth * apart * wider, std::numbers::pi);
   for (Eigen::Index k = 0; k < dq_.size(); ++k) {
-    const bool still = std::abs(dq_[k]) < kStill * apart;
+    const bool still = std::abs(dq_[k]) < tune::kStill * apart;
     dq_[k] *= 0.5;
-    if (!still || random_.Uniform() < kStillMoves) {
+    if (!still || random_.Uniform() < tune::kStillMoves) {
       dq_[k] += width * (2.0 * random_.Uniform() - 1.0);
     }
   }
@@ -192,9 +193,7 @@ bool Detour::Search(int queries) {
   return found_;
 }
 
-void Detour::Append(const Eigen::Ref<const VectorXd>& q) {
-  way_[end_++] = q;
-}
+void Detour::Append(const Eigen::Ref<const VectorXd>& q) { way_[end_++] = q; }
 
 bool Detour::EndsNearer(double sigma) {
   if (nearest_ == 0 || nearest_sigma_ >= sigma) return false;
@@ -208,7 +207,7 @@ bool Detour::EndsNearer(double sigma) {
 
 // The trees meet at two nodes, or the first one leads to `first` alone.
 void Detour::Join(int first, int second) {
-  begin_ = end_ = kTrail;
+  begin_ = end_ = tune::kTrail;
   for (int k = trail_sizes_[0] - 1; k >= 1; --k) Append(trails_[0][k]);
   const int root = end_;
   for (int n = first; n >= 0; n = trees_[0].parent[n]) Append(trees_[0].q.col(n));

@@ -29,7 +29,8 @@ class Detour {
   void Ends(const VectorXd& from, const VectorXd& to);
   // The same of the way's end alone, for whoever goes along it.
   void EndAt(const VectorXd& to);
-  // Lets the trees grow by at most `queries` queries. Returns whether they have met: there is a way.
+  // Lets the trees grow by at most `queries` queries. Returns whether they have met: there is a
+  // way.
   bool Search(int queries);
   // Makes a way to the node of least σ that the first tree has; false if that is not below `sigma`.
   bool EndsNearer(double sigma);
@@ -74,8 +75,8 @@ class Detour {
   std::array<std::vector<VectorXd>, 2> trails_;  // of either end since its tree was planted
   std::array<int, 2> trail_sizes_ = {};
   bool planted_ = false, found_ = false;
-  bool partial_ = false;  // the way that was found does not lead to the other end
-  int nearest_ = 0;       // the node of the first tree that had the least σ when it grew
+  bool partial_ = false;        // the way that was found does not lead to the other end
+  int nearest_ = 0;             // the node of the first tree that had the least σ when it grew
   double nearest_sigma_ = 0.0;  // [m²]
   Random random_;
   // The present growth: tree, its node, and the configuration that it goes to.

@@ -1,5 +1,5 @@
-// How a TrackerCore whose steps are limited goes where its optimum is: straight, or round what is in
-// the way; until a way is known it follows the optimum on its own side.
+// How a TrackerCore whose steps are limited goes where its optimum is: straight, or round what is
+// in the way; until a way is known it follows the optimum on its own side.
 #include "track/tracker_core.h"
 
 namespace mjcf_pdg {
@@ -10,8 +10,8 @@ namespace {
 
 // A straight way of no more ticks than this is tried without looking ahead.
 constexpr double kStraight = 8.0;
-// A way pays if what σ is larger along it than on this side is less than this many times what σ is
-// smaller at its end [1].
+// Another way pays if what σ is larger along it than on this side is less than so many times what σ
+// is smaller at its end [1].
 constexpr double kPays = 4.0;
 
 }  // namespace

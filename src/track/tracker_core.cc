@@ -36,9 +36,7 @@ TrackerCore::TrackerCore(const Scene& scene, const TrackOptions& o, const Pace& 
 }
 
 // By the verifier, one query. What the budget does not allow to ask is not called free.
-bool TrackerCore::Free(const VectorXd& q) {
-  return Left() > 0 && Ask(q);
-}
+bool TrackerCore::Free(const VectorXd& q) { return Left() > 0 && Ask(q); }
 
 // By Check where that is to be reported of the answer.
 bool TrackerCore::Ask(const VectorXd& q) {
@@ -90,10 +88,11 @@ void TrackerCore::First(Result& result) {
 void TrackerCore::Tick(BudgetMeter::Clock::time_point begin, Result& result) {
   Reporter::Clear(result);
   // Of these no search may take any: the answer is asked about for the report, or has a bound.
-  const int words = (work.equality.any() || core.reporter.Reports() ? 1 : 0) + (pace.bounds ? 1 : 0);
-  work.budget.Begin({.queries = options.queries - words - tune::kReserve,
-                     .seconds = options.options.time_limit},
-                    begin, work.finder.queries());
+  const int words =
+      (work.equality.any() || core.reporter.Reports() ? 1 : 0) + (pace.bounds ? 1 : 0);
+  work.budget.Begin(
+      {.queries = options.queries - words - tune::kReserve, .seconds = options.options.time_limit},
+      begin, work.finder.queries());
   work.budget.Charge(1);
   asked.clear();
   const bool command_free = core.reporter.Input(q_in, result);
@@ -117,6 +116,8 @@ void TrackerCore::Reset(std::span<const double> q) {
   last_command = at;
   obstacles_moved = true;  // nobody has asked whether q is free
   on_command = lost = false;
+  unsearched = 0;
+  last_sigma = 0.0;
   started = true;
   blocked = 0;
   if (detour) detour->Reset();
@@ -198,8 +199,13 @@ bool TrackerCore::Follow() {
   return true;
 }
 
+// As long as σ falls, the command is on its way out on this side, and others seldom become nearer.
 void TrackerCore::TrySwitch() {
   const double sigma = work.norm.Sigma(optimum), kept = 1.0 - options.switch_gain;
+  const bool falls = sigma < last_sigma;
+  last_sigma = sigma;
+  if (falls && ++unsearched < pace.ticks_per_search) return;
+  unsearched = 0;
   if (!elsewhere.Search({.own = optimum,
                          .own_sigma = sigma,
                          .sigma = kept * kept * sigma,
