@@ -115,7 +115,7 @@ void TrackerCore::Reset(std::span<const double> q) {
   at = optimum = Eigen::Map<const VectorXd>(q.data(), static_cast<Eigen::Index>(q.size()));
   last_command = at;
   obstacles_moved = true;  // nobody has asked whether q is free
-  on_command = lost = false;
+  on_command = lost = fleeing = false;
   unsearched = 0;
   last_sigma = 0.0;
   started = true;
@@ -232,7 +232,11 @@ bool TrackerCore::Evaded() {
     candidate = beside->q;
     if (!Free(candidate)) return false;
   }
-  if (approach.Cut(at, candidate) < 1.0) return false;
+  if (approach.Cut(at, candidate) < 1.0) {
+    optimum = candidate;
+    fleeing = true;
+    return false;
+  }
   if (at == optimum) optimum = candidate;
   at = candidate;
   return true;
@@ -270,6 +274,7 @@ bool TrackerCore::Approached(bool command_free) {
 // it goes as far as it may.
 void TrackerCore::FallBack(Result& result) {
   on_command = false;
+  if (fleeing) return Flee(result);
   const std::int64_t left = Left() - kBeyondSolve;
   if (left < 1) {
     lost = !lost && options.queries > kBeyondSolve + 3;  // the command and two words
@@ -284,20 +289,26 @@ void TrackerCore::FallBack(Result& result) {
   optimum = ToEigen(result.q);
   switched = true;
   elsewhere.Reset();
+  if (approach.Cut(at, optimum) < 1.0) return Flee(result);
+  at = optimum;
+}
+
+// From where nothing is free towards `optimum`, where it is, as far as max_step allows.
+void TrackerCore::Flee(Result& result) {
+  fleeing = false;
   approach.Cut(at, optimum);
   at = approach.q();
-  if (at == optimum) return;
   start = Component::kMotionCoherence;
   if (Free(at)) return Answer(result);
   Stand(at, result);
 }
 
-// An answer that is not free, one query.
+// An answer that is not free; how deep, if a query is left for that.
 void TrackerCore::Stand(const VectorXd& q, Result& result) {
   result.q.assign(q.data(), q.data() + q.size());
   result.status = Status::kUnsolved;
   result.sigma = work.norm.Sigma(q);
-  result.min_distance = core.verifier.Check(result.q, q_in).min_distance;
+  if (Left() > 0) result.min_distance = core.verifier.Check(result.q, q_in).min_distance;
   result.cause = Cause::kBudget;
   result.reason = "no free configuration found that a tick reaches within its queries and max_step";
 }

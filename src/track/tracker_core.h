@@ -80,6 +80,7 @@ struct TrackerCore {
   bool SlideTowards(const VectorXd& target);
   const VectorXd* Rest() const { return options.options.rest > 0.0 ? &at_rest : nullptr; }
   void FallBack(Result& result);
+  void Flee(Result& result);
   void Stand(const VectorXd& q, Result& result);
 
   const TrackOptions options;
@@ -95,6 +96,7 @@ struct TrackerCore {
 
   bool started = false, obstacles_moved = false, switched = false;
   bool on_command = false;  // the follower stands on the command
+  bool fleeing = false;     // `optimum` is free, `at` is not, and max_step lies between
   bool lost = false;        // nothing free is known, and this tick begins with a solve
   int unsearched = 0;       // ticks since another optimum was sought
   double last_sigma = 0.0;  // of `optimum` in the last tick in which another one might be [m²]
