@@ -215,7 +215,7 @@ void Detour::Join(int first, int second) {
   for (int n = second; n >= 0; n = trees_[1].parent[n]) Append(trees_[1].q.col(n));
   for (int k = 1; k < trail_sizes_[1] && !partial_; ++k) Append(trails_[1][k]);
   found_ = true;
-  corner_ = checked_ = 0;
+  first_ = -1;
 }
 
 const VectorXd& Detour::Next(const VectorXd& at) {
@@ -234,36 +234,31 @@ double Detour::Ticks(double& sigma) {
   return ticks;
 }
 
-// The corner that lies between two points of the way is left out if the straight edge between them
-// is free, looked at once every stride.
+// The points between two of the way, chosen at random, are left out if the straight edge between
+// the two is free, looked at once every stride.
 void Detour::Shorten(int queries) {
-  for (int asked = 0; asked < queries && !work_.Spent();) {
-    if (corner_ <= begin_ || corner_ + 1 >= end_) {
-      if (end_ - begin_ < 3) return;
-      corner_ = begin_ + 1;
-      checked_ = 0;
+  const std::int64_t last = work_.finder.queries() + queries;
+  while (end_ - begin_ > 2 && work_.finder.queries() < last && !work_.Spent()) {
+    if (first_ < begin_ || second_ >= end_) {
+      const int points = end_ - begin_;
+      const auto below = [this](int count) { return static_cast<int>(random_.Uniform() * count); };
+      first_ = begin_ + below(points - 2);
+      second_ = first_ + 2 + below(end_ - first_ - 2);
+      looked_ = 0;
     }
-    const VectorXd &from = way_[corner_ - 1], &to = way_[corner_ + 1];
-    const double length = Distance(from, to);
-    const int points = static_cast<int>(std::ceil(length / stride_)) - 1;
-    bool free = true;
-    while (free && checked_ < points && asked < queries) {
-      ++checked_;
-      Difference(problem_.tables, from, to, dq_);
-      dq_ *= static_cast<double>(checked_) / (points + 1);
-      Integrate(problem_.tables, from, dq_, q_);
-      free = work_.Free(q_);
-      ++asked;
-    }
-    if (free && checked_ < points) return;
-    if (free) {
-      for (int k = corner_; k + 1 < end_; ++k) way_[k].swap(way_[k + 1]);
-      --end_;
-      ++asked;  // however few queries it took
+    Distance(way_[first_], way_[second_]);
+    const int pieces =
+        std::max(1, static_cast<int>(std::ceil(LargestStep(problem_.tables, dq_) / stride_)));
+    if (++looked_ < pieces) {
+      dq_ *= static_cast<double>(looked_) / pieces;
+      Integrate(problem_.tables, way_[first_], dq_, q_);
+      if (work_.Free(q_)) continue;
     } else {
-      ++corner_;
+      const int gone = second_ - first_ - 1;
+      for (int k = second_; k < end_; ++k) way_[k - gone].swap(way_[k]);
+      end_ -= gone;
     }
-    checked_ = 0;
+    first_ = -1;
   }
 }
 

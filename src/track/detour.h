@@ -34,7 +34,7 @@ class Detour {
   bool Search(int queries);
   // Makes a way to the node of least σ that the first tree has; false if that is not below `sigma`.
   bool EndsNearer(double sigma);
-  // Tries to leave corners of the way out, by at most `queries` queries.
+  // Tries to leave points of the way out, by at most `queries` queries.
   void Shorten(int queries);
 
   bool planted() const { return planted_; }
@@ -87,7 +87,9 @@ class Detour {
 
   std::vector<VectorXd> way_;  // its points are way_[begin_] to way_[end_ - 1]
   int begin_ = 0, end_ = 0;
-  int corner_ = 0, checked_ = 0;  // of Shorten: the corner that may be left out, points looked at
+  // Of Shorten: the points that are to be joined, -1 if there are none, and the poses between them
+  // that have been looked at.
+  int first_ = -1, second_ = 0, looked_ = 0;
   VectorXd dq_, q_, node_q_;
 };
 
