@@ -14,6 +14,8 @@ constexpr int kNodes = 1024, kTrail = 256, kPoints = 2 * kNodes + 4 * kTrail;
 // An edge is as long as this many ticks' steps, or this share of the distance between the ends
 // where that is longer [1].
 constexpr double kTicks = 8.0, kShare = 1.0 / 16.0;
+// Edges that turn out to be blocked are halved in the next trees, down to so many ticks' steps.
+constexpr double kFewestTicks = 2.0;
 // Samples lie in a box around the middle between the ends. Its half width is this many times their
 // distance at first [1], and grows by as much every so many samples.
 constexpr double kWidth = 0.5;
@@ -37,10 +39,12 @@ double LargestStep(const SceneTables& tables, const VectorXd& dq) {
   return largest;
 }
 
-Detour::Detour(Workspace& work, double max_step)
+Detour::Detour(Workspace& work, double max_step, bool proves)
     : problem_(work.problem()),
       work_(work),
       max_step_(max_step),
+      proves_(proves),
+      ccd_(work.problem().tables, work.finder),
       random_(work.problem().options.seed) {
   const int nq = problem_.tables.model->nq;
   for (Tree& tree : trees_) {
@@ -49,11 +53,22 @@ Detour::Detour(Workspace& work, double max_step)
   }
   for (auto& trail : trails_) trail.assign(tune::kTrail, VectorXd(nq));
   way_.assign(tune::kPoints, VectorXd(nq));
+  ccd_options_.tolerance = problem_.options.tolerance;
+  ccd_options_.budget = &deadline_;
   dq_.resize(problem_.tables.n);
   for (VectorXd* q : {&target_, &q_, &node_q_}) q->resize(nq);
 }
 
-void Detour::Reset() { planted_ = found_ = false; }
+void Detour::Reset() {
+  planted_ = found_ = false;
+  fineness_ = 1.0;
+}
+
+void Detour::Blocked() {
+  const double finer = 0.5 * fineness_;
+  Reset();
+  fineness_ = finer;
+}
 
 double Detour::Distance(const VectorXd& from, const VectorXd& to) {
   Difference(problem_.tables, from, to, dq_);
@@ -80,8 +95,10 @@ void Detour::Ends(const VectorXd& from, const VectorXd& to) {
     if (planted_ && moved > 0.5 * stride_) trails_[k][size++] = *ends[k];
   }
   if (planted_) return;
-  stride_ = std::max(std::min(tune::kTicks * max_step_, Distance(from, to)),
-                     tune::kShare * Distance(from, to));
+  const double apart = Distance(from, to);
+  const double tick = std::min(max_step_, tune::kShare / tune::kTicks * apart);
+  stride_ = std::max(fineness_ * std::max(tune::kTicks * tick, tune::kShare * apart),
+                     tune::kFewestTicks * tick);
   for (int k = 0; k < 2; ++k) Plant(k, *ends[k]);
   planted_ = true;
   samples_ = 0;
@@ -130,20 +147,39 @@ bool Detour::failed() const {
   return planted_ && !found_ && std::max(trees_[0].size, trees_[1].size) == tune::kNodes;
 }
 
+void Detour::Meet() {
+  partial_ = false;
+  Join(tree_ == 0 ? node_ : other_, tree_ == 0 ? other_ : node_);
+}
+
+// Whether it is free at dq_ from a configuration, q_, or, if that is to be proven, all the way
+// there. One query; that of a proof is charged.
+bool Detour::Leads(const VectorXd& from) {
+  Integrate(problem_.tables, from, dq_, q_);
+  if (work_.equality.any()) work_.equality.Project(q_);
+  ++asked_;
+  if (!proves_) return work_.Free(q_);
+  work_.budget.Charge(1);
+  deadline_ = work_.budget.Deadline();
+  return ccd_.Move({from, dq_, &problem_.required}, ccd_options_).outcome == CcdOutcome::kFree;
+}
+
 // An edge more of the present growth, one query. False if it is over: blocked, or there.
 bool Detour::Grow() {
   node_q_ = trees_[tree_].q.col(node_);
   const double left = Distance(node_q_, target_);
-  if (left <= stride_ && connecting_) {
-    partial_ = false;
-    Join(tree_ == 0 ? node_ : other_, tree_ == 0 ? other_ : node_);
+  const bool joins = left <= stride_ && connecting_;
+  if (joins && !proves_) {
+    Meet();
     return false;
   }
   const double share = std::min(1.0, stride_ / left);
   dq_ *= share;
-  Integrate(problem_.tables, node_q_, dq_, q_);
-  if (work_.equality.any()) work_.equality.Project(q_);
-  if (!work_.Free(q_)) return false;
+  if (!Leads(node_q_)) return false;
+  if (joins) {
+    Meet();
+    return false;
+  }
   node_ = Add(tree_, q_, node_);
   if (tree_ == 0) {
     const double sigma = work_.norm.Sigma(q_);
@@ -186,8 +222,8 @@ void Detour::Sample() {
 }
 
 bool Detour::Search(int queries) {
-  const std::int64_t last = work_.finder.queries() + queries;
-  while (!found_ && !failed() && work_.finder.queries() < last && !work_.Spent()) {
+  asked_ = 0;
+  while (!found_ && !failed() && asked_ < queries && !work_.Spent()) {
     if (!Grow() && !found_) AimNext();
   }
   return found_;
@@ -219,7 +255,8 @@ void Detour::Join(int first, int second) {
 }
 
 const VectorXd& Detour::Next(const VectorXd& at) {
-  while (end_ - begin_ > 1 && Distance(at, way_[begin_]) <= max_step_) ++begin_;
+  const double reach = std::isinf(max_step_) ? 0.0 : max_step_;
+  while (end_ - begin_ > 1 && Distance(at, way_[begin_]) <= reach) ++begin_;
   return way_[begin_];
 }
 
@@ -237,8 +274,8 @@ double Detour::Ticks(double& sigma) {
 // The points between two of the way, chosen at random, are left out if the straight edge between
 // the two is free, looked at once every stride.
 void Detour::Shorten(int queries) {
-  const std::int64_t last = work_.finder.queries() + queries;
-  while (end_ - begin_ > 2 && work_.finder.queries() < last && !work_.Spent()) {
+  asked_ = 0;
+  while (end_ - begin_ > 2 && asked_ < queries && !work_.Spent()) {
     if (first_ < begin_ || second_ >= end_) {
       const int points = end_ - begin_;
       const auto below = [this](int count) { return static_cast<int>(random_.Uniform() * count); };
@@ -249,10 +286,9 @@ void Detour::Shorten(int queries) {
     Distance(way_[first_], way_[second_]);
     const int pieces =
         std::max(1, static_cast<int>(std::ceil(LargestStep(problem_.tables, dq_) / stride_)));
-    if (++looked_ < pieces) {
+    if (++looked_ < pieces || (proves_ && looked_ == pieces)) {
       dq_ *= static_cast<double>(looked_) / pieces;
-      Integrate(problem_.tables, way_[first_], dq_, q_);
-      if (work_.Free(q_)) continue;
+      if (Leads(way_[first_])) continue;
     } else {
       const int gone = second_ - first_ - 1;
       for (int k = second_; k < end_; ++k) way_[k - gone].swap(way_[k]);

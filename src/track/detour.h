@@ -13,17 +13,21 @@
 #include <vector>
 
 #include "base/random.h"
+#include "ccd/ccdg.h"
 #include "problem/workspace.h"
 
 namespace mjcf_pdg {
 
 class Detour {
  public:
-  // A joint moves by `max_step` in a tick [rad or m]; may be infinite.
-  Detour(Workspace& work, double max_step);
+  // A joint moves by `max_step` in a tick [rad or m]; may be infinite. `proves`: edges are proven
+  // free by CCDg instead of looked at.
+  Detour(Workspace& work, double max_step, bool proves);
 
   // Forgets trees and way.
   void Reset();
+  // The same where the way turned out to be blocked between the poses that were looked at.
+  void Blocked();
   // Both ends (nq), in every tick: trees begin there, or, if there are some, the way goes on to
   // there. Forgets what is known if an end has jumped.
   void Ends(const VectorXd& from, const VectorXd& to);
@@ -62,6 +66,8 @@ class Detour {
   int Nearest(int tree, const VectorXd& q) const;
   void Aim(int tree, int node, const VectorXd& target);
   bool Grow();
+  bool Leads(const VectorXd& from);
+  void Meet();
   void AimNext();
   void Sample();
   void Join(int first, int second);
@@ -71,6 +77,12 @@ class Detour {
   const Problem& problem_;
   Workspace& work_;
   double max_step_, stride_ = 0.0;  // [rad or m]
+  double fineness_ = 1.0;           // of the stride [1]
+  bool proves_;
+  Ccdg ccd_;
+  CcdOptions ccd_options_;
+  BudgetMeter deadline_;
+  int asked_ = 0;  // queries of the present Search or Shorten
   std::array<Tree, 2> trees_;
   std::array<std::vector<VectorXd>, 2> trails_;  // of either end since its tree was planted
   std::array<int, 2> trail_sizes_ = {};

@@ -1,5 +1,7 @@
 // How a TrackerCore whose steps are limited goes where its optimum is: straight, or round what is
 // in the way; until a way is known it follows the optimum on its own side.
+#include <algorithm>
+
 #include "track/tracker_core.h"
 
 namespace mjcf_pdg {
@@ -10,6 +12,10 @@ namespace {
 
 // A straight way of no more ticks than this is tried without looking ahead.
 constexpr double kStraight = 8.0;
+// One of no more ticks than this is first tried along what is in the way.
+constexpr double kSlides = 64.0;
+// To slide leads nearer if it does by this share of what the straight way would [1].
+constexpr double kNearer = 0.1;
 // Another way pays if what σ is larger along it than on this side is less than so many times what σ
 // is smaller at its end [1].
 constexpr double kPays = 4.0;
@@ -23,6 +29,11 @@ void TrackerCore::GoOn() {
   if (approach.Ticks(at, optimum) <= kStraight && GoTowards(optimum)) {
     detour->Reset();
     return;
+  }
+  unslid = std::max(0, unslid - 1);
+  if (unslid == 0 && approach.Ticks(at, optimum) <= kSlides) {
+    if (SlideTowards(optimum)) return;
+    unslid = tune::kBlocked;
   }
   GoBeside();
   if (work.norm.Sigma(at) <= work.norm.Sigma(optimum)) {
@@ -68,8 +79,10 @@ bool TrackerCore::GoAlong() {
   going = leads && at != detour->end();
   if (going) {
     detour->Shorten(static_cast<int>(Left()));
-  } else {
+  } else if (leads) {
     detour->Reset();
+  } else {
+    detour->Blocked();
   }
   return leads;
 }
@@ -102,13 +115,13 @@ bool TrackerCore::GoTowards(const VectorXd& target) {
 // the straight way. Returns whether that comes nearer to the target.
 bool TrackerCore::SlideTowards(const VectorXd& target) {
   if (work.Spent()) return false;
-  approach.Cut(at, target);
+  const double share = approach.Cut(at, target);
   work.Begin(approach.q(), core.mocap, Rest());
-  const double before = follower.Apart(at, target);
+  const double enough = (1.0 - kNearer * share) * follower.Apart(at, target);
   candidate = own_side->Follow({at, true, Obstacles(), std::numeric_limits<double>::infinity()}).q;
   work.Begin(command, core.mocap, Rest());
   last_at = at;
-  if (GoTowards(candidate) && follower.Apart(at, target) < before) return true;
+  if (GoTowards(candidate) && follower.Apart(at, target) < enough) return true;
   at = last_at;
   return false;
 }

@@ -32,7 +32,7 @@ TrackerCore::TrackerCore(const Scene& scene, const TrackOptions& o, const Pace& 
   work.remembers_distances = true;
   if (!Limited()) return;
   own_side = std::make_unique<Follower>(work, pace.follow);
-  detour = std::make_unique<Detour>(work, options.max_step);
+  detour = std::make_unique<Detour>(work, options.max_step, options.certify_motion);
 }
 
 // By the verifier, one query. What the budget does not allow to ask is not called free.
@@ -116,7 +116,7 @@ void TrackerCore::Reset(std::span<const double> q) {
   last_command = at;
   obstacles_moved = true;  // nobody has asked whether q is free
   on_command = lost = fleeing = false;
-  unsearched = 0;
+  unsearched = unslid = 0;
   last_sigma = 0.0;
   started = true;
   blocked = 0;

@@ -109,6 +109,7 @@ struct TrackerCore {
   VectorXd command, last_command, optimum, at, last_at, candidate, at_rest;
   VectorXd stood, evaded;   // where it stood before this tick, and before it went on
   bool going = false;       // it is on its way there by the detour
+  int unslid = 0;           // ticks in which it does not try again to slide there
   double side_reach = 0.0;  // of the descent beside [√σ, m]
 };
 
