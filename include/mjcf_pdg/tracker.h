@@ -31,7 +31,9 @@ struct TrackOptions {
   // Another optimum is taken if its √σ is smaller by this share, in [0, 1).
   double switch_gain = 0.05;
   // No joint moves farther in a tick [rad or m], > 0. A free joint's translation and rotation, and
-  // a ball's rotation, count by their length.
+  // a ball's rotation, count by their length. An optimum that lies farther away is gone to straight,
+  // along what is in the way, or by a way round it that is sought in what ticks have left of their
+  // queries; until there is one that pays, the answer follows the optimum on its own side.
   double max_step = std::numeric_limits<double>::infinity();
   // The straight motion from each answer to the next is proven free (mjcf_pdg/motion.h) and cut
   // short where it is not.

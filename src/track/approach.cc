@@ -1,26 +1,8 @@
 #include "track/approach.h"
 
-#include <algorithm>
+#include "track/detour.h"
 
 namespace mjcf_pdg {
-namespace {
-
-// How far the joint that moves farthest moves [rad or m].
-double LargestStep(const SceneTables& tables, const VectorXd& dq) {
-  double largest = 0.0;
-  for (const JointEntry& joint : tables.joints) {
-    if (joint.ndof == 1) {
-      largest = std::max(largest, std::abs(dq[joint.col]));
-      continue;
-    }
-    for (int k = 0; k < joint.ndof; k += 3) {
-      largest = std::max(largest, dq.segment<3>(joint.col + k).norm());
-    }
-  }
-  return largest;
-}
-
-}  // namespace
 
 Approach::Approach(Workspace& work, double max_step)
     : work_(work),
@@ -37,6 +19,11 @@ double Approach::ShareAllowed(const VectorXd& from, const VectorXd& to) {
   Difference(problem_.tables, from, to, dq_);
   const double step = LargestStep(problem_.tables, dq_);
   return step > max_step_ ? max_step_ / step : 1.0;
+}
+
+double Approach::Ticks(const VectorXd& from, const VectorXd& to) {
+  Difference(problem_.tables, from, to, dq_);
+  return LargestStep(problem_.tables, dq_) / max_step_;
 }
 
 double Approach::Cut(const VectorXd& from, const VectorXd& to) {

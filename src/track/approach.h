@@ -18,6 +18,8 @@ class Approach {
   double Cut(const VectorXd& from, const VectorXd& to);
   // The same, but no farther than the motion is proven free before the tick's time is over.
   double CutToProof(const VectorXd& from, const VectorXd& to);
+  // How many ticks the straight way takes, by max_step alone.
+  double Ticks(const VectorXd& from, const VectorXd& to);
   const VectorXd& q() const { return q_; }
 
  private:

@@ -15,6 +15,10 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+// Queries of a solve beyond its budget: one of the command, one that ends it, and three of what is
+// not free (Budget in types.h); and one of where max_step lets the follower go instead.
+constexpr int kBeyondSolve = 6;
+
 }  // namespace
 
 TrackerCore::TrackerCore(const Scene& scene, const TrackOptions& o, const Pace& p)
@@ -26,10 +30,16 @@ TrackerCore::TrackerCore(const Scene& scene, const TrackOptions& o, const Pace& 
       elsewhere(work),
       approach(work, options.max_step) {
   work.remembers_distances = true;
+  if (!Limited()) return;
+  own_side = std::make_unique<Follower>(work, pace.follow);
+  detour = std::make_unique<Detour>(work, options.max_step, options.certify_motion);
 }
 
-// By the verifier, one query: by Check where that is to be reported of the answer.
-bool TrackerCore::Free(const VectorXd& q) {
+// By the verifier, one query. What the budget does not allow to ask is not called free.
+bool TrackerCore::Free(const VectorXd& q) { return Left() > 0 && Ask(q); }
+
+// By Check where that is to be reported of the answer.
+bool TrackerCore::Ask(const VectorXd& q) {
   asked.assign(q.data(), q.data() + q.size());
   work.budget.Charge(1);
   if (!core.reporter.Reports()) return core.verifier.IsFree(asked, q_in);
@@ -77,9 +87,12 @@ void TrackerCore::First(Result& result) {
 
 void TrackerCore::Tick(BudgetMeter::Clock::time_point begin, Result& result) {
   Reporter::Clear(result);
+  // Of these no search may take any: the answer is asked about for the report, or has a bound.
+  const int words =
+      (work.equality.any() || core.reporter.Reports() ? 1 : 0) + (pace.bounds ? 1 : 0);
   work.budget.Begin(
-      {.queries = options.queries - tune::kReserve, .seconds = options.options.time_limit}, begin,
-      work.finder.queries());
+      {.queries = options.queries - words - tune::kReserve, .seconds = options.options.time_limit},
+      begin, work.finder.queries());
   work.budget.Charge(1);
   asked.clear();
   const bool command_free = core.reporter.Input(q_in, result);
@@ -87,7 +100,7 @@ void TrackerCore::Tick(BudgetMeter::Clock::time_point begin, Result& result) {
     at = optimum = command;
   } else {
     Begin();
-    if (Approached(command_free)) {
+    if (!lost && Approached(command_free)) {
       Answer(result);
     } else {
       FallBack(result);
@@ -102,10 +115,13 @@ void TrackerCore::Reset(std::span<const double> q) {
   at = optimum = Eigen::Map<const VectorXd>(q.data(), static_cast<Eigen::Index>(q.size()));
   last_command = at;
   obstacles_moved = true;  // nobody has asked whether q is free
-  on_command = false;
+  on_command = lost = fleeing = false;
+  unsearched = unslid = 0;
+  last_sigma = 0.0;
   started = true;
   blocked = 0;
-  on_way = false;
+  if (detour) detour->Reset();
+  going = false;
   elsewhere.Reset();
 }
 
@@ -123,7 +139,7 @@ void TrackerCore::Answer(Result& result) {
   on_command = at == command;
   if (on_command) return;
   const bool last = std::equal(asked.begin(), asked.end(), at.begin(), at.end());
-  if (work.equality.any() && !last) Free(at);  // whose constraints are reported
+  if (work.equality.any() && !last) Ask(at);  // whose constraints are reported
   asked.assign(at.data(), at.data() + at.size());
   core.reporter.Solved(q_in, {asked, start, last && core.reporter.Reports()}, result);
   if (pace.bounds) Bound(result);
@@ -155,6 +171,7 @@ void TrackerCore::Begin() {
 bool TrackerCore::Follow() {
   const bool known = !obstacles_moved || (Limited() && at == optimum);  // see Evaded
   const bool own_free = known || Free(optimum);
+  if (work.Spent()) return own_free;
   const double own_sigma = own_free ? work.norm.Sigma(optimum) : kInfinity;
   const double reach = tune::kReach * moved + Noise();
   const LocalResult* found = &follower.Follow({optimum, own_free, Obstacles(), reach});
@@ -163,10 +180,15 @@ bool TrackerCore::Follow() {
   if (own_free && !(found->sigma < own_sigma)) return true;
   if (!found->free || !Free(found->q)) {
     candidate = found->q;
-    found = &follower.Retreat(candidate);
-    iterations += found->iterations;
-    length += found->length;
-    if (!found->free || !Free(found->q)) return own_free;
+    if (!work.Spent()) {
+      found = &follower.Retreat(candidate);
+      iterations += found->iterations;
+      length += found->length;
+    }
+    if (!found->free || !Free(found->q)) {
+      if (!own_free) optimum = found->q;  // from where the next tick goes on
+      return own_free;
+    }
   }
   const double limit = tune::kJump * moved + Noise();
   const bool jumps = follower.Farther(optimum, found->q, limit, length);
@@ -177,8 +199,13 @@ bool TrackerCore::Follow() {
   return true;
 }
 
+// As long as σ falls, the command is on its way out on this side, and others seldom become nearer.
 void TrackerCore::TrySwitch() {
   const double sigma = work.norm.Sigma(optimum), kept = 1.0 - options.switch_gain;
+  const bool falls = sigma < last_sigma;
+  last_sigma = sigma;
+  if (falls && ++unsearched < pace.ticks_per_search) return;
+  unsearched = 0;
   if (!elsewhere.Search({.own = optimum,
                          .own_sigma = sigma,
                          .sigma = kept * kept * sigma,
@@ -205,7 +232,11 @@ bool TrackerCore::Evaded() {
     candidate = beside->q;
     if (!Free(candidate)) return false;
   }
-  if (approach.Cut(at, candidate) < 1.0) return false;
+  if (approach.Cut(at, candidate) < 1.0) {
+    optimum = candidate;
+    fleeing = true;
+    return false;
+  }
   if (at == optimum) optimum = candidate;
   at = candidate;
   return true;
@@ -218,11 +249,12 @@ bool TrackerCore::Approached(bool command_free) {
   stood = at;
   if (Limited() && !Evaded()) return false;
   evaded = at;
+  const bool settled = at == optimum;
   if (command_free) {
     switched = blocked == 0 && follower.Farther(optimum, command, tune::kJump * moved + Noise());
     optimum = command;
   } else if (Follow()) {
-    if (!on_way && blocked == 0) TrySwitch();
+    if (settled && blocked == 0) TrySwitch();
   } else {
     if (!Limited()) return false;
     optimum = at;  // what it was on its way to is lost
@@ -231,77 +263,54 @@ bool TrackerCore::Approached(bool command_free) {
     at = optimum;
     return true;
   }
-  if (!Moved(command_free)) return false;
-  if (evaded == stood || approach.Cut(stood, at) == 1.0) return true;
-  at = evaded;  // to evade and to go on is too far for one tick
-  return Free(at);
-}
-
-// Towards the optimum, as far as the way leads. Returns false if the follower is not free then.
-bool TrackerCore::Moved(bool command_free) {
-  on_way = true;
-  if (switched && !command_free)
-    return Free(at);  // the search took the queries: off in the next tick
-  if (MoveTowards(optimum) || (blocked == 0 && SlideTowards(optimum))) {
-    on_way = at != optimum;
-    return true;
-  }
-  // No way leads there: back to the optimum on this side.
-  on_way = false;
-  if (blocked == 0) blocked = tune::kBlocked;
-  work.Begin(command, core.mocap, Rest());
-  candidate = follower.Follow({at, true, Obstacles(), kInfinity}).q;
-  if (!Free(candidate)) return Free(at);
-  optimum = candidate;
-  return MoveTowards(optimum) || Free(at);
-}
-
-// Returns whether that leads anywhere.
-bool TrackerCore::MoveTowards(const VectorXd& target) {
-  const bool unproven = !options.certify_motion;
-  double share = unproven ? approach.Cut(at, target) : approach.CutToProof(at, target);
-  if (unproven && !Free(approach.q())) share = approach.CutToProof(at, target);
-  if (share < tune::kLeastShare || !Free(approach.q())) return false;
-  at = approach.q();
+  if (settled) side_reach = tune::kReach * moved + Noise();
+  GoOn();
+  if (evaded != stood && approach.Cut(stood, at) < 1.0) at = evaded;  // too far for one tick
   return true;
 }
 
-// Where the straight way is blocked: along the obstacle, to what is nearest to the next point of
-// the straight way. Returns whether that comes nearer to the target.
-bool TrackerCore::SlideTowards(const VectorXd& target) {
-  approach.Cut(at, target);
-  work.Begin(approach.q(), core.mocap, Rest());
-  const double before = follower.Apart(at, target);
-  const VectorXd& beside = follower.Follow({at, true, Obstacles(), kInfinity}).q;
-  last_at = at;
-  if (MoveTowards(beside) && follower.Apart(at, target) < before) return true;
-  at = last_at;
-  return false;
-}
-
-// Nothing that is followed is free: a solve with what is left of the budget. Where max_step does
-// not let the follower go there at once, it goes as far as it may.
+// Nothing that is followed is free: a solve with what is left of the budget, if that is enough for
+// one; in the next tick it comes first. Where max_step does not let the follower go there at once,
+// it goes as far as it may.
 void TrackerCore::FallBack(Result& result) {
-  const std::int64_t left = work.budget.Left(work.finder.queries());
+  on_command = false;
+  if (fleeing) return Flee(result);
+  const std::int64_t left = Left() - kBeyondSolve;
+  if (left < 1) {
+    lost = !lost && options.queries > kBeyondSolve + 3;  // the command and two words
+    return Stand(Limited() ? at : optimum, result);
+  }
+  lost = false;
   const double left_s = std::max(options.options.time_limit - work.budget.Elapsed(),
                                  std::numeric_limits<double>::min());  // 0 would be no limit
-  core.budget = {.queries = static_cast<int>(std::max<std::int64_t>(1, left)), .seconds = left_s};
+  core.budget = {.queries = static_cast<int>(left), .seconds = left_s};
   Solve(result);
-  on_command = false;
   if (result.status == Status::kUnsolved) return;
   optimum = ToEigen(result.q);
   switched = true;
   elsewhere.Reset();
+  if (approach.Cut(at, optimum) < 1.0) return Flee(result);
+  at = optimum;
+}
+
+// From where nothing is free towards `optimum`, where it is, as far as max_step allows.
+void TrackerCore::Flee(Result& result) {
+  fleeing = false;
   approach.Cut(at, optimum);
   at = approach.q();
-  if (at == optimum) return;
   start = Component::kMotionCoherence;
   if (Free(at)) return Answer(result);
-  result.q.assign(at.data(), at.data() + at.size());
+  Stand(at, result);
+}
+
+// An answer that is not free; how deep, if a query is left for that.
+void TrackerCore::Stand(const VectorXd& q, Result& result) {
+  result.q.assign(q.data(), q.data() + q.size());
   result.status = Status::kUnsolved;
-  result.sigma = work.norm.Sigma(at);
+  result.sigma = work.norm.Sigma(q);
+  if (Left() > 0) result.min_distance = core.verifier.Check(result.q, q_in).min_distance;
   result.cause = Cause::kBudget;
-  result.reason = "the way to a free configuration takes longer than a tick at this max_step";
+  result.reason = "no free configuration found that a tick reaches within its queries and max_step";
 }
 
 void TrackerCore::SetMocap(const MocapPoses& poses) {

@@ -135,6 +135,9 @@ TEST_F(TrackerServoTest, NoJointIsEverFasterThanMaxStepAndAnswersStayFree) {
       ASSERT_TRUE(Verify(scene, result.q).free) << robot << " " << k;
       ++ticks;
       if (k > 0) {
+        ASSERT_LE(result.stats.collision_queries, options.queries) << robot << " " << k;
+        const double sigma = ObjectNorm(scene, Metric::kSequential, command_at(k)).Sigma(result.q);
+        ASSERT_NEAR(result.sigma, sigma, 1e-9 + 1e-6 * sigma) << "from the command";
         VectorXd step;
         Difference(scene.tables(), ToEigen(last), ToEigen(result.q), step);
         ASSERT_LE(step.cwiseAbs().maxCoeff(), options.max_step * (1.0 + 1e-9)) << robot << " " << k;
@@ -145,6 +148,101 @@ TEST_F(TrackerServoTest, NoJointIsEverFasterThanMaxStepAndAnswersStayFree) {
   }
   EXPECT_GT(ticks, 3000);
   EXPECT_GT(limited, 20);
+}
+
+// The command jumps behind the wall of a pocket: neither straight on nor along the wall does a ball
+// get there that may not pass it.
+TEST_F(TrackerServoTest, AWayRoundAPocketIsFound) {
+  const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
+    <geom type="box" pos=".5 0 0" size=".05 .5 1"/>
+    <geom type="box" pos=".2 .5 0" size=".35 .05 1"/>
+    <geom type="box" pos=".2 -.5 0" size=".35 .05 1"/>
+    <body><joint type="slide" axis="1 0 0" range="-2 2" limited="true"/>
+      <joint type="slide" axis="0 1 0" range="-2 2" limited="true"/><geom size=".1"/></body>
+    </worldbody></mujoco>)");
+  for (const bool certify : {false, true}) {
+    TrackOptions options;
+    options.max_step = 0.01;
+    options.certify_motion = certify;
+    Tracker tracker(scene, options);
+    Result result;
+    tracker.Reset(Q{0.0, 0.0});
+    Q last = {0.0, 0.0};
+    const Q command = {1.0, 0.1};
+    int ticks = 0;
+    for (; ticks < 3000 && last != command; ++ticks) {
+      ASSERT_NE(tracker.Step(command, result), Status::kUnsolved) << ticks << result.reason;
+      ASSERT_TRUE(Verify(scene, result.q).free) << ticks;
+      ASSERT_LE(Step(last, result.q), options.max_step * (1.0 + 1e-9)) << ticks;
+      ASSERT_LE(result.stats.collision_queries, options.queries) << ticks;
+      last = result.q;
+    }
+    EXPECT_EQ(last, command) << certify;
+    EXPECT_LT(ticks, 1000) << "the shortest way takes 250 or so";
+  }
+}
+
+// Reset may say that it stands in an obstacle, from which it cannot go in one tick.
+TEST_F(TrackerServoTest, FromAnObstacleItGoesToWhereItIsFree) {
+  const Scene scene = Scene::FromString(kArmAtWall);
+  TrackOptions options;
+  options.max_step = 0.005;
+  Tracker tracker(scene, options);
+  const Q inside = {1.3, 0.2};
+  ASSERT_FALSE(Verify(scene, inside).free);
+  tracker.Reset(inside);
+  Result result;
+  Q last = inside;
+  int unsolved = 0;
+  for (int k = 0; k < 300; ++k) {
+    const bool solved = tracker.Step(inside, result) != Status::kUnsolved;
+    ASSERT_EQ(solved, Verify(scene, result.q).free) << k;
+    ASSERT_LE(Step(last, result.q), options.max_step * (1.0 + 1e-9)) << k;
+    unsolved += !solved;
+    last = result.q;
+  }
+  EXPECT_GT(unsolved, 10);
+  EXPECT_LT(unsolved, 250);
+}
+
+// A ball that posts jump around: the last answer is often not free, and at times nothing is found.
+TEST_F(TrackerServoTest, NoTickTakesMoreQueriesThanItsBudget) {
+  const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
+    <body mocap="true"><geom type="box" size=".3 .3 1"/></body>
+    <body mocap="true"><geom type="cylinder" size=".3 1"/></body>
+    <geom type="box" pos="0 .75 0" size="1 .1 1"/><geom type="box" pos="0 -.75 0" size="1 .1 1"/>
+    <body><joint type="slide" axis="1 0 0" range="-1 1" limited="true"/>
+      <joint type="slide" axis="0 1 0" range="-1 1" limited="true"/><geom size=".1"/>
+      <body><joint axis="0 0 1"/><geom type="capsule" fromto="0 0 0 .4 0 0" size=".05"/></body>
+    </body></worldbody></mujoco>)");
+  const DataPtr d(mj_makeData(scene.model()));
+  Random rng(2704);
+  int spent = 0, unsolved = 0, solved = 0;
+  for (int run = 0; run < 24; ++run) {
+    TrackOptions options;
+    options.queries = 6 + 2 * (run % 4);
+    if (run % 3 > 0) options.max_step = 0.02;
+    options.certify_motion = run % 3 == 2;
+    options.lower_bound = run % 5 == 0;
+    options.options.report_contacts = run % 7 == 0;
+    Tracker tracker(scene, options);
+    Result result;
+    for (int k = 0; k < 400; ++k) {
+      if (k % 20 == 0) {
+        for (int p = 0; p < 6; ++p) d->mocap_pos[p] = p % 3 == 2 ? 0.0 : rng.Uniform(-0.8, 0.8);
+      }
+      const Q command = {0.9 * std::sin(0.011 * k), 0.5 * std::sin(0.017 * k), 0.01 * k};
+      const Status status = tracker.Step(d.get(), command, result);
+      if (k == 0) continue;
+      ASSERT_LE(result.stats.collision_queries, options.queries) << run << " " << k;
+      spent += result.stats.collision_queries == options.queries;
+      unsolved += status == Status::kUnsolved;
+      solved += status == Status::kSolved;
+    }
+  }
+  EXPECT_GT(spent, 100);
+  EXPECT_GT(unsolved, 50);
+  EXPECT_GT(solved, 1000);
 }
 
 // A ball in a pit that a lid closes: nothing is free, in this tick and in all after it until the

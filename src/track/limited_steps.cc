@@ -1,0 +1,129 @@
+// How a TrackerCore whose steps are limited goes where its optimum is: straight, or round what is
+// in the way; until a way is known it follows the optimum on its own side.
+#include <algorithm>
+
+#include "track/tracker_core.h"
+
+namespace mjcf_pdg {
+
+namespace tune = tuning::track;
+
+namespace {
+
+// A straight way of no more ticks than this is tried without looking ahead.
+constexpr double kStraight = 8.0;
+// One of no more ticks than this is first tried along what is in the way.
+constexpr double kSlides = 64.0;
+// To slide leads nearer if it does by this share of what the straight way would [1].
+constexpr double kNearer = 0.1;
+// Another way pays if what σ is larger along it than on this side is less than so many times what σ
+// is smaller at its end [1].
+constexpr double kPays = 4.0;
+
+}  // namespace
+
+// `at` stays free.
+void TrackerCore::GoOn() {
+  if (detour->planted() && !going) detour->Ends(at, optimum);
+  if (going && GoAlong()) return;
+  if (approach.Ticks(at, optimum) <= kStraight && GoTowards(optimum)) {
+    detour->Reset();
+    return;
+  }
+  unslid = std::max(0, unslid - 1);
+  if (unslid == 0 && approach.Ticks(at, optimum) <= kSlides) {
+    if (SlideTowards(optimum)) return;
+    unslid = tune::kBlocked;
+  }
+  GoBeside();
+  if (work.norm.Sigma(at) <= work.norm.Sigma(optimum)) {
+    optimum = at;
+    detour->Reset();
+    return;
+  }
+  if (blocked == 0) SeekWay();
+}
+
+// Seeks a way to the optimum, and sets off where that pays.
+void TrackerCore::SeekWay() {
+  if (!detour->planted()) detour->Ends(at, optimum);
+  const double stay = work.norm.Sigma(at);
+  if (detour->found()) {
+    detour->Shorten(static_cast<int>(Left()));
+  } else if (!detour->Search(static_cast<int>(Left()))) {
+    const double kept = 1.0 - options.switch_gain;
+    if (!detour->EndsNearer(kept * kept * stay)) {
+      if (!detour->failed()) return;
+      detour->Reset();
+      optimum = at;
+      blocked = tune::kBlocked;
+      return;
+    }
+  }
+  double on_way = 0.0;
+  detour->Ticks(on_way);
+  const double there = work.norm.Sigma(detour->end());
+  going = on_way - stay < kPays * (stay - there);
+  switched = switched || going;
+}
+
+// The way that was found; what queries are left make it shorter. Returns whether that leads
+// anywhere.
+bool TrackerCore::GoAlong() {
+  detour->EndAt(optimum);
+  bool leads = detour->found();
+  if (leads) {
+    const VectorXd& next = detour->Next(at);
+    leads = GoTowards(next) || SlideTowards(next);
+  }
+  going = leads && at != detour->end();
+  if (going) {
+    detour->Shorten(static_cast<int>(Left()));
+  } else if (leads) {
+    detour->Reset();
+  } else {
+    detour->Blocked();
+  }
+  return leads;
+}
+
+// Follows the optimum on this side, where it stands or where max_step lets it go.
+void TrackerCore::GoBeside() {
+  if (work.Spent()) return;
+  const LocalResult& found = own_side->Follow({at, true, Obstacles(), side_reach});
+  const bool cut = found.free && approach.Cut(at, found.q) < 1.0;
+  if (cut || !found.free) {
+    side_reach *= 0.5;
+  } else if (found.length > 0.5 * side_reach) {
+    side_reach *= 2.0;
+  }
+  if (found.free) GoTowards(found.q);
+}
+
+// Returns whether that leads anywhere.
+bool TrackerCore::GoTowards(const VectorXd& target) {
+  const double share =
+      options.certify_motion ? approach.CutToProof(at, target) : approach.Cut(at, target);
+  if (share < tune::kLeastShare) return false;
+  const bool known = approach.q() == optimum;  // the verifier has called it free
+  if (!known && !Free(approach.q())) return false;
+  at = approach.q();
+  return true;
+}
+
+// Where the straight way is blocked: along the obstacle, to what is nearest to the next point of
+// the straight way. Returns whether that comes nearer to the target.
+bool TrackerCore::SlideTowards(const VectorXd& target) {
+  if (work.Spent()) return false;
+  const double share = approach.Cut(at, target);
+  work.Begin(approach.q(), core.mocap, Rest());
+  const double enough = (1.0 - kNearer * share) * follower.Apart(at, target);
+  candidate = own_side->Follow({at, true, Obstacles(), std::numeric_limits<double>::infinity()}).q;
+  work.Begin(command, core.mocap, Rest());
+  last_at = at;
+  if (GoTowards(candidate) && follower.Apart(at, target) < enough) return true;
+  at = last_at;
+  return false;
+}
+
+}  // namespace mjcf_pdg
