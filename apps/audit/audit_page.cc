@@ -17,7 +17,7 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 PageRow PairRow(const Scene& scene, const AuditedPair& pair, std::size_t samples) {
   PageRow row;
   row.of = pair.where;
-  row.of.label = scene.GeomName(pair.geom1) + " / " + scene.GeomName(pair.geom2);
+  row.of.label = PageGeomName(scene, pair.geom1) + " / " + PageGeomName(scene, pair.geom2);
   row.status = NameOf(pair.kind);
   row.wrong = pair.kind != Overlap::kSometimes;
   row.values = {100.0 * pair.share, -1e3 * pair.deepest.distance, kNone};

@@ -60,7 +60,7 @@ PageRow MotionPageRow(const Scene& scene, const Ends& ends, const Motion& motion
   if (motion.outcome != MotionOutcome::kFree) {
     page.frames.push_back({motion.q, place(motion.t) + ": " + words});
     for (const std::array<int, 2>& pair : motion.pairs) {
-      stop.rows.push_back({scene.GeomName(pair[0]), scene.GeomName(pair[1])});
+      stop.rows.push_back({PageGeomName(scene, pair[0]), PageGeomName(scene, pair[1])});
       stop.frames.push_back(page.frames.size() - 1);
     }
   }

@@ -82,6 +82,8 @@ inline nlohmann::ordered_json PageFact(const std::string& name, nlohmann::ordere
   return nlohmann::ordered_json::array({name, std::move(value)});
 }
 
+// The geom's place and, where it has no name, the id that JSON has: "torso/geom1 (8)".
+std::string PageGeomName(const Scene& scene, int geom);
 nlohmann::ordered_json PageContacts(const Scene& scene, const std::vector<Contact>& contacts);
 
 }  // namespace mjcf_pdg::app

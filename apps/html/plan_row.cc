@@ -49,6 +49,18 @@ void AddEdges(const Scene& scene, const Path& path, PageTable& edges, PageRow& r
   }
 }
 
+// Each leads to the goal as given, which is the last frame.
+PageTable GoalContacts(const Scene& scene, const Result& goal, const PageRow& row) {
+  PageTable table{
+      "Contacts of the goal as given", {"geom 1", "geom 2", "depth mm"}, Json::array(), {}, {}};
+  for (const Contact& contact : goal.contacts_in) {
+    table.rows.push_back({PageGeomName(scene, contact.geom[0]),
+                          PageGeomName(scene, contact.geom[1]), -1e3 * contact.distance});
+    table.frames.push_back(row.frames.size() - 1);
+  }
+  return table;
+}
+
 }  // namespace
 
 PageRow PathPageRow(const Scene& scene, const PlannedPath& planned) {
@@ -68,6 +80,7 @@ PageRow PathPageRow(const Scene& scene, const PlannedPath& planned) {
     row.frames.push_back({planned.goal.q, "the goal as given"});
   }
   if (path.found) row.tables.push_back(edges);
+  if (!path.goal.contacts_in.empty()) row.tables.push_back(GoalContacts(scene, path.goal, row));
   row.content = {{"facts", Facts(path)},
                  {"reason", path.reason},
                  {"contacts_in", PageContacts(scene, path.start.contacts_in)},

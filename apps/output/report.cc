@@ -38,18 +38,6 @@ const char* CauseName(Cause cause) {
 // The JSON name of what meshes collide as.
 const char* GeometryName(const Scene& scene) { return scene.HasExactMeshes() ? "exact" : "hull"; }
 
-Json ContactsJson(const Scene& scene, const std::vector<Contact>& contacts) {
-  Json list = Json::array();
-  for (const Contact& contact : contacts) {
-    list.push_back({{"geom1", GeomJson(scene, contact.geom[0])},
-                    {"geom2", GeomJson(scene, contact.geom[1])},
-                    {"normal", contact.normal_W},
-                    {"position", contact.position_W},
-                    {"distance", contact.distance}});
-  }
-  return list;
-}
-
 Json RowJson(const RowName& name, const Configuration& row) {
   Json json = {{"index", name.index}};
   if (!name.model.empty()) json["model"] = name.model;
@@ -146,6 +134,18 @@ std::string Utf8(const std::string& text) { return Json::parse(JsonLine(text)); 
 Json GeomJson(const Scene& scene, int geom) {
   const char* name = mj_id2name(scene.model(), mjOBJ_GEOM, geom);
   return name && *name ? Json(name) : Json(geom);
+}
+
+Json ContactsJson(const Scene& scene, const std::vector<Contact>& contacts) {
+  Json list = Json::array();
+  for (const Contact& contact : contacts) {
+    list.push_back({{"geom1", GeomJson(scene, contact.geom[0])},
+                    {"geom2", GeomJson(scene, contact.geom[1])},
+                    {"normal", contact.normal_W},
+                    {"position", contact.position_W},
+                    {"distance", contact.distance}});
+  }
+  return list;
 }
 
 Json IgnoredJson(const Scene& scene) {
