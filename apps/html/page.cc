@@ -32,6 +32,7 @@ std::string Block(const std::string& id, const std::string& packed) {
 
 Page::Page(PageHead head)
     : head_({{"again", std::move(head.again)},
+             {"note", std::move(head.note)},
              {"columns", std::move(head.columns)},
              {"options", std::move(head.options)},
              {"versions",

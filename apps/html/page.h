@@ -21,6 +21,7 @@ struct PageHead {
   std::string again;                 // the command line that makes all of it again
   std::vector<std::string> columns;  // of the list of rows, behind number, name and status
   nlohmann::ordered_json options;    // OptionsInForce
+  std::string note = {};             // what is to be known of `again`, in words
 };
 
 // One place of the slider.
@@ -47,7 +48,7 @@ struct PageRow {
   std::vector<PageFrame> frames;  // the first is as given; none: there is nothing to draw
   std::vector<PageTable> tables;
   // More that web/report.js shows, each of it may be missing: facts (names and values), reason,
-  // command, norm (a command without its ends, which gives joints again), contacts_in, contacts
+  // command, note (what is to be known of it), norm (a command without its ends, which gives joints again), contacts_in, contacts
   // (PageContacts), joints (PageJoints), iterations, before (what the first frame is called).
   nlohmann::ordered_json content = nlohmann::ordered_json::object();
 };

@@ -204,6 +204,8 @@ TEST_F(CliTest, AReportOfRegressSaysWhatChanged) {
   EXPECT_EQ(rows[0]["wrong"], true);
   EXPECT_EQ(rows[1]["status"], "already_free");
   EXPECT_EQ(rows[2]["status"], "gone");
+  EXPECT_NEAR(rows[0]["values"][0].get<double>(), 50.0, 1e-2);  // its depth
+  EXPECT_EQ(rows[2]["values"][1], 1000.0);                     // the golden rms
   const Block row = Unpack(Script(page, "row0"));
   EXPECT_EQ(row.json["tables"][0]["rows"][1][1], 1e-6);
   EXPECT_NEAR(row.json["contacts_in"][0]["distance"].get<double>(), -0.05, 1e-5);
@@ -211,6 +213,23 @@ TEST_F(CliTest, AReportOfRegressSaysWhatChanged) {
   EXPECT_EQ(row.json["command"],
             "mjcf-pdg solve m/scene.xml --trace search.jsonl --qpos '0.0 0.0' --json -");
   EXPECT_EQ(Head(page)["again"], "mjcf-pdg regress m/pdg.json --json -");
+}
+
+// There is nothing golden yet: queries are those of now, and nothing is compared.
+TEST_F(CliTest, AReportOfTheFirstUpdateHasTheQueriesOfNow) {
+  Write("m/scene.xml", kBallAndWall);
+  const Outcome outcome =
+      Run({"regress", "--discover", "m", "--update", "--json", "-", "--html", "r.html"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::string page = Read("r.html");
+  const nlohmann::json queries = Head(page)["tables"][0]["rows"][0];
+  const nlohmann::json told = ParseLines(outcome.out);
+  EXPECT_EQ(queries[1], "-");
+  EXPECT_EQ(queries[2], "-");
+  EXPECT_EQ(queries[3], told.back()["new_queries"]);
+  EXPECT_EQ(queries[3], told[0]["queries"].get<int>() + told[1]["queries"].get<int>());
+  EXPECT_TRUE(Unpack(Script(page, "row0")).json["tables"].empty());
+  EXPECT_NE(Head(page)["note"], "");
 }
 
 }  // namespace
