@@ -18,10 +18,10 @@ Json Facts(const Verdict& verdict) {
       Json::array({PageFact("smallest distance, mm", 1e3 * verdict.min_distance),
                    PageFact("joint limits exceeded by, rad or m", verdict.limit_excess),
                    PageFact("certified by signed distances", verdict.certified ? "yes" : "no")});
-  if (verdict.equality_residual > 0.0) {
+  if (verdict.equality_residual > kEqualityTolerance) {
     facts.push_back(PageFact("equalities violated by, m or rad", verdict.equality_residual));
   }
-  if (verdict.tendon_excess > 0.0) {
+  if (verdict.tendon_excess > kEqualityTolerance) {
     facts.push_back(PageFact("tendon limits exceeded by, m", verdict.tendon_excess));
   }
   return facts;
@@ -29,15 +29,19 @@ Json Facts(const Verdict& verdict) {
 
 }  // namespace
 
-PageRow CheckedPageRow(const Scene& scene, const Configuration& row, const Verdict& verdict) {
+PageRow CheckedPageRow(const Scene& scene, double tolerance, const CheckedRow& checked) {
+  const Verdict& verdict = checked.verdict;
+  const auto overlaps =
+      std::count_if(verdict.contacts.begin(), verdict.contacts.end(),
+                    [&](const Contact& contact) { return contact.distance < -tolerance; });
   const double depth = verdict.contacts.empty() ? 0.0 : -1e3 * verdict.contacts.front().distance;
   PageRow page;
-  page.of = row;
+  page.of = checked.row;
   page.status = verdict.free ? "free" : "not_free";
   page.wrong = !verdict.free;
-  page.values = {static_cast<double>(verdict.contacts.size()), std::max(0.0, depth),
+  page.values = {static_cast<double>(overlaps), std::max(0.0, depth),
                  verdict.limit_excess};
-  page.frames = {{row.q, "as given"}};
+  page.frames = {{checked.row.q, "as given"}};
   page.content = {{"facts", Facts(verdict)},
                   {"reason", verdict.reason},
                   {"contacts_in", PageContacts(scene, verdict.contacts)}};

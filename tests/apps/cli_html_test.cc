@@ -135,6 +135,18 @@ TEST_F(CliTest, AReportOfCheckHasTheContacts) {
   EXPECT_EQ(row.json["command"], "mjcf-pdg check scene.xml --qpos '0.0 0.0' --json -");
 }
 
+// As in the table on the terminal, what touches within the tolerance is no overlap.
+TEST_F(CliTest, AReportOfCheckCountsWhatOverlaps) {
+  ASSERT_EQ(Run({"check", "scene.xml", "--qpos", "0 0", "--qpos", "0 0.04995", "--tolerance", "1e-4",
+                 "--html", "r.html"})
+                .exit_code,
+            3);
+  const nlohmann::json rows = Head(Read("r.html"))["rows"];
+  EXPECT_EQ(rows[0]["values"][0], 1.0);
+  EXPECT_EQ(rows[1]["status"], "free");
+  EXPECT_EQ(rows[1]["values"][0], 0.0);
+}
+
 // The ball falls on the wall: the slider has where that is, and where it would have gone.
 TEST_F(CliTest, AReportOfAMotionGoesToWhereItStops) {
   ASSERT_EQ(
