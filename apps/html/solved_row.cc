@@ -32,6 +32,13 @@ Json Facts(const Result& result) {
     facts.push_back(
         PageFact("joint limits exceeded as given by, rad or m", result.limit_excess_in));
   }
+  const auto add = [&facts](const char* name, double violated) {
+    if (violated > kEqualityTolerance) facts.push_back(PageFact(name, violated));
+  };
+  add("equalities violated as given by, m or rad", result.equality_residual_in);
+  add("equalities violated now by, m or rad", result.equality_residual);
+  add("tendon limits exceeded as given by, m", result.tendon_excess_in);
+  add("tendon limits exceeded now by, m", result.tendon_excess);
   return facts;
 }
 

@@ -179,6 +179,7 @@ std::string SolveJson(const Scene& scene, const RowName& name, const Configurati
   json["sigma_lower_bound"] = result.sigma_lower_bound;
   json["depth_in"] = result.depth_in;
   json["min_distance"] = result.min_distance;
+  json["limit_excess_in"] = result.limit_excess_in;
   if (HoldsEqualities(scene)) {
     json["equality_residual_in"] = result.equality_residual_in;
     json["equality_residual"] = result.equality_residual;

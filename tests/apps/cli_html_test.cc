@@ -78,6 +78,22 @@ TEST_F(CliTest, AReportsCommandMakesTheRowAgain) {
   EXPECT_GT(Unpack(Script(page, "scene0")).json["meshes"].size(), 0u);
 }
 
+// What else than overlaps was wrong with the input is a fact, as JSON has it.
+TEST_F(CliTest, AReportHasViolatedLimitsAndEqualities) {
+  Write("held.xml", R"(<mujoco><worldbody>
+    <body><joint name="a" type="slide" range="-1 1" limited="true"/><geom size=".1"/></body>
+    <body pos="1 0 0"><joint name="b" type="slide"/><geom size=".1"/></body></worldbody>
+    <equality><joint joint1="a" joint2="b"/></equality></mujoco>)");
+  const Outcome outcome = Run({"solve", "held.xml", "--qpos", "1.5 1", "--json", "-", "--html", "r.html"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const nlohmann::json told = ParseLines(outcome.out).at(0);
+  const Block row = Unpack(Script(Read("r.html"), "row0"));
+  EXPECT_EQ(told["limit_excess_in"], 0.5);
+  EXPECT_EQ(Fact(row, "joint limits exceeded as given by, rad or m"), told["limit_excess_in"]);
+  EXPECT_GT(told["equality_residual_in"], 0.1);
+  EXPECT_EQ(Fact(row, "equalities violated as given by, m or rad"), told["equality_residual_in"]);
+}
+
 TEST_F(CliTest, NamesCannotLeaveTheirPlaceInAReport) {
   Write("evil.xml", std::regex_replace(std::string(kBallAndWall), std::regex("\"deep\""),
                                        "\"&lt;/script&gt;&lt;b&gt;\""));
