@@ -1,7 +1,6 @@
 #include "apps/audit/audit_page.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "apps/console/text.h"
@@ -22,11 +21,10 @@ PageRow PairRow(const Scene& scene, const AuditedPair& pair, std::size_t samples
   row.wrong = pair.kind != Overlap::kSometimes;
   row.values = {100.0 * pair.share, -1e3 * pair.deepest.distance, kNone};
   row.frames = {{pair.where.q, "deepest in " + pair.where.label}};
-  const double count = std::round(pair.share * static_cast<double>(samples));
   row.content = {
       {"facts",
        Json::array({PageFact("overlaps", NameOf(pair.kind)),
-                    PageFact("of " + std::to_string(samples) + " random configurations", count),
+                    PageFact("of " + std::to_string(samples) + " random configurations", pair.count),
                     PageFact("share, %", 100.0 * pair.share),
                     PageFact("deepest seen, mm", -1e3 * pair.deepest.distance),
                     PageFact("deepest in", pair.where.label)})},

@@ -196,7 +196,9 @@ TEST_F(CliTest, AReportOfAuditHasPairsAndKeyframes) {
   const nlohmann::json again =
       ParseLines(Run({"check", "scene.xml", "--qpos", qpos, "--json", "-"}).out).at(0);
   EXPECT_EQ(again["min_distance"], audit["pairs"][0]["depth"]);
-  EXPECT_EQ(Head(page)["again"], "mjcf-pdg audit scene.xml --samples 50");
+  EXPECT_EQ(Head(page)["again"], "mjcf-pdg audit scene.xml --samples 50 --json -");
+  EXPECT_EQ(Fact(pair, "of 50 random configurations"), audit["pairs"][0]["count"]);
+  EXPECT_EQ(Fact(pair, "deepest in"), audit["pairs"][0]["deepest_in"]);
   EXPECT_EQ(Head(page)["tables"][0]["rows"].back()[1], audit["never"]);
 }
 
