@@ -64,7 +64,8 @@ std::vector<PageFrame> Frames(const SolvedRow& solved) {
     const KeptIteration& it = solved.iterations[static_cast<std::size_t>(steps[k])];
     frames.push_back(
         {it.q,
-         it.start + ", step " + std::to_string(it.step) + ": √σ " +
+         "descent " + std::to_string(it.descent) + " (" + it.start + "), step " +
+             std::to_string(it.step) + ": √σ " +
              Short(1e3 * std::sqrt(it.sigma)) + " mm, " +
              (it.free ? "free" : "overlaps " + Short(1e3 * it.violation) + " mm in sum"),
          steps[k]});

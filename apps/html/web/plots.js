@@ -50,7 +50,7 @@ export function plotSigma(svg, iterations, frames, go) {
   const reachable = new Map(frames.map(({iteration}, frame) => [iteration, frame]));
   iterations.forEach((it, k) => {
     const dot = add('circle', {cx: x(k), cy: y(it.sigma), r: it.free ? 3.2 : 2.4, class: it.free ? 'free' : 'overlaps'});
-    dot.append(svgElement('title', {}, `${it.start}, step ${it.step}: sigma ${text(it.sigma)} m², ${it.free ? 'free' : 'overlaps'}`));
+    dot.append(svgElement('title', {}, `descent ${it.descent} (${it.start}), step ${it.step}: sigma ${text(it.sigma)} m², ${it.free ? 'free' : 'overlaps'}`));
     if (!reachable.has(k)) return;
     dot.classList.add('reachable');
     dot.onclick = () => go(reachable.get(k));
