@@ -135,6 +135,11 @@ TEST_F(CliTest, AReportOfATrajectoryHasAllFramesInOneRow) {
   EXPECT_FLOAT_EQ(HeightIn(row, 2, 1, 2), 0.45f);
   EXPECT_EQ(row.json["command"],
             "mjcf-pdg solve scene.xml --trajectory --qpos-file clip.csv --json -");
+  EXPECT_EQ(row.json["note"], "");
+  for (int column : {0, 1}) {  // the first frame is the deepest
+    EXPECT_EQ(Head(page)["rows"][3]["values"][column], Head(page)["rows"][0]["values"][column]);
+  }
+  EXPECT_GT(Head(page)["rows"][3]["values"][0], 40.0);
 }
 
 TEST_F(CliTest, AReportOfCheckHasTheContacts) {
