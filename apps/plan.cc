@@ -114,7 +114,7 @@ std::string PlanPage(const CLI::App& command, const PlanArguments& arguments, co
   page.BeginModel(model, scene);
   PageRow row = PathPageRow(scene, planned);
   row.content["command"] = ShellCommand(again);
-  row.content["norm"] = NormCommand(model, GivenNormOptions(command));
+  if (planned.path.found) row.content["norm"] = NormCommand(model, GivenNormOptions(command));
   page.Add(row);
   return page.ToString();
 }
@@ -224,7 +224,7 @@ int RunPlan(const CLI::App& command, PlanArguments& arguments) {
   outputs.files.Stage(arguments.json, PlanJson(scene, arguments, path, times));
   if (path.found) StagePath(scene, start, arguments, {path.q, times}, outputs);
   if (!arguments.html.empty()) {
-    outputs.files.Stage(arguments.html, PlanPage(command, arguments, scene, {start, goal, path}));
+    outputs.files.Stage(arguments.html, PlanPage(command, arguments, scene, {start, goal, path, times}));
   }
   outputs.files.Commit();
   if (!outputs.files.uses_stdout()) WriteStdout(PlanText(path, times));

@@ -62,7 +62,7 @@ PageRow MotionPageRow(const Scene& scene, const Ends& ends, const Motion& motion
   }
   PageTable stop{"What ends the motion", {"geom 1", "geom 2"}, Json::array(), {}, {}};
   if (motion.outcome != MotionOutcome::kFree) {
-    page.frames.push_back({motion.q, place(motion.t) + ": " + words});
+    page.frames.push_back({motion.q, place(motion.t) + ", where it stops"});
     for (const std::array<int, 2>& pair : motion.pairs) {
       stop.rows.push_back({PageGeomName(scene, pair[0]), PageGeomName(scene, pair[1])});
       stop.frames.push_back(page.frames.size() - 1);

@@ -212,5 +212,13 @@ TEST_F(CliPlanTest, AReportGoesAlongThePathEdgeByEdge) {
   EXPECT_FLOAT_EQ(x(row.json["frames"].size() - 1), 0.5f);
 }
 
+TEST_F(CliPlanTest, AReportOfNoPathHasNoLength) {
+  ASSERT_EQ(Run(Ends("start", "goal", {"--time-limit", "1e-6", "--html", "r.html"})).exit_code, 3);
+  const Block row = Unpack(Script(Read("r.html"), "row0"));
+  EXPECT_EQ(row.json["facts"][0][0], "start");
+  EXPECT_FALSE(row.json.contains("joints"));
+  EXPECT_EQ(row.json["frames"].size(), 2u);
+}
+
 }  // namespace
 }  // namespace mjcf_pdg::test
