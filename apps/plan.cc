@@ -224,7 +224,8 @@ int RunPlan(const CLI::App& command, PlanArguments& arguments) {
   outputs.files.Stage(arguments.json, PlanJson(scene, arguments, path, times));
   if (path.found) StagePath(scene, start, arguments, {path.q, times}, outputs);
   if (!arguments.html.empty()) {
-    outputs.files.Stage(arguments.html, PlanPage(command, arguments, scene, {start, goal, path, times}));
+    outputs.files.Stage(arguments.html,
+                        PlanPage(command, arguments, scene, {start, goal, path, times}));
   }
   outputs.files.Commit();
   if (!outputs.files.uses_stdout()) WriteStdout(PlanText(path, times));

@@ -165,8 +165,8 @@ int RunRegress(const CLI::App& command, const RegressArguments& arguments) {
   CatchInterrupts();
   std::unique_ptr<RegressPage> page;
   if (!arguments.html.empty()) {
-    page = std::make_unique<RegressPage>(Again(command, arguments),
-                                         arguments.update ? kReplaced : "");
+    page =
+        std::make_unique<RegressPage>(Again(command, arguments), arguments.update ? kReplaced : "");
   }
   if (!RunSuites(runs, arguments.threads, page.get()))
     return SayInterrupted("before the end: nothing was written");

@@ -175,9 +175,9 @@ class SolveRun {
   OutputFiles outputs_;
   SceneOutput scene_output_;
   SolveTable table_;
-  std::unique_ptr<LeftRows> left_;  // with --resume
-  std::optional<Page> page_;        // with --html
-  std::vector<PageFrame> motion_;   // with --html: the answers of a trajectory
+  std::unique_ptr<LeftRows> left_;     // with --resume
+  std::optional<Page> page_;           // with --html
+  std::vector<PageFrame> motion_;      // with --html: the answers of a trajectory
   std::vector<double> motion_values_;  // of the list: the largest of its frames
   std::unique_ptr<Progress> progress_;
   std::size_t index_ = 0;    // of the present model's next row

@@ -22,12 +22,12 @@ PageRow PairRow(const Scene& scene, const AuditedPair& pair, std::size_t samples
   row.values = {100.0 * pair.share, -1e3 * pair.deepest.distance, kNone};
   row.frames = {{pair.where.q, "deepest in " + pair.where.label}};
   row.content = {
-      {"facts",
-       Json::array({PageFact("overlaps", NameOf(pair.kind)),
-                    PageFact("of " + std::to_string(samples) + " random configurations", pair.count),
-                    PageFact("share, %", 100.0 * pair.share),
-                    PageFact("deepest seen, mm", -1e3 * pair.deepest.distance),
-                    PageFact("deepest in", pair.where.label)})},
+      {"facts", Json::array({PageFact("overlaps", NameOf(pair.kind)),
+                             PageFact("of " + std::to_string(samples) + " random configurations",
+                                      pair.count),
+                             PageFact("share, %", 100.0 * pair.share),
+                             PageFact("deepest seen, mm", -1e3 * pair.deepest.distance),
+                             PageFact("deepest in", pair.where.label)})},
       {"contacts_in", PageContacts(scene, {pair.deepest})}};
   return row;
 }

@@ -39,8 +39,7 @@ PageRow CheckedPageRow(const Scene& scene, double tolerance, const CheckedRow& c
   page.of = checked.row;
   page.status = verdict.free ? "free" : "not_free";
   page.wrong = !verdict.free;
-  page.values = {static_cast<double>(overlaps), std::max(0.0, depth),
-                 verdict.limit_excess};
+  page.values = {static_cast<double>(overlaps), std::max(0.0, depth), verdict.limit_excess};
   page.frames = {{checked.row.q, "as given"}};
   page.content = {{"facts", Facts(verdict)},
                   {"reason", verdict.reason},

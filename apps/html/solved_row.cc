@@ -65,8 +65,7 @@ std::vector<PageFrame> Frames(const SolvedRow& solved) {
     frames.push_back(
         {it.q,
          "descent " + std::to_string(it.descent) + " (" + it.start + "), step " +
-             std::to_string(it.step) + ": √σ " +
-             Short(1e3 * std::sqrt(it.sigma)) + " mm, " +
+             std::to_string(it.step) + ": √σ " + Short(1e3 * std::sqrt(it.sigma)) + " mm, " +
              (it.free ? "free" : "overlaps " + Short(1e3 * it.violation) + " mm in sum"),
          steps[k]});
   }

@@ -30,7 +30,8 @@ class RegressPage {
 
   std::string again_;
   Page page_;
-  PageTable models_{"Queries of each model", {"model", "golden", "now", "of new rows", ""}, {}, {}, {}};
+  PageTable models_{
+      "Queries of each model", {"model", "golden", "now", "of new rows", ""}, {}, {}, {}};
   std::string name_;  // of the present model
   Options options_;   // of the present case
   nlohmann::ordered_json given_;

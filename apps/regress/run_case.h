@@ -28,7 +28,7 @@ struct CaseReport {
   std::vector<GoldenRow> gone;  // rows that the golden results alone have
   Queries queries;
   std::optional<long long> new_queries;  // of the rows without golden results; none: no such row
-  bool more_queries = false;  // than tolerated
+  bool more_queries = false;             // than tolerated
 
   bool Failed() const;
 };

@@ -84,7 +84,8 @@ TEST_F(CliTest, AReportHasViolatedLimitsAndEqualities) {
     <body><joint name="a" type="slide" range="-1 1" limited="true"/><geom size=".1"/></body>
     <body pos="1 0 0"><joint name="b" type="slide"/><geom size=".1"/></body></worldbody>
     <equality><joint joint1="a" joint2="b"/></equality></mujoco>)");
-  const Outcome outcome = Run({"solve", "held.xml", "--qpos", "1.5 1", "--json", "-", "--html", "r.html"});
+  const Outcome outcome =
+      Run({"solve", "held.xml", "--qpos", "1.5 1", "--json", "-", "--html", "r.html"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const nlohmann::json told = ParseLines(outcome.out).at(0);
   const Block row = Unpack(Script(Read("r.html"), "row0"));
@@ -158,8 +159,8 @@ TEST_F(CliTest, AReportOfCheckHasTheContacts) {
 
 // As in the table on the terminal, what touches within the tolerance is no overlap.
 TEST_F(CliTest, AReportOfCheckCountsWhatOverlaps) {
-  ASSERT_EQ(Run({"check", "scene.xml", "--qpos", "0 0", "--qpos", "0 0.04995", "--tolerance", "1e-4",
-                 "--html", "r.html"})
+  ASSERT_EQ(Run({"check", "scene.xml", "--qpos", "0 0", "--qpos", "0 0.04995", "--tolerance",
+                 "1e-4", "--html", "r.html"})
                 .exit_code,
             3);
   const nlohmann::json rows = Head(Read("r.html"))["rows"];
@@ -240,7 +241,7 @@ TEST_F(CliTest, AReportOfRegressSaysWhatChanged) {
   EXPECT_EQ(rows[1]["status"], "already_free");
   EXPECT_EQ(rows[2]["status"], "gone");
   EXPECT_NEAR(rows[0]["values"][0].get<double>(), 50.0, 1e-2);  // its depth
-  EXPECT_EQ(rows[2]["values"][1], 1000.0);                     // the golden rms
+  EXPECT_EQ(rows[2]["values"][1], 1000.0);                      // the golden rms
   const Block row = Unpack(Script(page, "row0"));
   EXPECT_EQ(row.json["tables"][0]["rows"][1][1], 1e-6);
   EXPECT_NEAR(row.json["contacts_in"][0]["distance"].get<double>(), -0.05, 1e-5);
