@@ -25,9 +25,9 @@ Json Facts(const PlannedPath& planned) {
   };
   Json facts = Json::array();
   if (path.found) {
-    facts = {PageFact("length (Σ√σ), mm", 1e3 * path.length),
-             PageFact("configurations", path.q.size()),
-             PageFact("every edge proven free", path.certified ? "yes" : "no")};
+    facts = Json::array({PageFact("length (Σ√σ), mm", 1e3 * path.length),
+                         PageFact("configurations", path.q.size()),
+                         PageFact("every edge proven free", path.certified ? "yes" : "no")});
   }
   if (!planned.times.empty()) facts.push_back(PageFact("duration, s", planned.times.back()));
   for (const Json& fact :
