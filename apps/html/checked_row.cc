@@ -59,7 +59,12 @@ PageRow MotionPageRow(const Scene& scene, const Ends& ends, const Motion& motion
     const double t = static_cast<double>(k) / kMotionFrames;
     if (t < motion.t) page.frames.push_back({OnTheWay(scene, ends.from, ends.to, t), place(t)});
   }
-  PageTable stop{"What ends the motion", {"geom 1", "geom 2"}, Json::array(), {}, {}};
+  const bool at_once = motion.outcome == MotionOutcome::kStartInCollision;
+  PageTable stop{at_once ? "What overlaps where it starts" : "What ends the motion",
+                 {"geom 1", "geom 2"},
+                 Json::array(),
+                 {},
+                 {}};
   if (motion.outcome != MotionOutcome::kFree) {
     page.frames.push_back({motion.q, place(motion.t) + ", where it stops"});
     for (const std::array<int, 2>& pair : motion.pairs) {
@@ -69,13 +74,16 @@ PageRow MotionPageRow(const Scene& scene, const Ends& ends, const Motion& motion
   }
   page.frames.push_back(
       {ends.to, page.wrong ? "to, which is not reached" : "to: free all the way"});
-  if (!stop.frames.empty()) page.tables.push_back(stop);
   page.content = {{"facts", Json::array({PageFact("free up to t", motion.t),
                                          PageFact("proven", motion.certified ? "yes" : "no"),
                                          PageFact("poses", motion.poses),
                                          PageFact("distance queries", motion.distance_queries)})},
-                  {"reason", words},
                   {"joints", PageJoints(scene, Metric::kSequential, page.frames)}};
+  if (!stop.frames.empty()) {
+    page.tables.push_back(stop);
+  } else if (page.wrong) {
+    page.content["reason"] = words;
+  }
   return page;
 }
 

@@ -23,7 +23,7 @@ struct CheckedRow {
 PageRow CheckedPageRow(const Scene& scene, double tolerance, const CheckedRow& checked);
 
 // The slider goes from `from` to where the motion is free, and there to `to`. `words` say what
-// ended it.
+// ended it where no pairs did.
 PageRow MotionPageRow(const Scene& scene, const Ends& ends, const Motion& motion,
                       const std::string& words);
 

@@ -1,4 +1,5 @@
 // --html: what is in the file. How it behaves in a browser: tests/html.
+#include <algorithm>
 #include <cstring>
 #include <regex>
 
@@ -137,10 +138,13 @@ TEST_F(CliTest, AReportOfATrajectoryHasAllFramesInOneRow) {
   EXPECT_EQ(row.json["command"],
             "mjcf-pdg solve scene.xml --trajectory --qpos-file clip.csv --json -");
   EXPECT_EQ(row.json["note"], "");
-  for (int column : {0, 1}) {  // the first frame is the deepest
-    EXPECT_EQ(Head(page)["rows"][3]["values"][column], Head(page)["rows"][0]["values"][column]);
+  const nlohmann::json rows = Head(page)["rows"];
+  for (int column : {0, 1}) {
+    double largest = 0.0;
+    for (int k : {0, 1, 2}) largest = std::max(largest, rows[k]["values"][column].get<double>());
+    EXPECT_EQ(rows[3]["values"][column], largest);
+    EXPECT_GT(largest, 40.0);
   }
-  EXPECT_GT(Head(page)["rows"][3]["values"][0], 40.0);
 }
 
 TEST_F(CliTest, AReportOfCheckHasTheContacts) {

@@ -4,6 +4,7 @@ import * as THREE from 'three';
 // Orange and blue of Okabe and Ito: told apart with every kind of colour vision.
 export const BEFORE = 0xe69f00, AFTER = 0x0072b2;
 const POSE = 7;  // numbers of a body's pose
+const SUNK = 0.99;  // of its width: what is so deep in another geom is not seen
 
 function meshGeometry(mesh, bytes) {
   const packed = new Uint16Array(bytes, mesh.vertices, 3 * mesh.nv);
@@ -145,7 +146,7 @@ export class Bodies {
     }
   }
 
-  // Geoms that another one is wholly in, as given: the contact is deeper than that one is wide. Of those that move a ghost is seen through.
+  // Geoms that another one is in wholly, as given: the contact is as deep as that one is wide. Of those that move a ghost is seen through.
   findCovering(contacts) {
     this.group.updateMatrixWorld(true);
     const found = new Map([...this.meshes(this.ghost)].map((mesh) => [mesh.userData.geom.id, mesh]));
@@ -153,7 +154,7 @@ export class Bodies {
     for (const {geoms, normal, distance} of contacts) {
       const widths = geoms.map((id) => (found.has(id) ? widthAlong(normal, found.get(id)) : Infinity));  // planes have no ghost
       const outer = geoms[widths[0] > widths[1] ? 0 : 1], still = this.frames === 1 || !this.moves[found.get(outer)?.userData.geom.body];
-      if (still && -distance >= Math.min(...widths)) covering.add(outer);
+      if (still && -distance >= SUNK * Math.min(...widths)) covering.add(outer);
     }
     return covering;
   }
