@@ -56,7 +56,9 @@ std::string AuditJson(const ModelAudit& one) {
                              {"geom2", GeomJson(*one.scene, pair.geom2)},
                              {"class", NameOf(pair.kind)},
                              {"share", pair.share},
-                             {"depth", pair.deepest.distance}});
+                             {"count", pair.count},
+                             {"depth", pair.deepest.distance},
+                             {"deepest_in", pair.where.label}});
   }
   json["never"] = audit.never;
   // With 95 % confidence a pair never seen to overlap does so in a smaller share of configurations.
@@ -165,6 +167,7 @@ class AuditPage {
     std::vector<std::string> words = {"audit"};
     words.insert(words.end(), arguments.models.begin(), arguments.models.end());
     for (const std::string& option : GivenOptions(command)) words.push_back(option);
+    words.insert(words.end(), {"--json", "-"});
     return ShellCommand(words);
   }
 

@@ -35,21 +35,24 @@ struct CheckArguments {
 // The report of --html.
 class CheckPage {
  public:
-  explicit CheckPage(const CLI::App& command)
-      : given_(GivenOptions(command)), page_({"", kCheckColumns, OptionsInForce(command)}) {}
+  CheckPage(const CLI::App& command, double tolerance)
+      : tolerance_(tolerance),
+        given_(GivenOptions(command)),
+        page_({"", kCheckColumns, OptionsInForce(command)}) {}
 
   void BeginModel(const std::string& model, const Scene& scene) {
     again_ = {{"check", model}, given_};
     page_.BeginModel(model, scene);
   }
   void Add(const Scene& scene, const Configuration& row, const Verdict& verdict) {
-    PageRow shown = CheckedPageRow(scene, row, verdict);
+    PageRow shown = CheckedPageRow(scene, tolerance_, {row, verdict});
     shown.content["command"] = again_.Of(row);
     page_.Add(shown);
   }
   std::string ToString() const { return page_.ToString(); }
 
  private:
+  const double tolerance_;
   const std::vector<std::string> given_;
   RowCommand again_;  // of the present model
   Page page_;
@@ -68,7 +71,7 @@ int RunCheck(const CLI::App& command, CheckArguments& arguments) {
   outputs.Stream(arguments.json);
   CheckTable table(several, arguments.options.tolerance);
   std::optional<CheckPage> page;
-  if (!arguments.html.empty()) page.emplace(command);
+  if (!arguments.html.empty()) page.emplace(command, arguments.options.tolerance);
   CatchInterrupts();
   for (const std::string& model : arguments.models) {
     arguments.scene.model = model;

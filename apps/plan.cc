@@ -46,24 +46,35 @@ struct PlanArguments {
 #endif
 };
 
-nlohmann::ordered_json EndJson(const Result& end) {
-  return {{"status", StatusName(end.status)}, {"sigma", end.sigma}, {"qpos", end.q}};
+using Json = nlohmann::ordered_json;
+
+Json EndJson(const Scene& scene, const Result& end) {
+  return {{"status", StatusName(end.status)},
+          {"sigma", end.sigma},
+          {"qpos", end.q},
+          {"contacts_in", ContactsJson(scene, end.contacts_in)}};
 }
 
-std::string PlanJson(const PlanArguments& arguments, const Path& path,
+std::string PlanJson(const Scene& scene, const PlanArguments& arguments, const Path& path,
                      const std::vector<double>& times) {
-  nlohmann::ordered_json json = {{"found", path.found},
-                                 {"certified", path.certified},
-                                 {"planner", arguments.plan.planner},
-                                 {"seed", arguments.seed},
-                                 {"time_us", path.seconds * 1e6},
-                                 {"nodes", path.nodes},
-                                 {"samples", path.samples},
-                                 {"collision_queries", path.collision_queries},
-                                 {"length", path.length},
-                                 {"start", EndJson(path.start)},
-                                 {"goal", EndJson(path.goal)},
-                                 {"path", path.q}};
+  Json edges = Json::array();
+  for (const EdgeProof& edge : path.edges) {
+    edges.push_back(
+        {{"length", edge.length}, {"certified", edge.certified}, {"poses", edge.poses}});
+  }
+  Json json = {{"found", path.found},
+               {"certified", path.certified},
+               {"planner", arguments.plan.planner},
+               {"seed", arguments.seed},
+               {"time_us", path.seconds * 1e6},
+               {"nodes", path.nodes},
+               {"samples", path.samples},
+               {"collision_queries", path.collision_queries},
+               {"length", path.length},
+               {"start", EndJson(scene, path.start)},
+               {"goal", EndJson(scene, path.goal)},
+               {"path", path.q},
+               {"edges", std::move(edges)}};
   if (!times.empty()) json["times"] = times;
   if (!path.found) json["reason"] = path.reason;
   return JsonLine(json);
@@ -103,7 +114,7 @@ std::string PlanPage(const CLI::App& command, const PlanArguments& arguments, co
   page.BeginModel(model, scene);
   PageRow row = PathPageRow(scene, planned);
   row.content["command"] = ShellCommand(again);
-  row.content["norm"] = NormCommand(model, GivenNormOptions(command));
+  if (planned.path.found) row.content["norm"] = NormCommand(model, GivenNormOptions(command));
   page.Add(row);
   return page.ToString();
 }
@@ -190,7 +201,7 @@ int RunPlan(const CLI::App& command, PlanArguments& arguments) {
   plan.options.time_limit = arguments.time_limit_ms / 1e3;
   plan.options.mocap_pos = start.mocap_pos;
   plan.options.mocap_quat = start.mocap_quat;
-  plan.options.report_contacts = !arguments.html.empty();
+  plan.options.report_contacts = true;
 #ifdef MJCF_PDG_HAVE_TIMING
   const std::optional<TimingLimits> limits = ReadTimingLimits(scene, arguments.trajectory);
 #endif
@@ -210,10 +221,11 @@ int RunPlan(const CLI::App& command, PlanArguments& arguments) {
     times = timed.times;
   }
 #endif
-  outputs.files.Stage(arguments.json, PlanJson(arguments, path, times));
+  outputs.files.Stage(arguments.json, PlanJson(scene, arguments, path, times));
   if (path.found) StagePath(scene, start, arguments, {path.q, times}, outputs);
   if (!arguments.html.empty()) {
-    outputs.files.Stage(arguments.html, PlanPage(command, arguments, scene, {start, goal, path}));
+    outputs.files.Stage(arguments.html,
+                        PlanPage(command, arguments, scene, {start, goal, path, times}));
   }
   outputs.files.Commit();
   if (!outputs.files.uses_stdout()) WriteStdout(PlanText(path, times));

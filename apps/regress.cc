@@ -25,6 +25,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// What the report of --update says of the command that runs the suites again.
+constexpr const char* kReplaced =
+    "This run wrote new golden results (--update): run again, rows are compared with those, not "
+    "with what there was before.";
+
 struct RegressArguments {
   std::vector<std::string> suites;
   std::string discover, json, junit, html;
@@ -67,7 +72,7 @@ void AddGoneModels(SuiteRun& run, const std::function<void(const CaseReport&)>& 
     if (models.contains(model)) continue;
     CaseReport report;
     report.model = model;
-    for (const GoldenRow& row : rows) report.gone.push_back(row.name);
+    for (const GoldenRow& row : rows) report.gone.push_back(row);
     run.reports.push_back(std::move(report));
     end(run.reports.back());
   }
@@ -160,7 +165,8 @@ int RunRegress(const CLI::App& command, const RegressArguments& arguments) {
   CatchInterrupts();
   std::unique_ptr<RegressPage> page;
   if (!arguments.html.empty()) {
-    page = std::make_unique<RegressPage>(Again(command, arguments));
+    page =
+        std::make_unique<RegressPage>(Again(command, arguments), arguments.update ? kReplaced : "");
   }
   if (!RunSuites(runs, arguments.threads, page.get()))
     return SayInterrupted("before the end: nothing was written");

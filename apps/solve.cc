@@ -158,6 +158,7 @@ class SolveRun {
   void Tell(const Scene& scene, const std::string& model, const SolvedRow& solved);
   void Show(const Scene& scene, const std::string& model, const SolvedRow& solved);
   std::string AllRowsCommand(const std::string& model) const;
+  std::string InputNote() const;
   void ShowTrajectory(const std::string& model);
   void WriteNpySize();
   void StageScene(const Scene& scene);
@@ -174,9 +175,10 @@ class SolveRun {
   OutputFiles outputs_;
   SceneOutput scene_output_;
   SolveTable table_;
-  std::unique_ptr<LeftRows> left_;  // with --resume
-  std::optional<Page> page_;        // with --html
-  std::vector<PageFrame> motion_;   // with --html: the answers of a trajectory
+  std::unique_ptr<LeftRows> left_;     // with --resume
+  std::optional<Page> page_;           // with --html
+  std::vector<PageFrame> motion_;      // with --html: the answers of a trajectory
+  std::vector<double> motion_values_;  // of the list: the largest of its frames
   std::unique_ptr<Progress> progress_;
   std::size_t index_ = 0;    // of the present model's next row
   std::size_t told_ = 0;     // rows written by this run
@@ -247,6 +249,11 @@ void SolveRun::Show(const Scene& scene, const std::string& model, const SolvedRo
   row.content["norm"] = NormCommand(model, given_norm_);
   if (arguments_.options.trajectory) {  // a frame depends on those before it
     motion_.push_back({solved.result.q, solved.row.label});
+    motion_values_.resize(row.values.size(), 0.0);
+    for (std::size_t k = 0; k < row.values.size(); ++k) {
+      motion_values_[k] = std::max(motion_values_[k], row.values[k]);
+    }
+    row.content["note"] = InputNote();
     row.content["command"] =
         AllRowsCommand(model) + " | sed -n " + std::to_string(motion_.size()) + "p";
   } else {
@@ -300,13 +307,20 @@ std::string SolveRun::AllRowsCommand(const std::string& model) const {
   return ShellCommand(again);
 }
 
+// What is to be known of AllRowsCommand, in words.
+std::string SolveRun::InputNote() const {
+  return arguments_.which.file == "-" ? "It reads stdin: give it the same input again." : "";
+}
+
 void SolveRun::ShowTrajectory(const std::string& model) {
   if (motion_.empty()) return;
   PageRow row = TrajectoryPageRow(motion_);
-  row.values = {0.0, 0.0};
+  row.values = motion_values_;
   row.content["command"] = AllRowsCommand(model);
+  row.content["note"] = InputNote();
   page_->Add(row);
   motion_.clear();
+  motion_values_.clear();
 }
 
 void SolveRun::StageScene(const Scene& scene) {

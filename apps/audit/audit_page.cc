@@ -1,7 +1,6 @@
 #include "apps/audit/audit_page.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "apps/console/text.h"
@@ -17,19 +16,18 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 PageRow PairRow(const Scene& scene, const AuditedPair& pair, std::size_t samples) {
   PageRow row;
   row.of = pair.where;
-  row.of.label = scene.GeomName(pair.geom1) + " / " + scene.GeomName(pair.geom2);
+  row.of.label = PageGeomName(scene, pair.geom1) + " / " + PageGeomName(scene, pair.geom2);
   row.status = NameOf(pair.kind);
   row.wrong = pair.kind != Overlap::kSometimes;
   row.values = {100.0 * pair.share, -1e3 * pair.deepest.distance, kNone};
   row.frames = {{pair.where.q, "deepest in " + pair.where.label}};
-  const double count = std::round(pair.share * static_cast<double>(samples));
   row.content = {
-      {"facts",
-       Json::array({PageFact("overlaps", NameOf(pair.kind)),
-                    PageFact("of " + std::to_string(samples) + " random configurations", count),
-                    PageFact("share, %", 100.0 * pair.share),
-                    PageFact("deepest seen, mm", -1e3 * pair.deepest.distance),
-                    PageFact("deepest in", pair.where.label)})},
+      {"facts", Json::array({PageFact("overlaps", NameOf(pair.kind)),
+                             PageFact("of " + std::to_string(samples) + " random configurations",
+                                      pair.count),
+                             PageFact("share, %", 100.0 * pair.share),
+                             PageFact("deepest seen, mm", -1e3 * pair.deepest.distance),
+                             PageFact("deepest in", pair.where.label)})},
       {"contacts_in", PageContacts(scene, {pair.deepest})}};
   return row;
 }

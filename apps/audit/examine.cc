@@ -126,7 +126,8 @@ std::vector<Configuration> Poses(const Scene& scene) {
 std::vector<AuditedPair> Classify(const SeenPairs& seen, std::size_t samples, std::size_t poses) {
   std::vector<AuditedPair> pairs;
   for (const auto& [geoms, found] : seen) {
-    AuditedPair pair{geoms[0], geoms[1], Overlap::kSometimes, 0.0, found.deepest, found.where};
+    AuditedPair pair{geoms[0], geoms[1],      Overlap::kSometimes, found.random,
+                     0.0,      found.deepest, found.where};
     pair.share = static_cast<double>(found.random) / static_cast<double>(samples);
     if (found.random == samples && found.posed == poses) {
       pair.kind = Overlap::kPermanent;

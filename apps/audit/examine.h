@@ -31,7 +31,8 @@ const char* NameOf(Overlap kind);
 struct AuditedPair {
   int geom1 = -1, geom2 = -1;
   Overlap kind = Overlap::kSometimes;
-  double share = 0.0;  // of the random configurations in which it overlaps
+  std::size_t count = 0;  // of the random configurations: those in which it overlaps
+  double share = 0.0;     // the same of all of them
   // The deepest overlap that was seen; its distance is negative. In which configuration: a
   // keyframe, qpos0 or a random one.
   Contact deepest;

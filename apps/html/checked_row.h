@@ -13,11 +13,17 @@ namespace mjcf_pdg::app {
 
 inline const std::vector<std::string> kCheckColumns = {"overlaps", "depth mm", "limit excess"};
 
-// Without command; `values` are those of kCheckColumns.
-PageRow CheckedPageRow(const Scene& scene, const Configuration& row, const Verdict& verdict);
+struct CheckedRow {
+  const Configuration& row;
+  const Verdict& verdict;
+};
+
+// Without command; `values` are those of kCheckColumns. What overlaps by no more than `tolerance`
+// [m] counts as none.
+PageRow CheckedPageRow(const Scene& scene, double tolerance, const CheckedRow& checked);
 
 // The slider goes from `from` to where the motion is free, and there to `to`. `words` say what
-// ended it.
+// ended it where no pairs did.
 PageRow MotionPageRow(const Scene& scene, const Ends& ends, const Motion& motion,
                       const std::string& words);
 

@@ -32,6 +32,7 @@ std::string Block(const std::string& id, const std::string& packed) {
 
 Page::Page(PageHead head)
     : head_({{"again", std::move(head.again)},
+             {"note", std::move(head.note)},
              {"columns", std::move(head.columns)},
              {"options", std::move(head.options)},
              {"versions",
@@ -94,12 +95,17 @@ std::string Page::ToString() const {
   return Replaced(std::move(html), "@BLOCKS@", blocks_);
 }
 
+std::string PageGeomName(const Scene& scene, int geom) {
+  const Json name = GeomJson(scene, geom);
+  return scene.GeomName(geom) + (name.is_number() ? " (" + name.dump() + ")" : "");
+}
+
 Json PageContacts(const Scene& scene, const std::vector<Contact>& contacts) {
   Json list = Json::array();
   for (const Contact& c : contacts) {
     list.push_back({{"geoms", c.geom},
-                    {"geom1", scene.GeomName(c.geom[0])},
-                    {"geom2", scene.GeomName(c.geom[1])},
+                    {"geom1", PageGeomName(scene, c.geom[0])},
+                    {"geom2", PageGeomName(scene, c.geom[1])},
                     {"normal", c.normal_W},
                     {"position", c.position_W},
                     {"distance", c.distance}});

@@ -21,6 +21,7 @@ struct PageHead {
   std::string again;                 // the command line that makes all of it again
   std::vector<std::string> columns;  // of the list of rows, behind number, name and status
   nlohmann::ordered_json options;    // OptionsInForce
+  std::string note = {};             // what is to be known of `again`, in words
 };
 
 // One place of the slider.
@@ -47,8 +48,9 @@ struct PageRow {
   std::vector<PageFrame> frames;  // the first is as given; none: there is nothing to draw
   std::vector<PageTable> tables;
   // More that web/report.js shows, each of it may be missing: facts (names and values), reason,
-  // command, norm (a command without its ends, which gives joints again), contacts_in, contacts
-  // (PageContacts), joints (PageJoints), iterations, before (what the first frame is called).
+  // command, note (what is to be known of it), norm (a command without its ends, which gives joints
+  // again), contacts_in, contacts (PageContacts), joints (PageJoints), iterations, before (what the
+  // first frame is called).
   nlohmann::ordered_json content = nlohmann::ordered_json::object();
 };
 
@@ -82,6 +84,8 @@ inline nlohmann::ordered_json PageFact(const std::string& name, nlohmann::ordere
   return nlohmann::ordered_json::array({name, std::move(value)});
 }
 
+// The geom's place and, where it has no name, the id that JSON has: "torso/geom1 (8)".
+std::string PageGeomName(const Scene& scene, int geom);
 nlohmann::ordered_json PageContacts(const Scene& scene, const std::vector<Contact>& contacts);
 
 }  // namespace mjcf_pdg::app

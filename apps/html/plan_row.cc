@@ -16,18 +16,27 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kFrames = 120.0;  // on the slider along a path, besides its configurations
 
-Json Facts(const Path& path) {
+Json Facts(const PlannedPath& planned) {
+  const Path& path = planned.path;
   const auto end = [](const Result& result) {
     const std::string words = StatusName(result.status);
     if (result.status != Status::kSolved) return words;
     return "repaired, rms " + Short(1e3 * std::sqrt(result.sigma)) + " mm";
   };
-  return Json::array({PageFact("length (Σ√σ), mm", 1e3 * path.length),
-                      PageFact("configurations", path.q.size()),
-                      PageFact("every edge proven free", path.certified ? "yes" : "no"),
-                      PageFact("start", end(path.start)), PageFact("goal", end(path.goal)),
-                      PageFact("nodes of the trees", path.nodes), PageFact("samples", path.samples),
-                      PageFact("collision queries", path.collision_queries)});
+  Json facts = Json::array();
+  if (path.found) {
+    facts = Json::array({PageFact("length (Σ√σ), mm", 1e3 * path.length),
+                         PageFact("configurations", path.q.size()),
+                         PageFact("every edge proven free", path.certified ? "yes" : "no")});
+  }
+  if (!planned.times.empty()) facts.push_back(PageFact("duration, s", planned.times.back()));
+  for (const Json& fact :
+       {PageFact("start", end(path.start)), PageFact("goal", end(path.goal)),
+        PageFact("nodes of the trees", path.nodes), PageFact("samples", path.samples),
+        PageFact("collision queries", path.collision_queries)}) {
+    facts.push_back(fact);
+  }
+  return facts;
 }
 
 // Appends the way along each edge to the frames, and its proof to the table.
@@ -49,6 +58,18 @@ void AddEdges(const Scene& scene, const Path& path, PageTable& edges, PageRow& r
   }
 }
 
+// Each leads to the goal as given, which is the last frame.
+PageTable GoalContacts(const Scene& scene, const Result& goal, const PageRow& row) {
+  PageTable table{
+      "Contacts of the goal as given", {"geom 1", "geom 2", "depth mm"}, Json::array(), {}, {}};
+  for (const Contact& contact : goal.contacts_in) {
+    table.rows.push_back({PageGeomName(scene, contact.geom[0]),
+                          PageGeomName(scene, contact.geom[1]), -1e3 * contact.distance});
+    table.frames.push_back(row.frames.size() - 1);
+  }
+  return table;
+}
+
 }  // namespace
 
 PageRow PathPageRow(const Scene& scene, const PlannedPath& planned) {
@@ -68,10 +89,12 @@ PageRow PathPageRow(const Scene& scene, const PlannedPath& planned) {
     row.frames.push_back({planned.goal.q, "the goal as given"});
   }
   if (path.found) row.tables.push_back(edges);
-  row.content = {{"facts", Facts(path)},
+  if (!path.goal.contacts_in.empty()) row.tables.push_back(GoalContacts(scene, path.goal, row));
+  row.content = {{"facts", Facts(planned)},
                  {"reason", path.reason},
-                 {"contacts_in", PageContacts(scene, path.start.contacts_in)},
-                 {"joints", PageJoints(scene, Metric::kSequential, row.frames)}};
+                 {"contacts_in", PageContacts(scene, path.start.contacts_in)}};
+  // Where there is none, start and goal are all the slider has, and nothing moved between them.
+  if (path.found) row.content["joints"] = PageJoints(scene, Metric::kSequential, row.frames);
   return row;
 }
 

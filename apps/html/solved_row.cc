@@ -32,6 +32,13 @@ Json Facts(const Result& result) {
     facts.push_back(
         PageFact("joint limits exceeded as given by, rad or m", result.limit_excess_in));
   }
+  const auto add = [&facts](const char* name, double violated) {
+    if (violated > kEqualityTolerance) facts.push_back(PageFact(name, violated));
+  };
+  add("equalities violated as given by, m or rad", result.equality_residual_in);
+  add("equalities violated now by, m or rad", result.equality_residual);
+  add("tendon limits exceeded as given by, m", result.tendon_excess_in);
+  add("tendon limits exceeded now by, m", result.tendon_excess);
   return facts;
 }
 
@@ -57,8 +64,8 @@ std::vector<PageFrame> Frames(const SolvedRow& solved) {
     const KeptIteration& it = solved.iterations[static_cast<std::size_t>(steps[k])];
     frames.push_back(
         {it.q,
-         it.start + ", step " + std::to_string(it.step) + ": √σ " +
-             Short(1e3 * std::sqrt(it.sigma)) + " mm, " +
+         "descent " + std::to_string(it.descent) + " (" + it.start + "), step " +
+             std::to_string(it.step) + ": √σ " + Short(1e3 * std::sqrt(it.sigma)) + " mm, " +
              (it.free ? "free" : "overlaps " + Short(1e3 * it.violation) + " mm in sum"),
          steps[k]});
   }

@@ -38,18 +38,6 @@ const char* CauseName(Cause cause) {
 // The JSON name of what meshes collide as.
 const char* GeometryName(const Scene& scene) { return scene.HasExactMeshes() ? "exact" : "hull"; }
 
-Json ContactsJson(const Scene& scene, const std::vector<Contact>& contacts) {
-  Json list = Json::array();
-  for (const Contact& contact : contacts) {
-    list.push_back({{"geom1", GeomJson(scene, contact.geom[0])},
-                    {"geom2", GeomJson(scene, contact.geom[1])},
-                    {"normal", contact.normal_W},
-                    {"position", contact.position_W},
-                    {"distance", contact.distance}});
-  }
-  return list;
-}
-
 Json RowJson(const RowName& name, const Configuration& row) {
   Json json = {{"index", name.index}};
   if (!name.model.empty()) json["model"] = name.model;
@@ -148,6 +136,18 @@ Json GeomJson(const Scene& scene, int geom) {
   return name && *name ? Json(name) : Json(geom);
 }
 
+Json ContactsJson(const Scene& scene, const std::vector<Contact>& contacts) {
+  Json list = Json::array();
+  for (const Contact& contact : contacts) {
+    list.push_back({{"geom1", GeomJson(scene, contact.geom[0])},
+                    {"geom2", GeomJson(scene, contact.geom[1])},
+                    {"normal", contact.normal_W},
+                    {"position", contact.position_W},
+                    {"distance", contact.distance}});
+  }
+  return list;
+}
+
 Json IgnoredJson(const Scene& scene) {
   Json list = Json::array();
   for (const auto& [geom1, geom2] : scene.IgnoredPairs()) {
@@ -179,6 +179,7 @@ std::string SolveJson(const Scene& scene, const RowName& name, const Configurati
   json["sigma_lower_bound"] = result.sigma_lower_bound;
   json["depth_in"] = result.depth_in;
   json["min_distance"] = result.min_distance;
+  json["limit_excess_in"] = result.limit_excess_in;
   if (HoldsEqualities(scene)) {
     json["equality_residual_in"] = result.equality_residual_in;
     json["equality_residual"] = result.equality_residual;

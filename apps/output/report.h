@@ -20,6 +20,7 @@ std::string Utf8(const std::string& text);  // the same of a text
 // The geom's name as a string, or, if it has none, its id as a number, because a geom may be called
 // "3".
 nlohmann::ordered_json GeomJson(const Scene& scene, int geom);
+nlohmann::ordered_json ContactsJson(const Scene& scene, const std::vector<Contact>& contacts);
 
 // Which row a report is about.
 struct RowName {

@@ -51,6 +51,7 @@ Change Compare(const Suite& suite, const SuiteCase& of, const GoldenRow* before,
 // The queries of the rows that both have: more than tolerated, over all of a model?
 struct Queries {
   long long before = 0, now = 0;
+  std::size_t rows = 0;
   bool Regressed(const Suite& suite) const;
 };
 

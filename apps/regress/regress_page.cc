@@ -18,10 +18,10 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 double Rms(const GoldenRow& row) { return 1e3 * std::sqrt(row.sigma); }
 
-// Status, √σ and queries: golden and now; `again` is the command that compares.
+// Status, √σ and queries: golden, which there must be, and now; `again` is the command that
+// compares.
 PageTable Compared(const RowReport& report, const std::string& again) {
   PageTable table{"Against the golden result", {"", "golden", "now"}, Json::array(), {}, again};
-  if (!report.before) return table;
   const GoldenRow &before = *report.before, &now = report.now;
   table.rows = {{"status", StatusName(before.status), StatusName(now.status)},
                 {"σ, m²", before.sigma, now.sigma},
@@ -38,6 +38,9 @@ SolvedRow WithContacts(const Scene& scene, Options options, SolvedRow solved) {
   Verdict given = Verify(scene, q_in, options, &q_in);
   Verdict found = Verify(scene, solved.result.q, options, &q_in);
   solved.result.depth_in = given.min_distance;
+  solved.result.limit_excess_in = given.limit_excess;
+  solved.result.equality_residual_in = given.equality_residual;
+  solved.result.tendon_excess_in = given.tendon_excess;
   solved.result.min_distance = found.min_distance;
   solved.result.contacts_in = std::move(given.contacts);
   solved.result.contacts = std::move(found.contacts);
@@ -70,10 +73,17 @@ std::vector<std::string> OptionWords(const Json& given, bool of_norm) {
   return words;
 }
 
+PageTable SuiteOptions(const Json& given) {
+  PageTable table{"Options of the suite", {"option", "value"}, Json::array(), {}, {}};
+  for (const auto& [member, value] : given.items()) table.rows.push_back({member, value.dump()});
+  return table;
+}
+
 }  // namespace
 
-RegressPage::RegressPage(const std::string& again)
-    : again_(again), page_({again, {"golden rms mm", "rms mm", "queries"}, Json::array()}) {}
+RegressPage::RegressPage(const std::string& again, const std::string& note)
+    : again_(again),
+      page_({again, {"depth mm", "golden rms mm", "rms mm", "queries"}, Json::array(), note}) {}
 
 void RegressPage::Begin(const Suite& suite, const SuiteCase& one) {
   name_ = (suite.folder / one.model).string();
@@ -85,7 +95,8 @@ void RegressPage::Begin(const Suite& suite, const SuiteCase& one) {
 void RegressPage::Add(const Scene& scene, const SolvedRow& solved, const RowReport& report) {
   if (!begun_) page_.BeginModel(name_, scene);
   begun_ = true;
-  PageRow row = SolvedPageRow(scene, options_.metric, WithContacts(scene, options_, solved));
+  const SolvedRow shown = WithContacts(scene, options_, solved);
+  PageRow row = SolvedPageRow(scene, options_.metric, shown);
   // Only the table that compares has them: the row's command asks for contacts, which takes more.
   Json& facts = row.content["facts"];
   facts.erase(std::remove_if(facts.begin(), facts.end(),
@@ -93,13 +104,15 @@ void RegressPage::Add(const Scene& scene, const SolvedRow& solved, const RowRepo
               facts.end());
   row.status = report.change == Change::kNone ? row.status : NameOf(report.change);
   row.wrong = IsRegression(report.change);
-  row.values = {report.before ? Rms(*report.before) : kNone, Rms(report.now),
+  row.values = {std::max(0.0, -1e3 * shown.result.depth_in),
+                report.before ? Rms(*report.before) : kNone, Rms(report.now),
                 static_cast<double>(report.now.queries)};
   row.content["command"] =
       RowCommand{{"solve", name_, "--trace", "search.jsonl"}, OptionWords(given_, false)}.Of(
           solved.row);
   row.content["norm"] = NormCommand(name_, OptionWords(given_, true));
-  row.tables.push_back(Compared(report, again_));
+  if (report.before) row.tables.push_back(Compared(report, again_));
+  if (!given_.empty()) row.tables.push_back(SuiteOptions(given_));
   page_.Add(row);
 }
 
@@ -115,21 +128,25 @@ void RegressPage::End(const Suite& suite, const CaseReport& report) {
     begun_ = false;
   }
   PageRow row;
-  row.values = {kNone, kNone, kNone};
-  for (const std::string& name : report.gone) {
-    row.of.label = name;
+  for (const GoldenRow& gone : report.gone) {
+    row.of.label = gone.name;
     row.status = NameOf(Change::kGone);
+    row.values = {kNone, Rms(gone), kNone, kNone};
     AddUnsolved(row);
   }
   if (!report.error.empty()) {
     row.of.label = report.model;
     row.status = "failed";
     row.wrong = true;
+    row.values = {kNone, kNone, kNone, kNone};
     row.content["reason"] = report.error;
     AddUnsolved(row);
   }
   const char* words = !report.error.empty() ? "failed" : report.more_queries ? "more" : "";
-  models_.rows.push_back({name_, report.queries.before, report.queries.now, words});
+  const bool compared = report.queries.rows > 0, added = report.new_queries.has_value();
+  models_.rows.push_back({name_, compared ? Json(report.queries.before) : Json("-"),
+                          compared ? Json(report.queries.now) : Json("-"),
+                          added ? Json(*report.new_queries) : Json("-"), words});
 }
 
 std::string RegressPage::ToString() {

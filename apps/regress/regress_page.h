@@ -14,7 +14,8 @@ namespace mjcf_pdg::app {
 // Collects rows as they are solved, case by case.
 class RegressPage {
  public:
-  explicit RegressPage(const std::string& again);  // a command that runs all suites again
+  // `again`: a command that runs all suites again; `note`: what is to be known of it, in words.
+  RegressPage(const std::string& again, const std::string& note);
 
   // The rows that follow are of this case.
   void Begin(const Suite& suite, const SuiteCase& one);
@@ -29,7 +30,8 @@ class RegressPage {
 
   std::string again_;
   Page page_;
-  PageTable models_{"Queries of each model", {"model", "golden", "now", ""}, {}, {}, {}};
+  PageTable models_{
+      "Queries of each model", {"model", "golden", "now", "of new rows", ""}, {}, {}, {}};
   std::string name_;  // of the present model
   Options options_;   // of the present case
   nlohmann::ordered_json given_;

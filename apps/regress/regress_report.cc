@@ -28,6 +28,10 @@ std::string QueryWords(const CaseReport& report) {
          std::to_string(report.queries.before);
 }
 
+Json GoldenJson(const GoldenRow& row) {
+  return {{"status", StatusName(row.status)}, {"sigma", row.sigma}, {"queries", row.queries}};
+}
+
 std::string CaseJson(const SuiteRun& run, const CaseReport& report) {
   std::string text;
   Json head = {{"suite", run.suite.path}, {"model", report.model}};
@@ -38,23 +42,21 @@ std::string CaseJson(const SuiteRun& run, const CaseReport& report) {
     json["status"] = StatusName(row.now.status);
     json["sigma"] = row.now.sigma;
     json["queries"] = row.now.queries;
-    if (row.before) {
-      json["golden"] = {{"status", StatusName(row.before->status)},
-                        {"sigma", row.before->sigma},
-                        {"queries", row.before->queries}};
-    }
+    if (row.before) json["golden"] = GoldenJson(*row.before);
     if (!row.reason.empty()) json["reason"] = row.reason;
     text += JsonLine(json);
   }
-  for (const std::string& row : report.gone) {
+  for (const GoldenRow& row : report.gone) {
     Json json = head;
-    json["row"] = row;
+    json["row"] = row.name;
     json["change"] = NameOf(Change::kGone);
+    json["golden"] = GoldenJson(row);
     text += JsonLine(json);
   }
   head["failed"] = report.Failed();
   head["queries"] = report.queries.now;
   head["golden_queries"] = report.queries.before;
+  if (report.new_queries) head["new_queries"] = *report.new_queries;
   if (!report.error.empty()) head["error"] = report.error;
   return text + JsonLine(head);
 }
@@ -84,8 +86,8 @@ struct Summary {
                  row.before ? Short(row.before->sigma) : "-", StatusName(row.now.status),
                  Short(row.now.sigma)});
     }
-    for (const std::string& row : report.gone) {
-      AddChange({model, row, NameOf(Change::kGone), "", "", ""});
+    for (const GoldenRow& row : report.gone) {
+      AddChange({model, row.name, NameOf(Change::kGone), "", "", ""});
     }
   }
 };

@@ -88,6 +88,9 @@ void RunRows(const Suite& suite, const SuiteCase& one, const std::vector<GoldenR
       told.before = before->second;
       report.queries.before += before->second.queries;
       report.queries.now += told.now.queries;
+      ++report.queries.rows;
+    } else {
+      report.new_queries = report.new_queries.value_or(0) + told.now.queries;
     }
     told.change = Compare(suite, one, told.before ? &*told.before : nullptr, told.now);
     if (told.change == Change::kPenetrates) told.reason = InTheWay(scene, row, one.options);
@@ -133,7 +136,7 @@ CaseReport RunCase(const Suite& suite, const SuiteCase& one, const std::vector<G
   std::set<std::string> names;
   for (const RowReport& row : report.rows) names.insert(row.now.name);
   for (const GoldenRow& row : golden) {
-    if (!names.contains(row.name)) report.gone.push_back(row.name);
+    if (!names.contains(row.name)) report.gone.push_back(row);
   }
   report.more_queries = report.queries.Regressed(suite);
   return report;

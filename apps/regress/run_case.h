@@ -25,9 +25,10 @@ struct CaseReport {
   std::string model;
   std::string error;  // why it could not be run: the model does not load, a file is missing
   std::vector<RowReport> rows;
-  std::vector<std::string> gone;  // rows that the golden results alone have
+  std::vector<GoldenRow> gone;  // rows that the golden results alone have
   Queries queries;
-  bool more_queries = false;  // than tolerated
+  std::optional<long long> new_queries;  // of the rows without golden results; none: no such row
+  bool more_queries = false;             // than tolerated
 
   bool Failed() const;
 };

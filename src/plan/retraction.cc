@@ -137,6 +137,7 @@ class PdgRetraction : public Retraction {
     options.effort = Effort::kFast;
     options.clearance = std::max(options.clearance, input.clearance);
     options.report_lower_bound = false;
+    options.report_contacts = false;  // takes queries, and nobody sees them
     return options;
   }
   static std::span<const double> AsSpan(const VectorXd& q) {

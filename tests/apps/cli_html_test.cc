@@ -1,4 +1,5 @@
 // --html: what is in the file. How it behaves in a browser: tests/html.
+#include <algorithm>
 #include <cstring>
 #include <regex>
 
@@ -78,6 +79,23 @@ TEST_F(CliTest, AReportsCommandMakesTheRowAgain) {
   EXPECT_GT(Unpack(Script(page, "scene0")).json["meshes"].size(), 0u);
 }
 
+// What else than overlaps was wrong with the input is a fact, as JSON has it.
+TEST_F(CliTest, AReportHasViolatedLimitsAndEqualities) {
+  Write("held.xml", R"(<mujoco><worldbody>
+    <body><joint name="a" type="slide" range="-1 1" limited="true"/><geom size=".1"/></body>
+    <body pos="1 0 0"><joint name="b" type="slide"/><geom size=".1"/></body></worldbody>
+    <equality><joint joint1="a" joint2="b"/></equality></mujoco>)");
+  const Outcome outcome =
+      Run({"solve", "held.xml", "--qpos", "1.5 1", "--json", "-", "--html", "r.html"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const nlohmann::json told = ParseLines(outcome.out).at(0);
+  const Block row = Unpack(Script(Read("r.html"), "row0"));
+  EXPECT_EQ(told["limit_excess_in"], 0.5);
+  EXPECT_EQ(Fact(row, "joint limits exceeded as given by, rad or m"), told["limit_excess_in"]);
+  EXPECT_GT(told["equality_residual_in"], 0.1);
+  EXPECT_EQ(Fact(row, "equalities violated as given by, m or rad"), told["equality_residual_in"]);
+}
+
 TEST_F(CliTest, NamesCannotLeaveTheirPlaceInAReport) {
   Write("evil.xml", std::regex_replace(std::string(kBallAndWall), std::regex("\"deep\""),
                                        "\"&lt;/script&gt;&lt;b&gt;\""));
@@ -119,6 +137,14 @@ TEST_F(CliTest, AReportOfATrajectoryHasAllFramesInOneRow) {
   EXPECT_FLOAT_EQ(HeightIn(row, 2, 1, 2), 0.45f);
   EXPECT_EQ(row.json["command"],
             "mjcf-pdg solve scene.xml --trajectory --qpos-file clip.csv --json -");
+  EXPECT_EQ(row.json["note"], "");
+  const nlohmann::json rows = Head(page)["rows"];
+  for (int column : {0, 1}) {
+    double largest = 0.0;
+    for (int k : {0, 1, 2}) largest = std::max(largest, rows[k]["values"][column].get<double>());
+    EXPECT_EQ(rows[3]["values"][column], largest);
+    EXPECT_GT(largest, 40.0);
+  }
 }
 
 TEST_F(CliTest, AReportOfCheckHasTheContacts) {
@@ -133,6 +159,18 @@ TEST_F(CliTest, AReportOfCheckHasTheContacts) {
   EXPECT_NEAR(row.json["contacts_in"][0]["distance"].get<double>(), -0.05, 1e-5);
   EXPECT_EQ(row.json["contacts_in"][0]["geom2"], "wall");
   EXPECT_EQ(row.json["command"], "mjcf-pdg check scene.xml --qpos '0.0 0.0' --json -");
+}
+
+// As in the table on the terminal, what touches within the tolerance is no overlap.
+TEST_F(CliTest, AReportOfCheckCountsWhatOverlaps) {
+  ASSERT_EQ(Run({"check", "scene.xml", "--qpos", "0 0", "--qpos", "0 0.04995", "--tolerance",
+                 "1e-4", "--html", "r.html"})
+                .exit_code,
+            3);
+  const nlohmann::json rows = Head(Read("r.html"))["rows"];
+  EXPECT_EQ(rows[0]["values"][0], 1.0);
+  EXPECT_EQ(rows[1]["status"], "free");
+  EXPECT_EQ(rows[1]["values"][0], 0.0);
 }
 
 // The ball falls on the wall: the slider has where that is, and where it would have gone.
@@ -168,7 +206,9 @@ TEST_F(CliTest, AReportOfAuditHasPairsAndKeyframes) {
   const nlohmann::json again =
       ParseLines(Run({"check", "scene.xml", "--qpos", qpos, "--json", "-"}).out).at(0);
   EXPECT_EQ(again["min_distance"], audit["pairs"][0]["depth"]);
-  EXPECT_EQ(Head(page)["again"], "mjcf-pdg audit scene.xml --samples 50");
+  EXPECT_EQ(Head(page)["again"], "mjcf-pdg audit scene.xml --samples 50 --json -");
+  EXPECT_EQ(Fact(pair, "of 50 random configurations"), audit["pairs"][0]["count"]);
+  EXPECT_EQ(Fact(pair, "deepest in"), audit["pairs"][0]["deepest_in"]);
   EXPECT_EQ(Head(page)["tables"][0]["rows"].back()[1], audit["never"]);
 }
 
@@ -204,6 +244,8 @@ TEST_F(CliTest, AReportOfRegressSaysWhatChanged) {
   EXPECT_EQ(rows[0]["wrong"], true);
   EXPECT_EQ(rows[1]["status"], "already_free");
   EXPECT_EQ(rows[2]["status"], "gone");
+  EXPECT_NEAR(rows[0]["values"][0].get<double>(), 50.0, 1e-2);  // its depth
+  EXPECT_EQ(rows[2]["values"][1], 1000.0);                      // the golden rms
   const Block row = Unpack(Script(page, "row0"));
   EXPECT_EQ(row.json["tables"][0]["rows"][1][1], 1e-6);
   EXPECT_NEAR(row.json["contacts_in"][0]["distance"].get<double>(), -0.05, 1e-5);
@@ -211,6 +253,23 @@ TEST_F(CliTest, AReportOfRegressSaysWhatChanged) {
   EXPECT_EQ(row.json["command"],
             "mjcf-pdg solve m/scene.xml --trace search.jsonl --qpos '0.0 0.0' --json -");
   EXPECT_EQ(Head(page)["again"], "mjcf-pdg regress m/pdg.json --json -");
+}
+
+// There is nothing golden yet: queries are those of now, and nothing is compared.
+TEST_F(CliTest, AReportOfTheFirstUpdateHasTheQueriesOfNow) {
+  Write("m/scene.xml", kBallAndWall);
+  const Outcome outcome =
+      Run({"regress", "--discover", "m", "--update", "--json", "-", "--html", "r.html"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::string page = Read("r.html");
+  const nlohmann::json queries = Head(page)["tables"][0]["rows"][0];
+  const nlohmann::json told = ParseLines(outcome.out);
+  EXPECT_EQ(queries[1], "-");
+  EXPECT_EQ(queries[2], "-");
+  EXPECT_EQ(queries[3], told.back()["new_queries"]);
+  EXPECT_EQ(queries[3], told[0]["queries"].get<int>() + told[1]["queries"].get<int>());
+  EXPECT_TRUE(Unpack(Script(page, "row0")).json["tables"].empty());
+  EXPECT_NE(Head(page)["note"], "");
 }
 
 }  // namespace

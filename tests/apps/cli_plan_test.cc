@@ -178,20 +178,28 @@ TEST_F(CliPlanTest, BadInputIsOneLineAndNothingIsWritten) {
 }
 
 TEST_F(CliPlanTest, AReportGoesAlongThePathEdgeByEdge) {
-  ASSERT_EQ(Run(Ends("deep", "goal", {"--json", "p.json", "--html", "r.html"})).exit_code, 0);
-  const Json plan = Json::parse(Read("p.json"));
+  const Outcome outcome = Run(Ends("deep", "goal", {"--json", "-", "--html", "r.html"}));
+  ASSERT_EQ(outcome.exit_code, 0);
+  const Json plan = Json::parse(outcome.out);
   const Block row = Unpack(Script(Read("r.html"), "row0"));
   const Json& edges = row.json["tables"][0];
   ASSERT_EQ(edges["rows"].size(), plan["path"].size() - 1);
   double length = 0.0;
   for (const Json& edge : edges["rows"]) {
+    const Json& told = plan["edges"].at(edge[0].get<std::size_t>() - 1);
+    EXPECT_DOUBLE_EQ(edge[1].get<double>(), 1e3 * told["length"].get<double>());
+    EXPECT_EQ(told["certified"], true);
+    EXPECT_EQ(edge[3], told["poses"]);
     length += edge[1].get<double>() / 1e3;
     EXPECT_EQ(edge[2], "proven free");
     EXPECT_GT(edge[3], 0);
   }
   EXPECT_NEAR(length, plan["length"].get<double>(), 1e-9);
   // The start as given, in the wall; then the path, each edge from its configuration on.
-  EXPECT_EQ(row.json["contacts_in"].size(), 1u);
+  ASSERT_EQ(row.json["contacts_in"].size(), 1u);
+  EXPECT_EQ(row.json["contacts_in"][0]["distance"], plan["start"]["contacts_in"][0]["distance"]);
+  const Json alone = Json::parse(Run(Ends("deep", "goal", {"--json", "-"})).out);
+  EXPECT_EQ(alone["collision_queries"], plan["collision_queries"]);
   const auto x = [&](std::size_t frame) {  // of the ball, which is body 1 of 2
     float value = 0.0f;
     std::memcpy(&value, PoseBytes(row).data() + 7 * (2 * frame + 1) * sizeof value, sizeof value);
@@ -202,6 +210,14 @@ TEST_F(CliPlanTest, AReportGoesAlongThePathEdgeByEdge) {
     EXPECT_FLOAT_EQ(x(edges["frames"][e]), plan["path"][e][0].get<float>());
   }
   EXPECT_FLOAT_EQ(x(row.json["frames"].size() - 1), 0.5f);
+}
+
+TEST_F(CliPlanTest, AReportOfNoPathHasNoLength) {
+  ASSERT_EQ(Run(Ends("start", "goal", {"--time-limit", "1e-6", "--html", "r.html"})).exit_code, 3);
+  const Block row = Unpack(Script(Read("r.html"), "row0"));
+  EXPECT_EQ(row.json["facts"][0][0], "start");
+  EXPECT_FALSE(row.json.contains("joints"));
+  EXPECT_EQ(row.json["frames"].size(), 2u);
 }
 
 }  // namespace

@@ -46,6 +46,8 @@ def reports(tmp_path_factory) -> dict[str, pathlib.Path]:
     folder = tmp_path_factory.mktemp("reports")
     (folder / "models").symlink_to(ROOT / "models")
     (folder / "ball.xml").write_text(BALL_AND_WALL)
+    (folder / "ball_in_wall.xml").write_text(BALL_AND_WALL.replace('size="1 1 .1"', 'size=".3 .3 .1" rgba=".5 .5 .5 1"').replace(
+        'name="x" type', 'name="x" limited="true" range="-1 1" type').replace('name="z" type', 'name="z" limited="true" range="-1 1" type'))
     (folder / "many.csv").write_text("".join(f"{k % 50 / 100} {-k % 7 / 100}\n" for k in range(3000)))
     (folder / "clip.csv").write_text("".join(f"{k / 100} -.0{k}\n" for k in range(6)))
     options = {"armature": 0.5, "tolerance": 1e-5, "movable": ["ball"], "allow": [["sphere", "wall", 0.002]], "exact_mesh": False}
@@ -66,6 +68,9 @@ def reports(tmp_path_factory) -> dict[str, pathlib.Path]:
         "regress": (["regress", "suite.json"], 3),
         "plan": (["plan", "models/placement/placement.xml", "--start", "start", "--goal", "goal"], 0),
         "hidden": (["check", "shell.xml"], 3),
+        "displacement": (["solve", "ball.xml", "--qpos", "0 0", "--metric", "displacement"], 0),
+        "inside": (["plan", "ball_in_wall.xml", "--start", "0 -.15", "--goal", "0 .3"], 0),
+        "touching": (["check", "ball_in_wall.xml", "--qpos", "0 -.15"], 3),
         "clip": (["solve", "ball.xml", "--qpos-file", "clip.csv", "--trajectory"], 0),
         "many": (["solve", "ball.xml", "--qpos-file", "many.csv", "--threads", "2"], 0),
     }

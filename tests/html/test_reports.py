@@ -171,11 +171,16 @@ def test_what_a_check_or_a_path_found_comes_again(open_report, reports):
     reader = open_report("plan")
     again = json.loads(answer(reports, reader.page.inner_text("#command")))
     assert alike_numbers(facts(reader)["length (Σ√σ), mm"], 1e3 * again["length"])
+    assert facts(reader)["collision queries"] == str(again["collision_queries"])
+    edges = [line.split("\t") for line in reader.texts("#row-tables section:first-child tbody tr")]
+    assert [cells[3] for cells in edges] == [str(edge["poses"]) for edge in again["edges"]] and edges
+    assert all(alike_numbers(cells[1], 1e3 * edge["length"]) for cells, edge in zip(edges, again["edges"]))
 
 
 def test_a_regression_comes_again_with_the_options_of_its_suite(open_report, reports):
     reader = open_report("regress")
     words = shlex.split(reader.page.inner_text("#command"))
+    assert "armature\t0.5" in reader.texts("#row-tables tr")
     for option, value in [("--armature", "0.5"), ("--tolerance", "1e-05"), ("--movable", "ball"), ("--allow", "sphere,wall=0.002")]:
         assert words[words.index(option) + 1] == value
     assert "--exact-mesh" not in words
@@ -201,6 +206,9 @@ def test_a_frame_of_a_trajectory_comes_again_from_the_command_beside_it(open_rep
         assert alike_numbers(facts(reader)["σ, m²"], again["sigma"]) and again["sigma"] > 0
         assert facts(reader)["collision queries"] == str(again["collision_queries"])
     choose(reader, 6)  # all of them
+    assert reader.page.inner_text("#title") == "all frames"
+    frames = [float(cell) for cell in reader.texts("#rows tr td:nth-child(4)")]
+    assert frames[-1] == max(frames) > 0
     assert len(answer(reports, reader.page.inner_text("#command")).splitlines()) == 6
 
 
@@ -311,6 +319,59 @@ def test_what_was_given_is_hidden_or_beside(open_report, key):
     reader.screenshot({"g": "alone", "s": "beside"}[key])
     reader.page.keyboard.press(key)
     assert reader.scene() == before
+
+
+def colours_of(reader) -> dict[str, int]:
+    """How many pixels are clearly orange, and how many clearly blue."""
+    pixels = Image.open(io.BytesIO(reader.scene())).convert("RGB").getdata()
+    return {"orange": sum(r > b + 50 for r, g, b in pixels), "blue": sum(b > r + 30 for r, g, b in pixels)}
+
+
+@pytest.mark.parametrize("name", ["inside", "touching"])
+def test_what_lies_in_an_obstacle_is_seen_through_it(open_report, name):
+    if name == "inside":
+        skip_what_is_not_built("plan")
+    reader = open_report(name)
+    reader.page.keyboard.press("Home")
+    colours = colours_of(reader)
+    reader.screenshot("inside")
+    if name == "inside":
+        assert colours["blue"] > 1000
+    else:
+        assert colours["orange"] > 1000
+
+
+def test_arrows_of_the_answer_are_there_at_the_answer_alone(open_report):
+    reader = open_report("displacement")
+    page = reader.page
+    assert reader.texts("#contacts tr")
+    page.keyboard.press("g")
+    page.click("#contacts tr:first-child")
+    page.keyboard.press("Home")
+    page.click("#contacts tr:first-child")
+    assert page.input_value("#slider") == page.get_attribute("#slider", "max")
+    reader.screenshot("contact")
+
+
+def test_axes_of_sigma_say_what_is_there(open_report):
+    for name in ("solve", "displacement"):
+        reader = open_report(name)
+        left = reader.page.locator("#sigma").bounding_box()["x"]
+        titles = reader.page.locator("#sigma circle title").evaluate_all("all => all.map((title) => title.textContent)")
+        sigmas = [float(title.split("sigma ")[1].split()[0]) for title in titles]
+        labels = reader.page.locator("#sigma text[text-anchor=end]")
+        ends = [float(text) for text in labels.all_text_contents()[:-1]]  # the last is of iterations
+        assert ends[0] == pytest.approx(max(sigmas), rel=0.06)
+        assert all(1e-16 * max(sigmas) < end <= 1.06 * max(sigmas) for end in ends)
+        assert all(label.bounding_box()["x"] >= left for label in labels.all())
+
+
+def test_numbers_are_not_broken(open_report):
+    reader = open_report("solve")
+    number = reader.page.locator("#facts td.number")
+    assert number.count() > 5
+    assert set(number.evaluate_all("all => all.map((cell) => getComputedStyle(cell).whiteSpace)")) == {"nowrap"}
+    assert all(len(text) <= 10 for text in number.all_inner_texts())
 
 
 def test_what_collides_is_shown_instead(open_report):

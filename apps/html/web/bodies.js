@@ -4,6 +4,7 @@ import * as THREE from 'three';
 // Orange and blue of Okabe and Ito: told apart with every kind of colour vision.
 export const BEFORE = 0xe69f00, AFTER = 0x0072b2;
 const POSE = 7;  // numbers of a body's pose
+const SUNK = 0.99;  // of its width: what is so deep in another geom is not seen
 
 function meshGeometry(mesh, bytes) {
   const packed = new Uint16Array(bytes, mesh.vertices, 3 * mesh.nv);
@@ -35,6 +36,17 @@ function place(object, pose, at) {
   object.quaternion.set(pose[at + 4], pose[at + 5], pose[at + 6], pose[at + 3]);
 }
 
+// How far a mesh reaches along a direction of the world [m].
+function widthAlong(direction, mesh) {
+  const axis = new THREE.Vector3(...direction), at = new THREE.Vector3(), {position} = mesh.geometry.attributes;
+  let [low, high] = [Infinity, -Infinity];
+  for (let k = 0; k < position.count; ++k) {
+    const along = at.fromBufferAttribute(position, k).applyMatrix4(mesh.matrixWorld).dot(axis);
+    [low, high] = [Math.min(low, along), Math.max(high, along)];
+  }
+  return high - low;
+}
+
 export class Bodies {
   // `scene` and `bytes`: a block of apps/html/scene_block.cc.
   constructor(scene, bytes, colliding) {
@@ -44,6 +56,7 @@ export class Bodies {
     this.now = this.make(scene, meshes, false);
     this.ghost = this.make(scene, meshes, true);
     this.contacts = this.overlapping = [];
+    this.covering = new Set();
     this.showColliding(colliding);
   }
 
@@ -82,6 +95,7 @@ export class Bodies {
     this.contacts = this.frames > 1 ? [] : contacts;
     this.overlapping = this.contacts.flatMap((contact) => contact.geoms);
     this.ghost.forEach((body, b) => place(body, poses, POSE * b));
+    this.covering = this.findCovering(contacts);
     this.focus();
     this.showGhost(true);
     this.showFrame(this.frames - 1);
@@ -118,17 +132,31 @@ export class Bodies {
   }
 
   // MuJoCo shows groups 0 to 2, and what collides is often in another. What overlaps or is looked at is seen even so, through what
-  // else its body has.
+  // else its body has, as what lies wholly in another geom is seen through that.
   showParts() {
     const wanted = [...this.overlapping, ...this.focused ?? []];
     const usual = (geom) => (this.colliding ? geom.collides : geom.group < 3);
     const inside = this.bodiesOf(wanted, (geom) => !usual(geom));
     for (const mesh of this.meshes()) {
       const {geom, opacity: own} = mesh.userData, chosen = wanted.includes(geom.id);
+      const through = this.covering.has(geom.id) || (!chosen && inside.has(geom.body));
       mesh.visible = usual(geom) || chosen;
-      const opacity = own * (chosen ? 1 : inside.has(geom.body) ? 0.35 : this.focused ? 0.2 : 1);
+      const opacity = own * (through ? 0.35 : chosen || !this.focused ? 1 : 0.2);
       Object.assign(mesh.material, {opacity, transparent: opacity < 1, depthWrite: opacity === 1});
     }
+  }
+
+  // Geoms that another one is in wholly, as given: the contact is as deep as that one is wide. Of those that move a ghost is seen through.
+  findCovering(contacts) {
+    this.group.updateMatrixWorld(true);
+    const found = new Map([...this.meshes(this.ghost)].map((mesh) => [mesh.userData.geom.id, mesh]));
+    const covering = new Set();
+    for (const {geoms, normal, distance} of contacts) {
+      const widths = geoms.map((id) => (found.has(id) ? widthAlong(normal, found.get(id)) : Infinity));  // planes have no ghost
+      const outer = geoms[widths[0] > widths[1] ? 0 : 1], still = this.frames === 1 || !this.moves[found.get(outer)?.userData.geom.body];
+      if (still && -distance >= SUNK * Math.min(...widths)) covering.add(outer);
+    }
+    return covering;
   }
 
   // The bodies, but for the world, of those of the geoms that are `such`.

@@ -1,8 +1,15 @@
 // Small helpers for the page's elements.
 export const $ = (id) => document.getElementById(id);
 
-// A cell: numbers with four digits.
-export const text = (value) => (typeof value === 'number' ? Number(value.toPrecision(4)).toString() : value ?? '');
+// A number with so many digits, whole ones with all; with an exponent if that is shorter than `longest` characters.
+export function numberText(value, digits, longest) {
+  if (Number.isInteger(value)) return String(value);
+  const rounded = Number(value.toPrecision(digits)), written = String(rounded);
+  return written.length > longest ? rounded.toExponential() : written;
+}
+
+// What a cell says.
+export const text = (value) => (typeof value === 'number' ? numberText(value, 4, 9) : value ?? '');
 
 export function element(tag, content, attributes = {}) {
   const made = document.createElement(tag);
@@ -27,14 +34,15 @@ export function mark(body, chosen) {
 export function fill(body, rows, choose) {
   body.replaceChildren(...rows.map((cells, k) => {
     const line = element('tr');
-    line.append(...cells.map((cell) => element('td', text(cell))));
+    line.append(...cells.map((cell) => element('td', text(cell), typeof cell === 'number' ? {class: 'number'} : {})));
     if (choose) onChoice(line, () => { mark(body, k); choose(k); });
     return line;
   }));
 }
 
-// The tables that a row or the page brings: {title, columns, rows, frames?, command?}. `go(frame)` moves the slider.
-export function fillTables(place, tables, go) {
+// The tables that a row or the page brings: {title, columns, rows, frames?, command?}. `go(frame)` moves the slider, `note` is what is to
+// be known of their commands.
+export function fillTables(place, tables, note, go) {
   place.replaceChildren(...tables.map(({title, columns, rows, frames, command}) => {
     const section = element('section'), table = element('table'), head = element('tr'), body = element('tbody');
     head.append(...columns.map((column) => element('th', column)));
@@ -42,7 +50,7 @@ export function fillTables(place, tables, go) {
     table.append(element('thead'), body);
     table.firstChild.append(head);
     section.append(element('h2', title), table);
-    if (command) section.append(element('p', 'The same again:', {class: 'faint'}), element('pre', command));
+    if (command) section.append(element('p', `The same again: ${note}`, {class: 'faint'}), element('pre', command));
     return section;
   }));
 }

@@ -1,8 +1,9 @@
 // σ over the iterations of a search, and over the joints.
-import {element, text} from './dom.js';
+import {element, numberText, text} from './dom.js';
 
 const HEIGHT = 170, LEFT = 62, RIGHT = 8, BOTTOM = 24, TOP = 8;
 const LINES = 5;       // of joints in one plot; more cross each other too often, and colours get alike
+const ROUND_OFF = 1e-16;  // of the largest σ in a search, or 1e-8 of √σ: what is less is none, and is drawn at the bottom
 const DECADES = 1e-3;  // of the largest σ in their plot: what is less is drawn at the bottom
 
 function svgElement(tag, attributes, content) {
@@ -15,15 +16,16 @@ function svgElement(tag, attributes, content) {
 // Empties a plot and draws its axes: places 0 to count - 1, of which `ends` says what the first and the last are, and σ from low to high
 // on a logarithmic scale. As wide as there is room, so that its words are as large as others. Returns where things are, and what marks a place.
 function axes(svg, count, {low, high, ends}) {
-  const width = svg.clientWidth, [bottom, top] = [Math.log10(low), Math.max(Math.log10(low) + 0.1, Math.log10(high))];
+  const width = svg.clientWidth, room = Math.max(0, 0.05 - 0.5 * Math.log10(high / low));  // where σ hardly varies
+  const [bottom, top] = [Math.log10(low) - room, Math.log10(high) + room];
   svg.setAttribute('viewBox', `0 0 ${width} ${HEIGHT}`);
   svg.replaceChildren();
   const add = (tag, attributes, content) => { svg.append(svgElement(tag, attributes, content)); return svg.lastChild; };
   const x = (k) => LEFT + (width - LEFT - RIGHT) * k / Math.max(1, count - 1);
   const y = (sigma) => TOP + (HEIGHT - TOP - BOTTOM) * (top - Math.log10(Math.max(sigma, low))) / (top - bottom);
-  for (const sigma of [10 ** top, low]) {
+  for (const sigma of y(low) - y(high) < 16 ? [high] : [high, low]) {  // two words need so many pixels
     add('line', {x1: LEFT, x2: width, y1: y(sigma), y2: y(sigma), class: 'grid'});
-    add('text', {x: LEFT - 4, y: y(sigma) + 4, 'text-anchor': 'end'}, text(Number(sigma.toPrecision(2))));
+    add('text', {x: LEFT - 4, y: y(sigma) + 4, 'text-anchor': 'end'}, numberText(sigma, 2, 6));
   }
   add('text', {x: LEFT, y: HEIGHT - 6}, ends[0]);
   add('text', {x: width - 4, y: HEIGHT - 6, 'text-anchor': 'end'}, ends[1]);
@@ -39,9 +41,10 @@ function axes(svg, count, {low, high, ends}) {
 // A line for each descent; filled: free. `go(k)` is what a click on iteration k does, if `frames`, the places of the slider, have it.
 // Returns what marks an iteration.
 export function plotSigma(svg, iterations, frames, go) {
-  const sigmas = iterations.map((it) => it.sigma).filter((sigma) => sigma > 0);
+  const most = Math.max(...iterations.map((it) => it.sigma));
+  const sigmas = iterations.map((it) => it.sigma).filter((sigma) => sigma > ROUND_OFF * most);
   const {add, x, y, mark} = axes(svg, iterations.length, {
-    low: Math.min(...sigmas), high: Math.max(...sigmas), ends: ['iteration 1', String(iterations.length)]});
+    low: Math.min(...sigmas), high: most, ends: ['iteration 1', String(iterations.length)]});
   for (let begin = 0, end; begin < iterations.length; begin = end) {
     for (end = begin; end < iterations.length && iterations[end].descent === iterations[begin].descent; ++end);
     const points = iterations.slice(begin, end).map((it, k) => `${x(begin + k)},${y(it.sigma)}`);
@@ -50,7 +53,7 @@ export function plotSigma(svg, iterations, frames, go) {
   const reachable = new Map(frames.map(({iteration}, frame) => [iteration, frame]));
   iterations.forEach((it, k) => {
     const dot = add('circle', {cx: x(k), cy: y(it.sigma), r: it.free ? 3.2 : 2.4, class: it.free ? 'free' : 'overlaps'});
-    dot.append(svgElement('title', {}, `${it.start}, step ${it.step}: sigma ${text(it.sigma)} m², ${it.free ? 'free' : 'overlaps'}`));
+    dot.append(svgElement('title', {}, `descent ${it.descent} (${it.start}), step ${it.step}: sigma ${text(it.sigma)} m², ${it.free ? 'free' : 'overlaps'}`));
     if (!reachable.has(k)) return;
     dot.classList.add('reachable');
     dot.onclick = () => go(reachable.get(k));
@@ -84,7 +87,7 @@ export function fillJoints(body, joints, frame) {
     const row = element('tr'), cell = element('td');
     const bar = element('div', undefined, {class: 'bar', style: `width:${100 * sigma[frame] / most}%`});
     cell.append(bar);
-    row.append(element('td', name), element('td', moved && `${text(moved[frame])} ${unit}`), element('td', text(sigma[frame])), cell);
+    row.append(element('td', name), element('td', moved && `${text(moved[frame])} ${unit}`, {class: 'number'}), element('td', text(sigma[frame]), {class: 'number'}), cell);
     return row;
   }));
 }

@@ -55,6 +55,7 @@ function fillContacts(id, other) {
   showSection(id, contacts.length);
   fill($(id), contacts.map(cells), (k) => {
     mark($(other), -1);
+    if (id === 'contacts') showFrame(row.frames.length - 1);
     stage.lookAtContact(contacts[k]);
     document.body.dataset.contact = k;
   });
@@ -62,17 +63,18 @@ function fillContacts(id, other) {
 
 function fillPage() {
   const {label, status, model} = page.rows[list.current];
-  $('title').textContent = `${label}: ${status.replace('_', ' ')}`;
+  $('title').textContent = status === 'motion' ? label : `${label}: ${status.replace('_', ' ')}`;
   $('model').textContent = page.models[model];
   fill($('facts'), row.facts ?? []);
   $('reason').textContent = row.reason ?? '';
   showSection('facts', row.facts?.length || row.reason || row.command);
   fillContacts('contacts_in', 'contacts');
   fillContacts('contacts', 'contacts_in');
-  fillTables($('row-tables'), row.tables, showFrame);
+  fillTables($('row-tables'), row.tables, page.note, showFrame);
   showSection('joints', row.joints?.length);
   drawPlots();
   $('command').textContent = row.command ?? '';
+  $('note').textContent = row.note ?? '';
   $('command-part').hidden = !row.command;
   $('norm-part').hidden = !row.norm;
 }
@@ -150,8 +152,9 @@ async function begin() {
     button.onclick = () => navigator.clipboard?.writeText(button.previousElementSibling.textContent);
   });
   document.onkeydown = onKey;
-  fillTables($('page-tables'), page.tables);
+  fillTables($('page-tables'), page.tables, page.note);
   $('again').textContent = page.again;
+  $('again-note').textContent = page.note;
   $('again-part').hidden = !page.again;
   fill($('options'), page.options);
   showSection('options', page.options.length);

@@ -20,6 +20,7 @@ function arrows(contacts, colour, size) {
       part.renderOrder = 1;
       arrow.add(part);
     }
+    arrow.userData = {contact, material};
     arrow.position.set(...contact.position);
     arrow.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), new THREE.Vector3(...contact.normal));
     group.add(arrow);
@@ -67,7 +68,8 @@ export class Stage {
   }
 
   // Puts what a view has into the world.
-  apply({bodies, row, frame, ghost, focus}) {
+  apply(view) {
+    const {bodies, row, frame, ghost, focus} = view;
     if (this.bodies) this.world.remove(this.bodies.group);
     this.bodies = bodies;
     this.world.add(bodies.group);
@@ -81,11 +83,21 @@ export class Stage {
     const size = 0.04 * bodies.bounds.radius;
     [this.given, this.found] = [arrows(given, CONTACT, size), arrows(found, AFTER, size)];
     this.marks.add(this.given, this.found);
+    this.showArrows(view);
+  }
+
+  // Those of the answer where the slider shows it; one that is looked at stands out.
+  showArrows({row, frame, contact}) {
+    this.found.visible = frame === row.frames.length - 1;
+    for (const {userData} of [...this.given.children, ...this.found.children]) {
+      userData.material.opacity = !contact || userData.contact === contact ? 1 : 0.2;
+    }
   }
 
   showFrame(frame) {
     this.view.frame = frame;
     this.bodies.showFrame(frame);
+    this.showArrows(this.view);
     this.draw();
   }
 
@@ -116,14 +128,15 @@ export class Stage {
   }
 
   lookAtContact(contact) {
-    this.focus(contact.geoms);
+    this.focus(contact.geoms, contact);
     const near = this.bodies.radiusAround(contact.geoms), far = 1.2 * this.bodies.bounds.radius;
     this.look(new THREE.Vector3(...contact.position), near > 0 ? Math.min(far, 5 * near) : far);
   }
 
-  focus(geoms) {
-    this.view.focus = geoms;
+  focus(geoms, contact) {
+    Object.assign(this.view, {focus: geoms, contact});
     this.bodies.focus(geoms);
+    this.showArrows(this.view);
   }
 
   // Of directions around the target, the one from which least that stands still hides it.
@@ -183,7 +196,7 @@ export class Stage {
     bodies.showFrame(0, BEFORE);
     this.found.visible = false;
     this.drawPart(this.camera, 0, this.width / 2, this.height);
-    this.found.visible = true;
+    this.showArrows(this.view);
     this.given.visible = false;
     bodies.showFrame(frame);
     this.drawPart(this.camera, this.width / 2, this.width / 2, this.height);
