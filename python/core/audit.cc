@@ -32,7 +32,9 @@ nb::dict ToDict(const Scene& scene, const app::AuditedPair& pair) {
   d["geom2"] = GeomOf(scene, pair.geom2);
   d["class"] = app::NameOf(pair.kind);
   d["share"] = pair.share;
+  d["count"] = pair.count;
   d["depth"] = pair.deepest.distance;
+  d["deepest_in"] = Text(pair.where.label);
   return d;
 }
 

@@ -27,7 +27,6 @@ FrameSolver::FrameSolver(const Scene& scene, const Options& options, bool search
                                .more = tuning::track::kMoreFrameSteps,
                                .enough = 0.0},
                     .search_queries = searches ? tuning::track::kSearchQueries : 0,
-                    .ticks_per_search = 1,
                     .bounds = options.report_lower_bound};
     tracker_ = std::make_unique<TrackerCore>(scene, track, pace);
     if (!TrianglesCollide(tracker_->work)) return;

@@ -116,8 +116,7 @@ void TrackerCore::Reset(std::span<const double> q) {
   last_command = at;
   obstacles_moved = true;  // nobody has asked whether q is free
   on_command = lost = fleeing = false;
-  unsearched = unslid = 0;
-  last_sigma = 0.0;
+  unslid = 0;
   started = true;
   blocked = 0;
   if (detour) detour->Reset();
@@ -199,13 +198,8 @@ bool TrackerCore::Follow() {
   return true;
 }
 
-// As long as σ falls, the command is on its way out on this side, and others seldom become nearer.
 void TrackerCore::TrySwitch() {
   const double sigma = work.norm.Sigma(optimum), kept = 1.0 - options.switch_gain;
-  const bool falls = sigma < last_sigma;
-  last_sigma = sigma;
-  if (falls && ++unsearched < pace.ticks_per_search) return;
-  unsearched = 0;
   if (!elsewhere.Search({.own = optimum,
                          .own_sigma = sigma,
                          .sigma = kept * kept * sigma,

@@ -25,10 +25,6 @@ namespace mjcf_pdg {
 struct Pace {
   FollowPace follow = {};
   int search_queries = tuning::track::kSearchQueries;
-  // Where σ falls, another optimum is sought only every so many ticks. On nine motions (Puma, xArm 7
-  // and Allegro, three seeds) the median tick took 3.5 evaluations instead of 3.8 in every tick, and
-  // Σσ was 1.012 times that of solves instead of 1.015.
-  int ticks_per_search = 3;
   bool bounds = false;  // computes Result::sigma_lower_bound
 };
 
@@ -97,8 +93,6 @@ struct TrackerCore {
   bool on_command = false;  // the follower stands on the command
   bool fleeing = false;     // `optimum` is free, `at` is not, and max_step lies between
   bool lost = false;        // nothing free is known, and this tick begins with a solve
-  int unsearched = 0;       // ticks since another optimum was sought
-  double last_sigma = 0.0;  // of `optimum` in the last tick in which another one might be [m²]
   int moves = 0;            // how often obstacles had moved before this tick
   int iterations = 0;       // of this tick
   int blocked = 0;  // ticks for which no other optimum is sought, since the way to one was blocked

@@ -309,9 +309,9 @@ def audit(
       exact_mesh: meshes collide as their triangles.
 
     Returns:
-      model (its name), samples, pairs (list of geom1, geom2, class, share, depth [m]), never and
-      never_share_below (how many pairs never overlapped, and how rarely they may), exclude (pairs of
-      bodies that always overlap), keyframes (list of name, depth [m], limit_excess [rad or m],
+      model (its name), samples, pairs (list of geom1, geom2, class, share and count of samples,
+      depth [m], deepest_in), never and never_share_below (how many pairs never overlapped, and how
+      rarely they may), exclude (pairs of bodies that always overlap), keyframes (list of name, depth [m], limit_excess [rad or m],
       equality_residual [rad or m], force_over_weight), warnings.
     """
     return _core.audit(model, samples, seed, tolerance, exact_mesh)
