@@ -273,9 +273,12 @@ void RunPair(const std::array<int, 2>& types, const LibraryOf& library, Random& 
   std::string assets;
   const std::string first = GeomText(RandomConvex(types[0], scale, rng), "g1", assets);
   const std::string second = GeomText(RandomConvex(types[1], scale, rng), "g2", assets);
+  // An inertia of its own: that of a thin, tiny mesh may round to nothing.
+  const Vector3d inertia = Vector3d::Constant(scale * scale);
   const Scene scene =
       Scene::FromString("<mujoco><asset>" + assets + "</asset><worldbody>" + first +
-                        "<body><freejoint/>" + second + "</body></worldbody></mujoco>");
+                        "<body><freejoint/><inertial pos='0 0 0' mass='1' diaginertia='" +
+                        Join(inertia) + "'/>" + second + "</body></worldbody></mujoco>");
   Trial trial(scene, scale, library ? library(*scene.model()) : OtherLibrary());
   for (int k = 0; k < kPosesOfAPair; ++k) {
     if (k % 4 == 0) {
