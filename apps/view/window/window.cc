@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -117,6 +118,10 @@ class Window {
 Window::Window(Viewer& viewer, const WindowOptions& options) : viewer_(viewer) {
   mjr_defaultContext(&context_);
   glfwSetErrorCallback(KeepError);
+#ifdef GLFW_PLATFORM  // since 3.4
+  // Without this folder there is no Wayland, whose library would say so on stderr.
+  if (!std::getenv("XDG_RUNTIME_DIR")) glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
+#endif
   if (!glfwInit()) Fail("there is no display");
   Open(options, kSamples);
   const bool software = DrawnBySoftware();
