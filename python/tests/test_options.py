@@ -1,5 +1,6 @@
 """Options do what they say on the command line; bad ones are refused in the library's words."""
 
+import inspect
 import re
 import typing
 
@@ -29,7 +30,7 @@ def test_every_option_is_explained_and_typed():
         mjcf_pdg.solve(mujoco.MjModel.from_xml_string("<mujoco/>"), [], efort=1)
     known = re.search(r"options: (.*)\)", str(error.value)).group(1).split(", ")
     assert set(known) == set(typing.get_type_hints(mjcf_pdg._functions.SolveOptions))
-    explained = re.findall(r"^ {6}([a-z_, ]+):", mjcf_pdg.solve.__doc__, re.MULTILINE)
+    explained = re.findall(r"^ {2}([a-z_, ]+):", inspect.getdoc(mjcf_pdg.solve), re.MULTILINE)
     assert set(known) <= {name for names in explained for name in names.split(", ")}
 
 
