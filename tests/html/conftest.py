@@ -144,3 +144,17 @@ def open_report(browser, reports):
     for reader in readers:
         assert reader.faults == []
         reader.page.close()
+
+
+def facts(reader) -> dict[str, str]:
+    return dict(line.split("\t") for line in reader.texts("#facts tr"))
+
+
+def skip_what_is_not_built(name: str) -> None:
+    if name == "plan" and " plan " not in subprocess.run([PROGRAM, "--help"], capture_output=True, text=True).stdout:
+        pytest.skip("a build without OMPL has no plan")
+
+
+def choose(reader, row: int) -> None:
+    reader.page.click(f"#rows tr[data-index='{row}']")
+    reader.page.wait_for_function(f"document.body.dataset.row === '{row}'")
