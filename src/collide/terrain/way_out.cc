@@ -142,9 +142,11 @@ bool WayOut::Shorten(const OnTerrain& on, const Vector3d& u, std::vector<NearPri
     if (!deepest || one.at_least < deepest->at_least) deepest = &one;
   }
   // What the best way leaves last is likely to be left late on this one, too.
-  NearPrism first = has_last_ ? NearPrism{0.0, last_} : deepest ? *deepest : NearPrism{};
-  first.exit = on.ExitBound(first.prism, u);
-  if (deepest && on.Overlap(first.prism, Vector3d::Zero())) leave(first);
+  if (deepest) {
+    NearPrism first = has_last_ ? NearPrism{0.0, last_} : *deepest;
+    first.exit = on.ExitBound(first.prism, u);
+    if (on.Overlap(first.prism, Vector3d::Zero())) leave(first);
+  }
   bool longer = true;
   for (int round = 0; longer && round < kMostRounds; ++round) {
     longer = false;
