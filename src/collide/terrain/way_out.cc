@@ -117,6 +117,7 @@ bool WayOut::Shorten(const OnTerrain& on, const Vector3d& u, std::vector<NearPri
   const double limit = best.length * (1.0 - kShorter);
   Way way{u, 0.0, u};
   Prism last = last_;
+  bool has_last = has_last_;
   // Lengthens the way so that it leads out of a prism that the geom overlaps at its end.
   const auto leave = [&](NearPrism& one) {
     const Way out = LeaveOne(on, one.prism, u, one.exit, gap_);
@@ -132,6 +133,7 @@ bool WayOut::Shorten(const OnTerrain& on, const Vector3d& u, std::vector<NearPri
     if (out.length <= way.length) return false;
     way = out;
     last = one.prism;
+    has_last = true;
     return true;
   };
   const double begin = on.Support(-u).dot(u) - on.radius();
@@ -162,7 +164,7 @@ bool WayOut::Shorten(const OnTerrain& on, const Vector3d& u, std::vector<NearPri
   if (longer || way.length >= limit) return false;
   best = way;
   last_ = last;
-  has_last_ = true;
+  has_last_ = has_last;
   return true;
 }
 
