@@ -1,6 +1,7 @@
 // How a TrackerCore whose steps are limited goes where its optimum is: straight, or round what is
 // in the way; until a way is known it follows the optimum on its own side.
 #include <algorithm>
+#include <limits>
 
 #include "track/tracker_core.h"
 
@@ -41,7 +42,11 @@ void TrackerCore::GoOn() {
     detour->Reset();
     return;
   }
-  if (blocked == 0) SeekWay();
+  if (blocked > 0) return;
+  // A way round is taken in steps of max_step; where there is none it would be taken by leaps.
+  if (options.max_step < std::numeric_limits<double>::infinity()) return SeekWay();
+  optimum = at;
+  blocked = tune::kBlocked;
 }
 
 // Seeks a way to the optimum, and sets off where that pays.

@@ -27,11 +27,11 @@ constexpr char kBox[] = R"(<mujoco><worldbody>
     <joint name="y" type="slide" axis="0 1 0"/><geom name="ball" size=".1"/></body>
   </worldbody></mujoco>)";
 
-// The same ball and a sheet of a millimetre at x = 0, round which it cannot go.
+// The same ball and a sheet of a millimetre at x = 0.
 constexpr char kSheet[] = R"(<mujoco><worldbody>
   <geom name="sheet" type="box" size=".0005 1 1"/>
   <body name="ball"><joint name="x" type="slide" axis="1 0 0"/>
-    <joint name="y" type="slide" axis="0 1 0" range="-.9 .9" limited="true"/><geom name="ball" size=".1"/></body>
+    <joint name="y" type="slide" axis="0 1 0"/><geom name="ball" size=".1"/></body>
   </worldbody></mujoco>)";
 
 // An arm of three links in the plane, and an obstacle on rails.
