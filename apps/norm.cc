@@ -1,5 +1,6 @@
 // mjcf-pdg norm: the object norm σ between two configurations, and each joint's part of it.
 #include <cmath>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "apps/input/configurations.h"
 #include "apps/input/plugins.h"
 #include "apps/options.h"
+#include "apps/output/joint_moved.h"
 #include "apps/output/output_files.h"
 #include "apps/output/report.h"
 #include "mjcf_pdg/object_norm.h"
@@ -23,11 +25,17 @@ struct NormArguments {
   std::string json;
 };
 
-std::string NormJson(double sigma, const std::vector<NormPart>& parts) {
+// With how far each joint moved, where the terms of σ are joints.
+std::string NormJson(const Scene& scene, const NormArguments& arguments, const Ends& ends,
+                     double sigma, const std::vector<NormPart>& parts) {
+  const std::map<std::string, int> joints = JointsOfTerms(scene, arguments.metric);
   nlohmann::ordered_json json = {{"sigma", sigma}, {"rms", std::sqrt(sigma)}};
   json["parts"] = nlohmann::ordered_json::array();
   for (const NormPart& part : parts) {
     json["parts"].push_back({{"name", part.name}, {"sigma", part.sigma}});
+    const auto joint = joints.find(part.name);
+    if (joint == joints.end()) continue;
+    json["parts"].back()["moved"] = JointMoved(scene, joint->second, ends.from, ends.to);
   }
   return JsonLine(json);
 }
@@ -43,14 +51,16 @@ std::string NormTable(double sigma, const std::vector<NormPart>& parts) {
 }
 
 int RunNorm(const NormArguments& arguments) {
-  const Scene scene = LoadScene(arguments.scene);
+  // Its warnings are of what collides, which σ does not ask.
+  const Scene scene = Scene::FromFile(arguments.scene.model, arguments.scene.options);
   const Ends ends = ReadEnds(scene, arguments.ends);
   OutputFiles outputs;
   outputs.Add("--json", arguments.json, {arguments.scene.model});
   ObjectNorm norm(scene, arguments.metric, ends.from);
   const double sigma = norm.Sigma(ends.to);
   const std::vector<NormPart> parts = norm.Parts(ends.to);
-  if (!arguments.json.empty()) outputs.Stage(arguments.json, NormJson(sigma, parts));
+  if (!arguments.json.empty())
+    outputs.Stage(arguments.json, NormJson(scene, arguments, ends, sigma, parts));
   outputs.Commit();
   if (!outputs.uses_stdout()) WriteStdout(NormTable(sigma, parts));
   return kExitFree;

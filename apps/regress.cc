@@ -25,10 +25,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What the report of --update says of the command that runs the suites again.
+// What the report of --update says of what it compares with.
 constexpr const char* kReplaced =
-    "This run wrote new golden results (--update): run again, rows are compared with those, not "
-    "with what there was before.";
+    "This run wrote new golden results (--update), and rows are compared with those here. A run "
+    "without --update, before it, shows what changes.";
 
 struct RegressArguments {
   std::vector<std::string> suites;
@@ -121,16 +121,42 @@ void AddOutputs(const RegressArguments& arguments, const std::vector<SuiteRun>& 
   }
 }
 
+// A row, and a model, as a run after --update reports them.
+RowReport Renewed(RowReport report) {
+  report.before = Kept(report.now);
+  report.change = Change::kNone;
+  return report;
+}
+
+CaseReport Renewed(CaseReport report) {
+  report.gone.clear();
+  report.queries.now += report.new_queries.value_or(0);
+  report.queries.before = report.queries.now;
+  report.queries.rows = report.rows.size();
+  report.new_queries.reset();
+  report.more_queries = false;
+  return report;
+}
+
+// Shows a model when it is done; one that the suite has no more is not there after --update.
+void EndModel(const Suite& suite, const CaseReport& report, bool update, RegressPage& page) {
+  if (!update) return page.End(suite, report);
+  if (!report.rows.empty() || !report.error.empty()) page.End(suite, Renewed(report));
+}
+
 // False if it was interrupted. `page` gets all rows, unless it is null.
-bool RunSuites(std::vector<SuiteRun>& runs, std::size_t threads, RegressPage* page) {
+bool RunSuites(std::vector<SuiteRun>& runs, const RegressArguments& arguments, RegressPage* page) {
+  const auto look = [&](const Scene& scene, const SolvedRow& solved, const RowReport& report) {
+    page->Add(scene, solved, arguments.update ? Renewed(report) : report);
+  };
   std::size_t cases = 0;
   for (const SuiteRun& run : runs) cases += run.suite.cases.size();
   Progress progress("solving models", cases);  // of a single one its rows are shown
   for (SuiteRun& run : runs) {
-    CaseRun how{threads, cases == 1};
-    if (page) how.look = std::bind_front(&RegressPage::Add, page);
+    CaseRun how{arguments.threads, cases == 1};
+    if (page) how.look = look;
     const auto end = [&](const CaseReport& report) {
-      if (page) page->End(run.suite, report);
+      if (page) EndModel(run.suite, report, arguments.update, *page);
     };
     for (const SuiteCase& one : run.suite.cases) {
       if (page) page->Begin(run.suite, one);
@@ -168,7 +194,7 @@ int RunRegress(const CLI::App& command, const RegressArguments& arguments) {
     page =
         std::make_unique<RegressPage>(Again(command, arguments), arguments.update ? kReplaced : "");
   }
-  if (!RunSuites(runs, arguments.threads, page.get()))
+  if (!RunSuites(runs, arguments, page.get()))
     return SayInterrupted("before the end: nothing was written");
   if (page) outputs.Stage(arguments.html, page->ToString());
   outputs.Stage(arguments.json, ReportJson(runs));

@@ -159,6 +159,7 @@ class SolveRun {
   void Show(const Scene& scene, const std::string& model, const SolvedRow& solved);
   std::string AllRowsCommand(const std::string& model) const;
   std::string InputNote() const;
+  std::string ClockNote() const;
   void ShowTrajectory(const std::string& model);
   void WriteNpySize();
   void StageScene(const Scene& scene);
@@ -253,12 +254,14 @@ void SolveRun::Show(const Scene& scene, const std::string& model, const SolvedRo
     for (std::size_t k = 0; k < row.values.size(); ++k) {
       motion_values_[k] = std::max(motion_values_[k], row.values[k]);
     }
-    row.content["note"] = InputNote();
+    row.content["note"] = InputNote() + ClockNote();
     row.content["command"] =
         AllRowsCommand(model) + " | sed -n " + std::to_string(motion_.size()) + "p";
   } else {
-    row.content["command"] =
-        RowCommand{{"solve", model, "--trace", "search.jsonl"}, given_}.Of(solved.row);
+    const RowCommand command{{"solve", model}, given_};
+    row.content["command"] = command.Of(solved.row);
+    row.content["trace"] = command.Of(solved.row, "--trace");
+    row.content["note"] = ClockNote();
   }
   page_->Add(row);
 }
@@ -312,12 +315,19 @@ std::string SolveRun::InputNote() const {
   return arguments_.which.file == "-" ? "It reads stdin: give it the same input again." : "";
 }
 
+// What is to be known of the command of one row.
+std::string SolveRun::ClockNote() const {
+  return std::isfinite(arguments_.options.time_limit)
+             ? "A clock may have ended it (--time-limit), and then another run ends elsewhere."
+             : "";
+}
+
 void SolveRun::ShowTrajectory(const std::string& model) {
   if (motion_.empty()) return;
   PageRow row = TrajectoryPageRow(motion_);
   row.values = motion_values_;
   row.content["command"] = AllRowsCommand(model);
-  row.content["note"] = InputNote();
+  row.content["note"] = InputNote() + ClockNote();
   page_->Add(row);
   motion_.clear();
   motion_values_.clear();

@@ -49,8 +49,9 @@ struct PageRow {
   std::vector<PageTable> tables;
   // More that web/report.js shows, each of it may be missing: facts (names and values), reason,
   // command, note (what is to be known of it), norm (a command without its ends, which gives joints
-  // again), contacts_in, contacts (PageContacts), joints (PageJoints), iterations, before (what the
-  // first frame is called).
+  // again), trace (a command that gives the iterations again), contacts_in, contacts,
+  // contacts_goal (PageContacts), joints (PageJoints), iterations, before (what the first frame is
+  // called).
   nlohmann::ordered_json content = nlohmann::ordered_json::object();
 };
 

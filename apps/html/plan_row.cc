@@ -92,7 +92,9 @@ PageRow PathPageRow(const Scene& scene, const PlannedPath& planned) {
   if (!path.goal.contacts_in.empty()) row.tables.push_back(GoalContacts(scene, path.goal, row));
   row.content = {{"facts", Facts(planned)},
                  {"reason", path.reason},
-                 {"contacts_in", PageContacts(scene, path.start.contacts_in)}};
+                 {"contacts_in", PageContacts(scene, path.start.contacts_in)},
+                 {"contacts_goal", PageContacts(scene, path.goal.contacts_in)}};
+  if (!path.found) row.content["note"] = "A clock may have ended it, and another run get further.";
   // Where there is none, start and goal are all the slider has, and nothing moved between them.
   if (path.found) row.content["joints"] = PageJoints(scene, Metric::kSequential, row.frames);
   return row;

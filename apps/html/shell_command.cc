@@ -37,7 +37,7 @@ std::string QposWords(const std::vector<double>& q) {
   return numbers;
 }
 
-std::string RowCommand::Of(const Configuration& row) const {
+std::string RowCommand::Of(const Configuration& row, const std::string& output) const {
   std::vector<std::string> all = words;
   all.insert(all.end(), options.begin(), options.end());
   if (row.mocap_pos.empty()) {
@@ -45,7 +45,7 @@ std::string RowCommand::Of(const Configuration& row) const {
   } else {
     all.insert(all.end(), {"--key", std::to_string(row.key)});
   }
-  all.insert(all.end(), {"--json", "-"});
+  all.insert(all.end(), {output, "-"});
   return ShellCommand(all);
 }
 

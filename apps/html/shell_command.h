@@ -17,8 +17,9 @@ struct RowCommand {
   std::vector<std::string> words, options;
 
   // With the numbers of the row at full precision, or, as only a keyframe brings poses of mocap
-  // bodies, with its key. It writes JSON, which has all that a report shows.
-  std::string Of(const Configuration& row) const;
+  // bodies, with its key. `output` writes to standard output: --json has all that a report shows,
+  // but for the iterations, which --trace has.
+  std::string Of(const Configuration& row, const std::string& output = "--json") const;
 };
 
 // Makes the joints of a report again, once ends are added.

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <set>
@@ -20,6 +21,12 @@ constexpr int kVersion = 1;
 constexpr double kMostSigma = 1e300;  // any finite one [m²]
 // Queries that a model may take more however few they are: the random starts of one row.
 constexpr long long kFewQueries = 50;
+
+std::string SigmaText(double sigma) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", sigma);
+  return text;
+}
 
 GoldenRow ReadRow(const JsonPlace& place, std::string& model) {
   GoldenRow row;
@@ -72,17 +79,21 @@ Golden ReadGolden(const std::string& path) {
   return golden;
 }
 
+GoldenRow Kept(GoldenRow row) {
+  row.sigma = std::strtod(SigmaText(row.sigma).c_str(), nullptr);
+  return row;
+}
+
 std::string FormatGolden(const Suite& suite, const Golden& golden) {
   std::string text;
   for (const SuiteCase& one : suite.cases) {
     const auto found = golden.find(one.model);
     if (found == golden.end()) continue;
     for (const GoldenRow& row : found->second) {
-      char sigma[32];
-      std::snprintf(sigma, sizeof sigma, "%.9g", row.sigma);
       text += (text.empty() ? "\n" : ",\n");
       text += "{\"model\": " + Json(one.model).dump() + ", \"row\": " + Json(row.name).dump() +
-              ", \"status\": \"" + StatusName(row.status) + "\", \"sigma\": " + sigma +
+              ", \"status\": \"" + StatusName(row.status) +
+              "\", \"sigma\": " + SigmaText(row.sigma) +
               ", \"queries\": " + std::to_string(row.queries) + "}";
     }
   }

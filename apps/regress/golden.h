@@ -22,6 +22,9 @@ struct GoldenRow {
   int queries = 0;
 };
 
+// The row as it is read again when it was written.
+GoldenRow Kept(GoldenRow row);
+
 // Rows by model.
 using Golden = std::map<std::string, std::vector<GoldenRow>>;
 

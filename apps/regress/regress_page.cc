@@ -107,9 +107,9 @@ void RegressPage::Add(const Scene& scene, const SolvedRow& solved, const RowRepo
   row.values = {std::max(0.0, -1e3 * shown.result.depth_in),
                 report.before ? Rms(*report.before) : kNone, Rms(report.now),
                 static_cast<double>(report.now.queries)};
-  row.content["command"] =
-      RowCommand{{"solve", name_, "--trace", "search.jsonl"}, OptionWords(given_, false)}.Of(
-          solved.row);
+  const RowCommand command{{"solve", name_}, OptionWords(given_, false)};
+  row.content["command"] = command.Of(solved.row);
+  row.content["trace"] = command.Of(solved.row, "--trace");
   row.content["norm"] = NormCommand(name_, OptionWords(given_, true));
   if (report.before) row.tables.push_back(Compared(report, again_));
   if (!given_.empty()) row.tables.push_back(SuiteOptions(given_));

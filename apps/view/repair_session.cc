@@ -60,9 +60,12 @@ void RepairSession::SetCommand(const mjData& data) {
 
 void RepairSession::Tick() {
   const bool anew = !tracker_;
+  // Of the same question all that was proven holds, and ticks do not all prove the same.
+  const double proven = at_rest_ > 0 ? result_.sigma_lower_bound : 0.0;
   if (anew) tracker_ = std::make_unique<Tracker>(scene_, options_);
   std::copy(row_.q.begin(), row_.q.end(), data_->qpos);
   tracker_->Step(data_.get(), row_.q, result_);
+  result_.sigma_lower_bound = std::max(proven, result_.sigma_lower_bound);
   known_ = true;
   ++at_rest_;
   if (!anew) times_[num_times_++ % kTimes] = result_.stats.seconds;

@@ -65,6 +65,8 @@ if(MJCF_PDG_BUILD_TESTS)
     target_link_libraries(mjcf_pdg_tests PRIVATE mjcf_pdg_view_state mjcf_pdg_fuzz mjcf_pdg_test_support
                           mjcf_pdg_mesh_import assimp::assimp
                           GTest::gtest_main)
+    # The tests' own code: a third of the build's time less than with -O3. What they test is compiled as it is shipped.
+    target_compile_options(mjcf_pdg_tests PRIVATE $<$<CONFIG:Release>:-O1>)
     if(plan)
       target_link_libraries(mjcf_pdg_tests PRIVATE mjcf_pdg_plan)
     endif()

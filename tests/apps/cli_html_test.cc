@@ -54,8 +54,8 @@ TEST_F(CliTest, AReportHoldsSceneRowsAndSearch) {
   EXPECT_EQ(row.json["joints"][0]["moved"].front(), 0.0);
   EXPECT_NEAR(row.json["joints"][0]["moved"].back().get<double>(), 50.0, 1e-2);
   EXPECT_GE(row.json["iterations"].size(), 2u);
-  EXPECT_EQ(row.json["command"],
-            "mjcf-pdg solve scene.xml --trace search.jsonl --seed 3 --qpos '0.0 0.0' --json -");
+  EXPECT_EQ(row.json["command"], "mjcf-pdg solve scene.xml --seed 3 --qpos '0.0 0.0' --json -");
+  EXPECT_EQ(row.json["trace"], "mjcf-pdg solve scene.xml --seed 3 --qpos '0.0 0.0' --trace -");
   EXPECT_EQ(row.json["norm"], "mjcf-pdg norm scene.xml");
   double q = 1.0;  // z as given, the second number
   std::memcpy(&q, row.bytes.data() + sizeof q, sizeof q);
@@ -250,26 +250,36 @@ TEST_F(CliTest, AReportOfRegressSaysWhatChanged) {
   EXPECT_EQ(row.json["tables"][0]["rows"][1][1], 1e-6);
   EXPECT_NEAR(row.json["contacts_in"][0]["distance"].get<double>(), -0.05, 1e-5);
   EXPECT_GE(row.json["iterations"].size(), 2u);
-  EXPECT_EQ(row.json["command"],
-            "mjcf-pdg solve m/scene.xml --trace search.jsonl --qpos '0.0 0.0' --json -");
+  EXPECT_EQ(row.json["command"], "mjcf-pdg solve m/scene.xml --qpos '0.0 0.0' --json -");
+  EXPECT_EQ(row.json["trace"], "mjcf-pdg solve m/scene.xml --qpos '0.0 0.0' --trace -");
   EXPECT_EQ(Head(page)["again"], "mjcf-pdg regress m/pdg.json --json -");
 }
 
-// There is nothing golden yet: queries are those of now, and nothing is compared.
-TEST_F(CliTest, AReportOfTheFirstUpdateHasTheQueriesOfNow) {
+// What it compares with is what it wrote, so that its command says the same again: of the first
+// golden results, and of some that replace others.
+TEST_F(CliTest, AReportOfAnUpdateIsThatOfTheNextRun) {
   Write("m/scene.xml", kBallAndWall);
-  const Outcome outcome =
-      Run({"regress", "--discover", "m", "--update", "--json", "-", "--html", "r.html"});
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const std::string page = Read("r.html");
-  const nlohmann::json queries = Head(page)["tables"][0]["rows"][0];
-  const nlohmann::json told = ParseLines(outcome.out);
-  EXPECT_EQ(queries[1], "-");
-  EXPECT_EQ(queries[2], "-");
-  EXPECT_EQ(queries[3], told.back()["new_queries"]);
-  EXPECT_EQ(queries[3], told[0]["queries"].get<int>() + told[1]["queries"].get<int>());
-  EXPECT_TRUE(Unpack(Script(page, "row0")).json["tables"].empty());
-  EXPECT_NE(Head(page)["note"], "");
+  ASSERT_EQ(Run({"regress", "--discover", "m", "--update", "--html", "first.html"}).exit_code, 0);
+  std::string altered = Read("m/pdg.golden.json");
+  const std::size_t sigma = altered.find("\"sigma\"");
+  altered.replace(sigma, altered.find(',', sigma) - sigma, "\"sigma\": 1e-6");
+  altered.replace(altered.rfind("\n]"), 0,
+                  ",\n  {\"model\": \"lost.xml\", \"row\": \"qpos0\", \"status\": \"solved\", "
+                  "\"sigma\": 1, \"queries\": 1}");
+  Write("m/pdg.golden.json", altered);
+  ASSERT_EQ(Run({"regress", "m/pdg.json", "--update", "--html", "second.html"}).exit_code, 0);
+  ASSERT_EQ(Run({"regress", "m/pdg.json", "--html", "again.html"}).exit_code, 0);
+  const nlohmann::json again = Head(Read("again.html"));
+  for (const char* const name : {"first.html", "second.html"}) {
+    const std::string page = Read(name);
+    EXPECT_EQ(Head(page)["rows"], again["rows"]);
+    EXPECT_EQ(Head(page)["tables"][0]["rows"], again["tables"][0]["rows"]);
+    EXPECT_EQ(Unpack(Script(page, "row0")).json["tables"][0]["rows"],
+              Unpack(Script(Read("again.html"), "row0")).json["tables"][0]["rows"]);
+    EXPECT_NE(Head(page)["note"], "");
+  }
+  EXPECT_EQ(again["note"], "");
+  EXPECT_GT(again["tables"][0]["rows"][0][1], 0);
 }
 
 }  // namespace

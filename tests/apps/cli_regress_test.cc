@@ -240,12 +240,5 @@ TEST_F(CliRegressTest, RefusesGoldenResultsOfAnotherVersionAndSuitesThatShareThe
   ExpectRefused({"regress", "suite.json", "./suite.json"}, "as those of a suite before it");
 }
 
-// The models of this project are such a suite.
-TEST_F(CliRegressTest, OurOwnModelsHaveNotChanged) {
-  const Outcome outcome = Run({"regress", std::string(MJCF_PDG_SOURCE_DIR) + "/models/pdg.json"});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
-  EXPECT_THAT(outcome.out, testing::Not(HasSubstr("\n0 rows")));
-}
-
 }  // namespace
 }  // namespace mjcf_pdg::test

@@ -213,6 +213,7 @@ TEST_F(CliTest, NormPartsAddUp) {
   ASSERT_EQ(norm["parts"].size(), 2u);
   EXPECT_EQ(norm["parts"][0]["name"], "x");
   EXPECT_NEAR(norm["parts"][0]["sigma"], 0.01, 1e-12);
+  EXPECT_NEAR(norm["parts"][0]["moved"], 0.1, 1e-12);
   EXPECT_NE(Run({"norm", "scene.xml", "--from", "0 0", "--to", ".1 .2"}).out.find("0.05"),
             std::string::npos);
 }

@@ -81,13 +81,14 @@ TEST_F(LowerBoundTerrainTest, SolidsAreInsideTheField) {
     const Scene scene = Scene::FromString(FieldXml(field, {mjGEOM_BOX, {0.1, 0.2, 0.05}}));
     PosedModel posed(&scene.tables().query_model);
     posed.Pose(At({0, 0, 5}));
-    const Vector3d x = AsVector(posed.data()->geom_xpos);
-    const Matrix3d R = AsMatrix(posed.data()->geom_xmat);
+    const int geom = mj_name2id(scene.model(), mjOBJ_GEOM, "field");
+    const Vector3d x = AsVector(posed.data()->geom_xpos + 3 * geom);
+    const Matrix3d R = AsMatrix(posed.data()->geom_xmat + 9 * geom);
     NearPair near;
     near.p2_W = x + R * Vector3d(rng.Uniform(-1.5, 1.5), rng.Uniform(-1, 1), 0.1);
     near.n_W = R * Vector3d(rng.Uniform(-1, 1), rng.Uniform(-1, 1), 1).normalized();
     std::vector<InscribedSolid> solids;
-    FindInscribed(posed, 0, near, rng.Uniform(0.01, 0.3), solids);
+    FindInscribed(posed, geom, near, rng.Uniform(0.01, 0.3), solids);
     for (const InscribedSolid& solid : solids) {
       double highest = -1.0;  // of the top below the surface
       for (int sample = 0; sample < 300; ++sample) {

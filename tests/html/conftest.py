@@ -70,6 +70,7 @@ def reports(tmp_path_factory) -> dict[str, pathlib.Path]:
         "hidden": (["check", "shell.xml"], 3),
         "displacement": (["solve", "ball.xml", "--qpos", "0 0", "--metric", "displacement"], 0),
         "inside": (["plan", "ball_in_wall.xml", "--start", "0 -.15", "--goal", "0 .3"], 0),
+        "inside_at_last": (["plan", "ball_in_wall.xml", "--start", "0 .3", "--goal", "0 -.15"], 0),
         "touching": (["check", "ball_in_wall.xml", "--qpos", "0 -.15"], 3),
         "clip": (["solve", "ball.xml", "--qpos-file", "clip.csv", "--trajectory"], 0),
         "many": (["solve", "ball.xml", "--qpos-file", "many.csv", "--threads", "2"], 0),

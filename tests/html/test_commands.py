@@ -1,6 +1,7 @@
 """Numbers of a report come again from the commands that stand beside them."""
 
 import json
+import math
 import shlex
 import subprocess
 
@@ -17,7 +18,8 @@ def answer(reports, command: str) -> str:
 
 
 def alike_numbers(shown: str, value: float) -> bool:
-    return float(shown) == pytest.approx(value, rel=1e-3, abs=1e-300)  # four digits
+    """Whether this is the value to four digits, which pages show."""
+    return float(shown) == float(f"{value:.4g}")
 
 
 @pytest.mark.parametrize("name", ["solve", "motion", "plan"])
@@ -29,9 +31,12 @@ def test_sigma_of_joints_comes_again_from_the_command_beside_it(open_report, rep
     reader.page.focus("#slider")
     for _ in range(2):
         parts = json.loads(answer(reports, reader.page.inner_text("#norm") + " --json -"))["parts"]
-        again = {part["name"]: part["sigma"] for part in parts}
+        again = {part["name"]: part for part in parts}
         cells = [line.split("\t") for line in reader.texts("#joints tr")]
-        assert all(alike_numbers(cell[2], again[cell[0]]) for cell in cells) and cells
+        assert all(alike_numbers(sigma, again[name]["sigma"]) for name, _, sigma, _ in cells) and cells
+        for name, moved, _, _ in cells:
+            number, unit = moved.split()
+            assert alike_numbers(number, again[name]["moved"] * {"mm": 1e3, "°": 180 / math.pi}[unit])
         reader.page.keyboard.press("ArrowLeft")
 
 
@@ -48,7 +53,7 @@ def test_what_a_solve_found_comes_again_from_the_command_beside_it(open_report, 
     for table, contacts in (("contacts_in", again["contacts_in"]), ("contacts", again["contacts"])):
         depths = [float(cell) for cell in reader.texts(f"#{table} td:nth-child(3)")]
         assert depths == pytest.approx([-1e3 * contact["distance"] for contact in contacts], rel=1e-3) and depths
-    trace = (reports["solve"].parent / "search.jsonl").read_text().splitlines()
+    trace = answer(reports, reader.page.inner_text("#trace")).splitlines()
     iterations = [record["sigma"] for record in map(json.loads, trace) if "step" in record]
     titles = reader.page.locator("#sigma circle title").evaluate_all("all => all.map((title) => title.textContent)")
     assert len(titles) == len(iterations) > 50

@@ -210,18 +210,18 @@ def colours_of(reader) -> dict[str, int]:
     return {"orange": sum(r > b + 50 for r, g, b in pixels), "blue": sum(b > r + 30 for r, g, b in pixels)}
 
 
-@pytest.mark.parametrize("name", ["inside", "touching"])
-def test_what_lies_in_an_obstacle_is_seen_through_it(open_report, name):
-    if name == "inside":
+@pytest.mark.parametrize("name, key", [("inside", "Home"), ("inside_at_last", "End"), ("touching", "Home")])
+def test_what_lies_in_an_obstacle_is_seen_through_it(open_report, name, key):
+    if name != "touching":
         skip_what_is_not_built("plan")
     reader = open_report(name)
-    reader.page.keyboard.press("Home")
+    reader.page.keyboard.press(key)
     colours = colours_of(reader)
     reader.screenshot("inside")
-    if name == "inside":
-        assert colours["blue"] > 1000
-    else:
+    if name == "touching":
         assert colours["orange"] > 1000
+    else:
+        assert colours["blue"] > 1000
 
 
 def test_arrows_of_the_answer_are_there_at_the_answer_alone(open_report):
@@ -275,6 +275,23 @@ def test_what_overlaps_is_seen_though_mujoco_hides_it(open_report):
     reader.page.keyboard.press("c")
     only = Counter(Image.open(io.BytesIO(reader.scene())).convert("RGB").getdata())
     assert not any(g > r + 40 and g > b + 40 for r, g, b in only)
+
+
+def test_the_arrow_that_is_looked_at_stands_out(open_report):
+    reader = open_report("hidden")
+
+    def width() -> float:
+        """From the leftmost to the rightmost pixel of an arrow that does not fade, as a share of the picture."""
+        image = Image.open(io.BytesIO(reader.scene())).convert("RGB")
+        columns = [k % image.width for k, colour in enumerate(image.getdata()) if colour == (0xD5, 0x5E, 0x00)]
+        return (max(columns) - min(columns)) / image.width
+
+    assert width() > 0.2  # both
+    for contact in (1, 2):
+        reader.page.click(f"#contacts_in tr:nth-child({contact})")
+        assert width() < 0.1
+    reader.page.keyboard.press("f")
+    assert width() > 0.2
 
 
 def test_regress_says_what_changed(open_report):

@@ -180,8 +180,9 @@ class Copy:
         self.tree, self.build, self.jobs = work, work / BUILD, jobs
         copy_tree(self.tree)
         subprocess.run(["cmake", "-S", self.tree, "-B", self.build, "-DMJCF_PDG_BUILD_BENCH=OFF", "-DMJCF_PDG_RENDER=OFF",
-                        "-DMJCF_PDG_INSTALL=OFF"]
-                       + cached(like, "CMAKE_BUILD_TYPE", "CMAKE_CXX_COMPILER", "CMAKE_CXX_COMPILER_LAUNCHER", "CMAKE_CXX_FLAGS",
+                        "-DMJCF_PDG_INSTALL=OFF",
+                        "-DCMAKE_CXX_FLAGS=-D_GLIBCXX_ASSERTIONS"]  # as for the presets debug and sanitize: no reading past an end
+                       + cached(like, "CMAKE_BUILD_TYPE", "CMAKE_CXX_COMPILER", "CMAKE_CXX_COMPILER_LAUNCHER",
                                 "MJCF_PDG_WERROR", "MuJoCo_ROOT", "mujoco_DIR", "MJCF_PDG_CACHE_DIR"),
                        check=True, stdout=subprocess.DEVNULL)
 

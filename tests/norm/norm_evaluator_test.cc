@@ -115,6 +115,29 @@ TEST_F(NormEvaluatorTest, HessianAtTheReferenceIsTheCurvatureOfSigma) {
   }
 }
 
+// Where joints move no mass at all, H is still positive: by the same for all that turn, and for all
+// that slide.
+TEST_F(NormEvaluatorTest, TheInnerProductAddsALittleToEveryDof) {
+  for (const Case& c : Cases()) {
+    const Scene scene = MakeScene(c);
+    NormEvaluator norm(scene.tables(), c.metric);
+    norm.SetReference(RandomConfiguration(scene, rng_));
+    const int n = scene.dof();
+    MatrixXd H = MatrixXd::Zero(n, n);
+    norm.InnerProduct(MatrixXd::Zero(norm.rows(), n), H);
+    EXPECT_EQ(H, MatrixXd(H.diagonal().asDiagonal()));
+    double added[2] = {};
+    for (const JointEntry& joint : scene.tables().joints) {
+      for (int k = 0; k < joint.ndof; ++k) {
+        double& of_kind = added[joint.Slides(k)];
+        if (of_kind == 0.0) of_kind = H(joint.col + k, joint.col + k);
+        EXPECT_EQ(H(joint.col + k, joint.col + k), of_kind);
+        EXPECT_GT(of_kind, 0.0);
+      }
+    }
+  }
+}
+
 // Eq. 28 in MuJoCo's tangent: m_j, ωᵀ I_j ω, and I_j for 2 dQ.
 TEST_F(NormEvaluatorTest, PlainHessianIsBlockDiagonalAndOtherRootsCoupleJoints) {
   const Scene scene = MakeScene({OffCentreXml(), ""});

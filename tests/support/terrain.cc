@@ -41,9 +41,11 @@ std::string ShapeGeom(const Shape& shape) {
 
 std::string Whole(const Field& field, const Shape& shape, const std::string& assets,
                   const std::string& extra) {
+  // The field is not the first geom, whose offsets would all be 0.
   return "<mujoco><asset>" + FieldAsset(field) + ShapeAsset(shape) + assets +
-         "</asset><worldbody><geom name='field' type='hfield' hfield='field' " + field.pose + "/>" +
-         ShapeGeom(shape) + extra + "</worldbody></mujoco>";
+         "</asset><worldbody><geom size='.01' pos='3 4 5' contype='0' conaffinity='0'/>"
+         "<geom name='field' type='hfield' hfield='field' " +
+         field.pose + "/>" + ShapeGeom(shape) + extra + "</worldbody></mujoco>";
 }
 
 }  // namespace

@@ -81,8 +81,8 @@ export class Bodies {
     for (const body of bodies) yield* body.children;
   }
 
-  // `contacts`: where nothing moves, their geoms stand out.
-  setRow(poses, contacts) {
+  // `contacts`: where nothing moves, their geoms stand out; `goal`: those where the slider ends.
+  setRow(poses, contacts, goal) {
     this.poses = poses;
     const stride = POSE * this.count;
     this.frames = poses.length / stride;
@@ -95,7 +95,7 @@ export class Bodies {
     this.contacts = this.frames > 1 ? [] : contacts;
     this.overlapping = this.contacts.flatMap((contact) => contact.geoms);
     this.ghost.forEach((body, b) => place(body, poses, POSE * b));
-    this.covering = this.findCovering(contacts);
+    this.covering = new Set([...this.findCovering(contacts, 0), ...this.findCovering(goal, this.frames - 1)]);
     this.focus();
     this.showGhost(true);
     this.showFrame(this.frames - 1);
@@ -146,14 +146,16 @@ export class Bodies {
     }
   }
 
-  // Geoms that another one is in wholly, as given: the contact is as deep as that one is wide. Of those that move a ghost is seen through.
-  findCovering(contacts) {
+  // Geoms that another one is in wholly in this frame: the contact is as deep as that one is wide. Of those that move a ghost is seen
+  // through.
+  findCovering(contacts, frame) {
+    this.showFrame(frame);
     this.group.updateMatrixWorld(true);
-    const found = new Map([...this.meshes(this.ghost)].map((mesh) => [mesh.userData.geom.id, mesh]));
+    const found = new Map([...this.meshes(this.now)].map((mesh) => [mesh.userData.geom.id, mesh]));
     const covering = new Set();
     for (const {geoms, normal, distance} of contacts) {
-      const widths = geoms.map((id) => (found.has(id) ? widthAlong(normal, found.get(id)) : Infinity));  // planes have no ghost
-      const outer = geoms[widths[0] > widths[1] ? 0 : 1], still = this.frames === 1 || !this.moves[found.get(outer)?.userData.geom.body];
+      const widths = geoms.map((id) => (found.get(id).userData.geom.type === 'plane' ? Infinity : widthAlong(normal, found.get(id))));
+      const outer = geoms[widths[0] > widths[1] ? 0 : 1], still = this.frames === 1 || !this.moves[found.get(outer).userData.geom.body];
       if (still && -distance >= SUNK * Math.min(...widths)) covering.add(outer);
     }
     return covering;

@@ -74,6 +74,7 @@ function fillPage() {
   showSection('joints', row.joints?.length);
   drawPlots();
   $('command').textContent = row.command ?? '';
+  $('trace').textContent = row.trace ?? '';
   $('note').textContent = row.note ?? '';
   $('command-part').hidden = !row.command;
   $('norm-part').hidden = !row.norm;

@@ -73,8 +73,8 @@ export class Stage {
     if (this.bodies) this.world.remove(this.bodies.group);
     this.bodies = bodies;
     this.world.add(bodies.group);
-    const {contacts_in: given = [], contacts: found = []} = row;
-    bodies.setRow(row.poses, given);
+    const {contacts_in: given = [], contacts: found = [], contacts_goal: goal = []} = row;
+    bodies.setRow(row.poses, given, goal);
     bodies.showFrame(frame);
     bodies.showGhost(ghost);
     bodies.focus(focus);

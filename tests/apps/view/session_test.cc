@@ -64,6 +64,22 @@ TEST_F(ViewSessionTest, EveryTickIsFreeAndBracketed) {
   EXPECT_GE(session.LongestSeconds(), session.MedianSeconds());
 }
 
+// While nothing moves what was proven stays so, whatever single ticks prove.
+TEST_F(ViewSessionTest, TheBoundNeverFallsWhileNothingMoves) {
+  const Scene figure = Scene::FromFile(MJCF_PDG_MODEL_DIR "/figure/figure_bench.xml");
+  const mjModel& m = *figure.model();
+  const mjtNum* const deep = m.key_qpos + m.nq * mj_name2id(&m, mjOBJ_KEY, "waist_deep_in_floor");
+  RepairSession session(figure, {}, Row({deep, deep + m.nq}));
+  double most = 0.0;
+  for (int tick = 0; tick < 40; ++tick) {
+    session.Tick();
+    const double bound = session.result()->sigma_lower_bound;
+    EXPECT_GE(bound, most) << "tick " << tick;
+    most = bound;
+  }
+  EXPECT_GT(most, 0.0);
+}
+
 TEST_F(ViewSessionTest, AJumpForgetsAndAMotionFollows) {
   RepairSession session(scene_, {}, Row({-0.55, 0.0}));
   session.Tick();
