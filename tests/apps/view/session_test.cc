@@ -66,18 +66,22 @@ TEST_F(ViewSessionTest, EveryTickIsFreeAndBracketed) {
 
 // While nothing moves what was proven stays so, whatever single ticks prove.
 TEST_F(ViewSessionTest, TheBoundNeverFallsWhileNothingMoves) {
-  const Scene figure = Scene::FromFile(MJCF_PDG_MODEL_DIR "/figure/figure_bench.xml");
-  const mjModel& m = *figure.model();
-  const mjtNum* const deep = m.key_qpos + m.nq * mj_name2id(&m, mjOBJ_KEY, "waist_deep_in_floor");
-  RepairSession session(figure, {}, Row({deep, deep + m.nq}));
-  double most = 0.0;
-  for (int tick = 0; tick < 40; ++tick) {
-    session.Tick();
-    const double bound = session.result()->sigma_lower_bound;
-    EXPECT_GE(bound, most) << "tick " << tick;
-    most = bound;
+  const Scene puma = Scene::FromFile(MJCF_PDG_MODEL_DIR "/puma/puma_car.xml");
+  const mjModel& m = *puma.model();
+  int proven = 0;
+  for (int key = 0; key < m.nkey; ++key) {
+    const mjtNum* const q = m.key_qpos + m.nq * key;
+    RepairSession session(puma, {}, Row({q, q + m.nq}));
+    double most = 0.0;
+    for (int tick = 0; tick < 20; ++tick) {
+      session.Tick();
+      const double bound = session.result()->sigma_lower_bound;
+      EXPECT_GE(bound, most) << "key " << key << " tick " << tick;
+      most = bound;
+    }
+    proven += most > 0.0;
   }
-  EXPECT_GT(most, 0.0);
+  EXPECT_GT(proven, 10);
 }
 
 TEST_F(ViewSessionTest, AJumpForgetsAndAMotionFollows) {
