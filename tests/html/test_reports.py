@@ -289,7 +289,11 @@ def test_the_arrow_that_is_looked_at_stands_out(open_report):
     assert width() > 0.2  # both
     for contact in (1, 2):
         reader.page.click(f"#contacts_in tr:nth-child({contact})")
-        assert width() < 0.1
+        reader.page.mouse.move(400, 400)
+        for _ in range(8):  # away from it, until both are in sight
+            reader.page.mouse.wheel(0, 200)
+        reader.screenshot(f"arrow{contact}")
+        assert 0 < width() < 0.04
     reader.page.keyboard.press("f")
     assert width() > 0.2
 
