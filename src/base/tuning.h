@@ -196,6 +196,39 @@ inline constexpr double kLeastShare = 1e-3;
 inline constexpr int kBlocked = 100;
 }  // namespace track
 
+// Where max_step limits steps (track/limited_steps.cc): bench/README.md, track_bench.
+namespace limited {
+// A straight way of no more ticks than this is tried without looking ahead.
+inline constexpr double kStraight = 8.0;
+// One of no more ticks than this is first tried along what is in the way.
+inline constexpr double kSlides = 64.0;
+// To slide leads nearer if it does by this share of what the straight way would [1].
+inline constexpr double kNearer = 0.1;
+// Another way pays if what σ is larger along it than on this side is less than so many times what σ
+// is smaller at its end [1].
+inline constexpr double kPays = 4.0;
+}  // namespace limited
+
+// The way round what is in the way then (track/detour.cc).
+namespace detour {
+// Nodes of a tree, which four queries a tick fill in a quarter of a second or more; points of the
+// trail of either end; and of a way, which is made of a branch and a trail of either, and grows at
+// both ends.
+inline constexpr int kNodes = 1024, kTrail = 256, kPoints = 2 * kNodes + 4 * kTrail;
+// An edge is as long as this many ticks' steps, or this share of the distance between the ends
+// where that is longer [1].
+inline constexpr double kTicks = 8.0, kShare = 1.0 / 16.0;
+// Edges that turn out to be blocked are halved in the next trees, down to so many ticks' steps.
+inline constexpr double kFewestTicks = 2.0;
+// Samples lie in a box around the middle between the ends. Its half width is this many times their
+// distance at first [1], and grows by as much every so many samples.
+inline constexpr double kWidth = 0.5;
+inline constexpr int kSamplesPerWidth = 16;
+// A joint that hardly differs between the ends, by less than this share of what the one does that
+// differs most, is left alone in three of four samples [1].
+inline constexpr double kStill = 0.05, kStillMoves = 0.25;
+}  // namespace detour
+
 // Scenes of several trees (solve/island_search.cc).
 namespace islands {
 // A scene of no more movable trees than this is solved as a whole: to make and solve islands then

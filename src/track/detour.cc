@@ -5,25 +5,11 @@
 #include <limits>
 #include <numbers>
 
+#include "base/tuning.h"
+
 namespace mjcf_pdg {
-namespace tune {
-// Nodes of a tree, which four queries a tick fill in a quarter of a second or more; points of the
-// trail of either end; and of a way, which is made of a branch and a trail of either, and grows at
-// both ends.
-constexpr int kNodes = 1024, kTrail = 256, kPoints = 2 * kNodes + 4 * kTrail;
-// An edge is as long as this many ticks' steps, or this share of the distance between the ends
-// where that is longer [1].
-constexpr double kTicks = 8.0, kShare = 1.0 / 16.0;
-// Edges that turn out to be blocked are halved in the next trees, down to so many ticks' steps.
-constexpr double kFewestTicks = 2.0;
-// Samples lie in a box around the middle between the ends. Its half width is this many times their
-// distance at first [1], and grows by as much every so many samples.
-constexpr double kWidth = 0.5;
-constexpr int kSamplesPerWidth = 16;
-// A joint that hardly differs between the ends, by less than this share of what the one does that
-// differs most, is left alone in three of four samples [1].
-constexpr double kStill = 0.05, kStillMoves = 0.25;
-}  // namespace tune
+
+namespace tune = tuning::detour;
 
 double LargestStep(const SceneTables& tables, const VectorXd& dq) {
   double largest = 0.0;

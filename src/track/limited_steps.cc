@@ -8,31 +8,18 @@
 namespace mjcf_pdg {
 
 namespace tune = tuning::track;
-
-namespace {
-
-// A straight way of no more ticks than this is tried without looking ahead.
-constexpr double kStraight = 8.0;
-// One of no more ticks than this is first tried along what is in the way.
-constexpr double kSlides = 64.0;
-// To slide leads nearer if it does by this share of what the straight way would [1].
-constexpr double kNearer = 0.1;
-// Another way pays if what σ is larger along it than on this side is less than so many times what σ
-// is smaller at its end [1].
-constexpr double kPays = 4.0;
-
-}  // namespace
+namespace limited = tuning::limited;
 
 // `at` stays free.
 void TrackerCore::GoOn() {
   if (detour->planted() && !going) detour->Ends(at, optimum);
   if (going && GoAlong()) return;
-  if (approach.Ticks(at, optimum) <= kStraight && GoTowards(optimum)) {
+  if (approach.Ticks(at, optimum) <= limited::kStraight && GoTowards(optimum)) {
     detour->Reset();
     return;
   }
   unslid = std::max(0, unslid - 1);
-  if (unslid == 0 && approach.Ticks(at, optimum) <= kSlides) {
+  if (unslid == 0 && approach.Ticks(at, optimum) <= limited::kSlides) {
     if (SlideTowards(optimum)) return;
     unslid = tune::kBlocked;
   }
@@ -68,7 +55,7 @@ void TrackerCore::SeekWay() {
   double on_way = 0.0;
   detour->Ticks(on_way);
   const double there = work.norm.Sigma(detour->end());
-  going = on_way - stay < kPays * (stay - there);
+  going = on_way - stay < limited::kPays * (stay - there);
   switched = switched || going;
 }
 
@@ -122,7 +109,7 @@ bool TrackerCore::SlideTowards(const VectorXd& target) {
   if (work.Spent()) return false;
   const double share = approach.Cut(at, target);
   work.Begin(approach.q(), core.mocap, Rest());
-  const double enough = (1.0 - kNearer * share) * follower.Apart(at, target);
+  const double enough = (1.0 - limited::kNearer * share) * follower.Apart(at, target);
   candidate = own_side->Follow({at, true, Obstacles(), std::numeric_limits<double>::infinity()}).q;
   work.Begin(command, core.mocap, Rest());
   last_at = at;
