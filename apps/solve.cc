@@ -14,8 +14,6 @@
 #include "apps/console/interrupt.h"
 #include "apps/console/progress.h"
 #include "apps/console/text.h"
-#include "apps/html/shell_command.h"
-#include "apps/html/solved_row.h"
 #include "apps/input/configurations.h"
 #include "apps/input/npy.h"
 #include "apps/input/qpos_file.h"
@@ -25,6 +23,7 @@
 #include "apps/solve/resume.h"
 #include "apps/solve/scene_output.h"
 #include "apps/solve/solve_arguments.h"
+#include "apps/solve/solve_page.h"
 #include "apps/solve/solve_rows.h"
 #include "apps/solve/trace.h"
 #include "mjcf_pdg/pdg.h"
@@ -141,12 +140,9 @@ class SolveRun {
   SolveRun(const CLI::App& command, SolveArguments& arguments)
       : arguments_(arguments),
         given_(GivenOptions(command)),
-        given_norm_(GivenNormOptions(command)),
         several_(arguments.models.size() > 1),
         table_(several_) {
-    if (!arguments.html.empty()) {
-      page_.emplace(PageHead{"", {"depth mm", "rms mm"}, OptionsInForce(command)});
-    }
+    if (!arguments.html.empty()) page_.emplace(command, arguments);
   }
 
   int Run();
@@ -155,12 +151,7 @@ class SolveRun {
   void CheckModels();
   void SolveModel(const std::string& model);
   void BeginFiles(const Scene& scene, std::size_t skipped);
-  void Tell(const Scene& scene, const std::string& model, const SolvedRow& solved);
-  void Show(const Scene& scene, const std::string& model, const SolvedRow& solved);
-  std::string AllRowsCommand(const std::string& model) const;
-  std::string InputNote() const;
-  std::string ClockNote() const;
-  void ShowTrajectory(const std::string& model);
+  void Tell(const Scene& scene, const SolvedRow& solved);
   void WriteNpySize();
   void StageScene(const Scene& scene);
   void SolveModels();
@@ -171,15 +162,13 @@ class SolveRun {
   int ExitCode() const { return (table_.unsolved() == 0) ? kExitFree : kExitNotFree; }
 
   SolveArguments& arguments_;
-  const std::vector<std::string> given_, given_norm_;
+  const std::vector<std::string> given_;
   const bool several_;
   OutputFiles outputs_;
   SceneOutput scene_output_;
   SolveTable table_;
-  std::unique_ptr<LeftRows> left_;     // with --resume
-  std::optional<Page> page_;           // with --html
-  std::vector<PageFrame> motion_;      // with --html: the answers of a trajectory
-  std::vector<double> motion_values_;  // of the list: the largest of its frames
+  std::unique_ptr<LeftRows> left_;  // with --resume
+  std::optional<SolvePage> page_;   // with --html
   std::unique_ptr<Progress> progress_;
   std::size_t index_ = 0;    // of the present model's next row
   std::size_t told_ = 0;     // rows written by this run
@@ -216,10 +205,10 @@ void SolveRun::BeginFiles(const Scene& scene, std::size_t skipped) {
   outputs_.Append(arguments_.trace, TraceHeader(arguments_.scene.model, given_));
 }
 
-void SolveRun::Tell(const Scene& scene, const std::string& model, const SolvedRow& solved) {
+void SolveRun::Tell(const Scene& scene, const SolvedRow& solved) {
   const Configuration& row = solved.row;
   const Result& result = solved.result;
-  const RowName name{several_ ? model : "", index_++};
+  const RowName name{several_ ? arguments_.scene.model : "", index_++};
   if (npy_header_) {
     outputs_.Append(arguments_.out_qpos, NpyHeader(0, result.q.size()));
     npy_header_ = false;
@@ -234,7 +223,7 @@ void SolveRun::Tell(const Scene& scene, const std::string& model, const SolvedRo
   if (!arguments_.json.empty()) {
     outputs_.Append(arguments_.json, SolveJson(scene, name, row, result));
   }
-  if (page_) Show(scene, model, solved);
+  if (page_) page_->Add(scene, solved);
   table_.Add(scene, name, row, result);
   if (!arguments_.out_mjcf.empty() || Draws()) {
     rows_.push_back(row);
@@ -242,28 +231,6 @@ void SolveRun::Tell(const Scene& scene, const std::string& model, const SolvedRo
   }
   ++told_;
   progress_->Step();
-}
-
-void SolveRun::Show(const Scene& scene, const std::string& model, const SolvedRow& solved) {
-  PageRow row = SolvedPageRow(scene, arguments_.options.metric, solved);
-  row.values = {std::max(0.0, -1e3 * solved.result.depth_in), 1e3 * std::sqrt(solved.result.sigma)};
-  row.content["norm"] = NormCommand(model, given_norm_);
-  if (arguments_.options.trajectory) {  // a frame depends on those before it
-    motion_.push_back({solved.result.q, solved.row.label});
-    motion_values_.resize(row.values.size(), 0.0);
-    for (std::size_t k = 0; k < row.values.size(); ++k) {
-      motion_values_[k] = std::max(motion_values_[k], row.values[k]);
-    }
-    row.content["note"] = InputNote() + ClockNote();
-    row.content["command"] =
-        AllRowsCommand(model) + " | sed -n " + std::to_string(motion_.size()) + "p";
-  } else {
-    const RowCommand command{{"solve", model}, given_};
-    row.content["command"] = command.Of(solved.row);
-    row.content["trace"] = command.Of(solved.row, "--trace");
-    row.content["note"] = ClockNote();
-  }
-  page_->Add(row);
 }
 
 // A .npy says in front how many rows it has.
@@ -279,7 +246,7 @@ void SolveRun::SolveModel(const std::string& model) {
   index_ = left_ ? left_->Skip(several_ ? model : "", rows, table_) : 0;
   if (left_ && left_->telling()) CheckSolvesAlike(*left_->telling(), scene, arguments_.options);
   BeginFiles(scene, index_);
-  if (page_) page_->BeginModel(model, scene);
+  if (page_) page_->Begin(model, scene);
   progress_ = std::make_unique<Progress>("solving", rows.size(), index_);
   try {
     const std::size_t most = rows.size().value_or(arguments_.threads);
@@ -287,50 +254,15 @@ void SolveRun::SolveModel(const std::string& model) {
     SolveRows(
         scene, {arguments_.options, threads, arguments_.smooth, Watches()},
         [&](Configuration& row) { return rows.Next(row); },
-        [&](const SolvedRow& solved) { Tell(scene, model, solved); });
+        [&](const SolvedRow& solved) { Tell(scene, solved); });
   } catch (...) {
     WriteNpySize();
     throw;
   }
   progress_.reset();
   if (Interrupted()) return;
-  ShowTrajectory(model);
+  if (page_) page_->End();
   StageScene(scene);
-}
-
-// Makes all rows of a model again, a line of JSON each.
-std::string SolveRun::AllRowsCommand(const std::string& model) const {
-  std::vector<std::string> again = {"solve", model};
-  again.insert(again.end(), given_.begin(), given_.end());
-  const WhichArguments& which = arguments_.which;
-  for (const std::string& key : which.keys) again.insert(again.end(), {"--key", key});
-  for (const std::string& q : which.qpos) again.insert(again.end(), {"--qpos", q});
-  if (!which.file.empty()) again.insert(again.end(), {"--qpos-file", which.file});
-  again.insert(again.end(), {"--json", "-"});
-  return ShellCommand(again);
-}
-
-// What is to be known of AllRowsCommand, in words.
-std::string SolveRun::InputNote() const {
-  return arguments_.which.file == "-" ? "It reads stdin: give it the same input again." : "";
-}
-
-// What is to be known of the command of one row.
-std::string SolveRun::ClockNote() const {
-  return std::isfinite(arguments_.options.time_limit)
-             ? "A clock may have ended it (--time-limit), and then another run ends elsewhere."
-             : "";
-}
-
-void SolveRun::ShowTrajectory(const std::string& model) {
-  if (motion_.empty()) return;
-  PageRow row = TrajectoryPageRow(motion_);
-  row.values = motion_values_;
-  row.content["command"] = AllRowsCommand(model);
-  row.content["note"] = InputNote() + ClockNote();
-  page_->Add(row);
-  motion_.clear();
-  motion_values_.clear();
 }
 
 void SolveRun::StageScene(const Scene& scene) {

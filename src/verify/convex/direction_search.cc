@@ -56,10 +56,10 @@ CoreGap Climb(const ConvexPair& pair, const Vector3d& n, double accuracy) {
     if (found.holds_origin) break;
     const double gap = found.lower - apart * found.n.dot(best.n);
     const double rise = gap - best.gap;
-    if (k == 0 || rise > 0.0) {
-      best.a = found.a();
-      best.b = found.b();
-    }
+    // Nearest along found.n where the cores were moved apart along best.n: that the two are one is
+    // seen in the last step, which raises nothing.
+    best.a = found.a();
+    best.b = found.b();
     if (rise > 0.0) {
       best.n = found.n;
       best.gap = gap;
