@@ -192,7 +192,8 @@ bool EqualityConstraints::Correct(const VectorXd& q) {
 bool EqualityConstraints::Project(VectorXd& q) {
   if (!any_) return true;
   Linearize(q);
-  double reached = Largest();
+  double reached = Largest(), least = reached;
+  nearest_ = q;
   for (int k = 0; k < tune::kProjectionSteps && reached > tune::kAim; ++k) {
     if (!Correct(q)) break;
     double turn = 0.0;
@@ -206,8 +207,12 @@ bool EqualityConstraints::Project(VectorXd& q) {
     ClampToLimits(tables_, q);
     Linearize(q);
     reached = Largest();
+    if (reached >= least) continue;
+    least = reached;
+    nearest_ = q;
   }
-  return reached <= kEqualityTolerance;
+  q = nearest_;  // not the last where constraints contradict each other or limits
+  return least <= kEqualityTolerance;
 }
 
 }  // namespace mjcf_pdg

@@ -61,6 +61,7 @@ class EqualityConstraints {
   TendonLimits tendon_limits_;
   bool any_ = false, equalities_ = false, tendons_ = false;  // equalities_: some is held; tendons_:
   VectorXd residual_, step_;                                 // mj_tendon is needed
+  VectorXd nearest_;                                         // q where Project came nearest
   MatrixXd jacobian_;
   VectorXd broken_;  // the residuals, and tendon limits that are exceeded as if they were residuals
   MatrixXd broken_jacobian_;

@@ -25,7 +25,7 @@ struct Tolerances {
 struct Problem {
   const SceneTables& tables;
   const Options& options;
-  double clearance;  // the largest distance that a pair must keep [m]
+  double clearance;  // the largest that a pair must keep, but for mesh_gap [m]
   double size;       // half of the geoms that may move have a smaller bounding radius [m]
   Tolerances tolerances;
   ComponentSet without;  // Options::without

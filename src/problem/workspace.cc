@@ -27,6 +27,7 @@ Workspace::Workspace(const SceneTables& tables, const Options& options)
                .tolerances = Tolerances(options.tolerance, tables.size),
                .without = ComponentsNamed(options.without, options.method)} {
   usual_ = problem_.required = RequiredDistances();
+  farthest_ = usual_.size() > 0 ? std::max(problem_.clearance, usual_.maxCoeff()) : 0.0;
   overlaps_.reserve(tables.pairs.size());
   norm.SetReference(Eigen::Map<const VectorXd>(tables.model->qpos0, tables.model->nq));
 }
@@ -77,7 +78,7 @@ VectorXd Workspace::RequiredDistances() const {
 
 bool Workspace::Free(const VectorXd& q) {
   finder.Pose(q);
-  const std::vector<NearPair>& near = finder.Find(problem_.clearance, Depths::kSkipped);
+  const std::vector<NearPair>& near = finder.Find(farthest_, Depths::kSkipped);
   const bool apart = std::none_of(near.begin(), near.end(), [this](const NearPair& n) {
     return problem_.Overlaps(n, problem_.tolerances.accept);
   });
@@ -87,7 +88,7 @@ bool Workspace::Free(const VectorXd& q) {
 const std::vector<NearPair>& Workspace::OverlapsAtInput() {
   overlaps_.clear();
   finder.Pose(problem_.q_in);
-  for (const NearPair& near : finder.Find(problem_.clearance + problem_.options.tolerance)) {
+  for (const NearPair& near : finder.Find(farthest_ + problem_.options.tolerance)) {
     // What cannot be mended counts only if it cannot be accepted either.
     const double accepted =
         problem_.tables.pairs[near.pair].moves ? 0.0 : problem_.options.tolerance;

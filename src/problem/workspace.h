@@ -61,8 +61,9 @@ class Workspace {
   VectorXd RequiredDistances() const;
 
   Problem problem_;
-  VectorXd usual_;       // Problem::required where nothing rests
-  bool rested_ = false;  // something may rest in the present problem
+  VectorXd usual_;         // Problem::required where nothing rests
+  double farthest_ = 0.0;  // the largest of them: what may overlap is no farther apart [m]
+  bool rested_ = false;    // something may rest in the present problem
   std::vector<NearPair> overlaps_;
 };
 
