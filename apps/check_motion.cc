@@ -43,6 +43,14 @@ std::string MotionJson(const Scene& scene, const Motion& motion) {
   return JsonLine(json);
 }
 
+// What a straight motion does not hold; empty: nothing.
+std::string LeftAside(const Scene& scene) {
+  const bool equalities = !scene.HeldEqualities().empty();
+  if (!equalities && !scene.HoldsTendonLimits()) return "";
+  return std::string("is checked for collisions and joint limits, and leaves ") +
+         (equalities ? "the model's equality constraints" : "tendon limits") + " aside";
+}
+
 // Says in words how far the motion is free and what ends it.
 std::string Sentence(const Scene& scene, const Motion& motion) {
   const std::string at = "free up to t = " + Short(motion.t) + ": ";
@@ -87,6 +95,8 @@ std::string MotionPage(const CLI::App& command, const MotionArguments& arguments
   page.BeginModel(model, scene);
   PageRow row = MotionPageRow(scene, ends, motion, Sentence(scene, motion));
   row.content["command"] = ShellCommand(again);
+  const std::string aside = LeftAside(scene);
+  if (!aside.empty()) row.content["note"] = "It " + aside + ".";
   row.content["norm"] = NormCommand(model, GivenNormOptions(command));
   page.Add(row);
   return page.ToString();
@@ -97,12 +107,8 @@ std::string MotionPage(const CLI::App& command, const MotionArguments& arguments
 int RunCheckMotion(const CLI::App& command, const MotionArguments& arguments) {
   const Scene scene = LoadScene(arguments.scene);
   const Ends ends = ReadEnds(scene, arguments.ends);
-  const bool equalities = !scene.HeldEqualities().empty();
-  if (equalities || scene.HoldsTendonLimits()) {
-    WriteWarning(
-        std::string("the straight motion is checked for collisions and joint limits, and leaves ") +
-        (equalities ? "the model's equality constraints" : "tendon limits") + " aside");
-  }
+  const std::string aside = LeftAside(scene);
+  if (!aside.empty()) WriteWarning("the straight motion " + aside);
   OutputFiles outputs;
   outputs.Add("--json", arguments.json, {arguments.scene.model});
   outputs.Add("--html", arguments.html, {arguments.scene.model});

@@ -79,6 +79,7 @@ PageRow MotionPageRow(const Scene& scene, const Ends& ends, const Motion& motion
                                          PageFact("poses", motion.poses),
                                          PageFact("distance queries", motion.distance_queries)})},
                   {"joints", PageJoints(scene, Metric::kSequential, page.frames)}};
+  if (at_once) page.content["opens"] = 0;
   if (!stop.frames.empty()) {
     page.tables.push_back(stop);
   } else if (page.wrong) {

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <map>
 #include <string>
+#include <utility>
 
 #include "apps/output/joint_moved.h"
 
@@ -17,6 +18,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kJoints = 12;  // listed
+constexpr double kRounding = 1e-14;  // of the scene's extent: so far has nothing moved that did not
 
 // σ of one term in each frame.
 struct Term {
@@ -33,7 +35,7 @@ double Rounded(double value) {
   return std::strtod(text, nullptr);
 }
 
-// The terms that are anywhere more than nothing, the largest first.
+// The terms that are anywhere more than rounding errors, the largest at the end first.
 std::vector<Term> Terms(const Scene& scene, Metric metric, const std::vector<PageFrame>& frames) {
   ObjectNorm norm(scene, metric, frames.front().q);
   std::vector<Term> terms;
@@ -45,9 +47,11 @@ std::vector<Term> Terms(const Scene& scene, Metric metric, const std::vector<Pag
       terms[k].sigma.push_back(parts[k].sigma);
     }
   }
-  std::erase_if(terms, [](const Term& term) { return !(term.Largest() > 0.0); });
+  const double nothing = std::pow(kRounding * scene.model()->stat.extent, 2);
+  std::erase_if(terms, [&](const Term& term) { return !(term.Largest() > nothing); });
+  const auto order = [](const Term& term) { return std::pair(term.sigma.back(), term.Largest()); };
   std::stable_sort(terms.begin(), terms.end(),
-                   [](const Term& a, const Term& b) { return a.Largest() > b.Largest(); });
+                   [&](const Term& a, const Term& b) { return order(a) > order(b); });
   if (terms.size() > kJoints) terms.resize(kJoints);
   return terms;
 }

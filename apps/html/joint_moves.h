@@ -10,8 +10,9 @@
 
 namespace mjcf_pdg::app {
 
-// The terms of σ from the first frame to each, those with the largest one anywhere first: for every
-// term its name, unit, and for every frame its σ [m²] and (of joints) how far it moved [mm or °].
+// The terms of σ from the first frame to each, those that are largest in the last frame first: for
+// every term its name, unit, and for every frame its σ [m²] and (of joints) how far it moved [mm or
+// °].
 nlohmann::ordered_json PageJoints(const Scene& scene, Metric metric,
                                   const std::vector<PageFrame>& frames);
 

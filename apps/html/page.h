@@ -51,7 +51,7 @@ struct PageRow {
   // command, note (what is to be known of it), norm (a command without its ends, which gives joints
   // again), trace (a command that gives the iterations again), contacts_in, contacts,
   // contacts_goal (PageContacts), joints (PageJoints), iterations, before (what the first frame is
-  // called).
+  // called), opens (the frame that is shown at first; without it the last).
   nlohmann::ordered_json content = nlohmann::ordered_json::object();
 };
 

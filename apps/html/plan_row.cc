@@ -58,18 +58,6 @@ void AddEdges(const Scene& scene, const Path& path, PageTable& edges, PageRow& r
   }
 }
 
-// Each leads to the goal as given, which is the last frame.
-PageTable GoalContacts(const Scene& scene, const Result& goal, const PageRow& row) {
-  PageTable table{
-      "Contacts of the goal as given", {"geom 1", "geom 2", "depth mm"}, Json::array(), {}, {}};
-  for (const Contact& contact : goal.contacts_in) {
-    table.rows.push_back({PageGeomName(scene, contact.geom[0]),
-                          PageGeomName(scene, contact.geom[1]), -1e3 * contact.distance});
-    table.frames.push_back(row.frames.size() - 1);
-  }
-  return table;
-}
-
 }  // namespace
 
 PageRow PathPageRow(const Scene& scene, const PlannedPath& planned) {
@@ -89,12 +77,13 @@ PageRow PathPageRow(const Scene& scene, const PlannedPath& planned) {
     row.frames.push_back({planned.goal.q, "the goal as given"});
   }
   if (path.found) row.tables.push_back(edges);
-  if (!path.goal.contacts_in.empty()) row.tables.push_back(GoalContacts(scene, path.goal, row));
   row.content = {{"facts", Facts(planned)},
                  {"reason", path.reason},
                  {"contacts_in", PageContacts(scene, path.start.contacts_in)},
                  {"contacts_goal", PageContacts(scene, path.goal.contacts_in)}};
-  if (!path.found) row.content["note"] = "A clock may have ended it, and another run get further.";
+  const bool searched = !path.found && path.samples > 0;
+  if (searched) row.content["note"] = "A clock may have ended it, and another run get further.";
+  if (!path.found) row.content["opens"] = 0;  // what is wrong with the start comes first
   // Where there is none, start and goal are all the slider has, and nothing moved between them.
   if (path.found) row.content["joints"] = PageJoints(scene, Metric::kSequential, row.frames);
   return row;

@@ -24,7 +24,9 @@ namespace mjcf_pdg {
 
 // Which rows a linearization gets, and what they ask for.
 struct RowOptions {
-  double margin = 0.0;         // remembered witness points farther apart than this get no row [m]
+  // Remembered witness points that are farther beyond the clearance than this, along the normal,
+  // get no row [m].
+  double margin = 0.0;
   double aim = 0.0;            // overlap that every row still allows [m]
   double safety_margin = 0.0;  // kept beyond that in rows of exact meshes [m]
 };

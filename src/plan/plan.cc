@@ -88,8 +88,8 @@ bool Planning::Repair(const std::vector<double>& q, const char* end, Result& res
   path_.collision_queries += clear.stats.collision_queries;
   if (clear.status == Status::kSolved) result = clear;
   if (result.status == Status::kSolved) return true;
-  path_.reason =
-      std::string("the ") + end + " is not free and cannot be repaired: " + result.reason;
+  path_.reason += (path_.reason.empty() ? "the " : "; the ") + std::string(end) +
+                  " is not free and cannot be repaired: " + result.reason;
   return false;
 }
 
@@ -192,8 +192,8 @@ void Planning::Solve(const ob::ProblemDefinitionPtr& problem,
 }
 
 Path Planning::Run(const std::vector<double>& start, const std::vector<double>& goal) {
-  const bool free_ends = Repair(start, "start", path_.start) && Repair(goal, "goal", path_.goal);
-  if (free_ends) {
+  const bool from = Repair(start, "start", path_.start), to = Repair(goal, "goal", path_.goal);
+  if (from && to) {
     const SceneTables& tables = scene_.tables();
     Search(Normalized(tables, ToEigen(path_.start.q)), Normalized(tables, ToEigen(path_.goal.q)));
   }

@@ -35,6 +35,15 @@ SHELL_AND_PADS = """<mujoco><worldbody>
   </body></worldbody></mujoco>"""
 
 
+# A rod that fits nowhere between floor and roof.
+CAGE = """<mujoco><worldbody>
+  <geom name="floor" type="box" size="1 1 .5"/><geom name="roof" type="box" size="1 1 .5" pos="0 0 1.15"/>
+  <body name="rod" pos="0 0 .57">
+    <joint name="h" type="hinge" axis="0 1 0" range="-10 10"/><joint name="z" type="slide" axis="0 0 1" range="-.2 .2"/>
+    <geom name="rod" size=".1"/><geom type="capsule" size=".02 .1" euler="0 90 0"/>
+  </body></worldbody></mujoco>"""
+
+
 def run(folder: pathlib.Path, *arguments: str, exits: int) -> None:
     done = subprocess.run([PROGRAM, *arguments], cwd=folder, capture_output=True, text=True, timeout=120)
     assert done.returncode == exits, done.stderr
@@ -59,6 +68,7 @@ def reports(tmp_path_factory) -> dict[str, pathlib.Path]:
         {"model": "ball.xml", "row": "qpos0", "status": "solved", "sigma": 1e-6, "queries": 1},
         {"model": "gone.xml", "row": "qpos0", "status": "solved", "sigma": 1e-6, "queries": 1}]}))
     (folder / "shell.xml").write_text(SHELL_AND_PADS)
+    (folder / "cage.xml").write_text(CAGE)
     puma, zeros = "models/puma/puma_car.xml", "0 0 0 0 0 0 0 0 0"
     commands = {
         "solve": (["solve", puma], 0),
@@ -71,6 +81,8 @@ def reports(tmp_path_factory) -> dict[str, pathlib.Path]:
         "displacement": (["solve", "ball.xml", "--qpos", "0 0", "--metric", "displacement"], 0),
         "inside": (["plan", "ball_in_wall.xml", "--start", "0 -.15", "--goal", "0 .3"], 0),
         "inside_at_last": (["plan", "ball_in_wall.xml", "--start", "0 .3", "--goal", "0 -.15"], 0),
+        "motion_from_inside": (["check", "ball.xml", "--motion", "--from", "0 -.05", "--to", ".9 .8"], 3),
+        "stuck": (["solve", "cage.xml", "--qpos", "0.1 0.02"], 3),
         "touching": (["check", "ball_in_wall.xml", "--qpos", "0 -.15"], 3),
         "clip": (["solve", "ball.xml", "--qpos-file", "clip.csv", "--trajectory"], 0),
         "many": (["solve", "ball.xml", "--qpos-file", "many.csv", "--threads", "2"], 0),

@@ -224,6 +224,29 @@ def test_what_lies_in_an_obstacle_is_seen_through_it(open_report, name, key):
         assert colours["blue"] > 1000
 
 
+def test_what_cannot_be_repaired_stands_out_where_it_is(open_report):
+    reader = open_report("stuck")
+    assert reader.page.inner_text("#title").endswith("unsolved")
+    assert colours_of(reader)["orange"] > 1000  # though the slider shows a search that moved it and gave up
+    reader.screenshot("opened")
+
+
+def test_contacts_of_a_goal_are_looked_at_where_the_slider_ends(open_report):
+    skip_what_is_not_built("plan")
+    reader = open_report("inside_at_last")
+    reader.page.keyboard.press("Home")
+    reader.page.click("#contacts_goal tr:first-child")
+    assert reader.page.input_value("#slider") == reader.page.get_attribute("#slider", "max")
+    depth, normal = reader.texts("#contacts_goal td:nth-child(3)")[0], reader.texts("#contacts_goal td:nth-child(4)")[0]
+    assert (depth, normal) == ("200", "0.00 0.00 -1.00")
+    reader.screenshot("contact")
+
+
+def test_a_motion_that_starts_in_collision_opens_there(open_report):
+    reader = open_report("motion_from_inside")
+    assert reader.page.input_value("#slider") == "0"
+
+
 def test_arrows_of_the_answer_are_there_at_the_answer_alone(open_report):
     reader = open_report("displacement")
     page = reader.page

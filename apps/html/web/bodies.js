@@ -81,7 +81,7 @@ export class Bodies {
     for (const body of bodies) yield* body.children;
   }
 
-  // `contacts`: where nothing moves, their geoms stand out; `goal`: those where the slider ends.
+  // `contacts`: where nothing has moved in the end, their geoms stand out; `goal`: those where the slider ends.
   setRow(poses, contacts, goal) {
     this.poses = poses;
     const stride = POSE * this.count;
@@ -92,7 +92,9 @@ export class Bodies {
       }
       return false;
     });
-    this.contacts = this.frames > 1 ? [] : contacts;
+    const end = stride * (this.frames - 1);
+    this.stays = poses.subarray(0, stride).every((x, k) => Math.abs(poses[end + k] - x) < 1e-6);  // as it was in the end
+    this.contacts = this.stays ? contacts : [];
     this.overlapping = this.contacts.flatMap((contact) => contact.geoms);
     this.ghost.forEach((body, b) => place(body, poses, POSE * b));
     this.covering = new Set([...this.findCovering(contacts, 0), ...this.findCovering(goal, this.frames - 1)]);
@@ -109,7 +111,8 @@ export class Bodies {
       for (const mesh of body.children) {
         const {geom, own} = mesh.userData;
         const stands_out = geom.type !== 'plane' && this.overlapping.includes(geom.id);
-        mesh.material.color.set(this.moves[b] ? colour : stands_out ? BEFORE : own);
+        const moved = this.moves[b] && !(this.stays && frame === this.frames - 1);
+        mesh.material.color.set(moved ? colour : stands_out ? BEFORE : own);
       }
     });
   }
@@ -155,7 +158,7 @@ export class Bodies {
     const covering = new Set();
     for (const {geoms, normal, distance} of contacts) {
       const widths = geoms.map((id) => (found.get(id).userData.geom.type === 'plane' ? Infinity : widthAlong(normal, found.get(id))));
-      const outer = geoms[widths[0] > widths[1] ? 0 : 1], still = this.frames === 1 || !this.moves[found.get(outer).userData.geom.body];
+      const outer = geoms[widths[0] > widths[1] ? 0 : 1], still = this.stays || !this.moves[found.get(outer).userData.geom.body];
       if (still && -distance >= SUNK * Math.min(...widths)) covering.add(outer);
     }
     return covering;

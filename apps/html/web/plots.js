@@ -80,9 +80,9 @@ export function plotJoints(svg, legend, {joints, frames}, go) {
 }
 
 // Joints in one frame: {name, unit, moved, sigma}, the last two with a number for each frame. Bars are as long as σ of the joint is
-// large, against the largest in any frame.
+// large, against the largest in this frame.
 export function fillJoints(body, joints, frame) {
-  const most = Math.max(...joints.flatMap((joint) => joint.sigma), 1e-300);
+  const most = Math.max(...joints.map((joint) => joint.sigma[frame]), 1e-300);
   body.replaceChildren(...joints.map(({name, unit, moved, sigma}) => {
     const row = element('tr'), cell = element('td');
     const bar = element('div', undefined, {class: 'bar', style: `width:${100 * sigma[frame] / most}%`});

@@ -49,13 +49,15 @@ function showSection(id, filled) {
   $(id).closest('section').hidden = !filled;
 }
 
-function fillContacts(id, other) {
+const CONTACTS = ['contacts_in', 'contacts', 'contacts_goal'];
+
+function fillContacts(id) {
   const contacts = row[id] ?? [];
   const cells = (c) => [c.geom1, c.geom2, -1e3 * c.distance, c.normal.map((n) => (Math.round(100 * n) / 100 || 0).toFixed(2)).join(' ')];
   showSection(id, contacts.length);
   fill($(id), contacts.map(cells), (k) => {
-    mark($(other), -1);
-    if (id === 'contacts') showFrame(row.frames.length - 1);
+    CONTACTS.filter((other) => other !== id).forEach((other) => mark($(other), -1));
+    if (id !== 'contacts_in') showFrame(row.frames.length - 1);
     stage.lookAtContact(contacts[k]);
     document.body.dataset.contact = k;
   });
@@ -68,8 +70,7 @@ function fillPage() {
   fill($('facts'), row.facts ?? []);
   $('reason').textContent = row.reason ?? '';
   showSection('facts', row.facts?.length || row.reason || row.command);
-  fillContacts('contacts_in', 'contacts');
-  fillContacts('contacts', 'contacts_in');
+  CONTACTS.forEach(fillContacts);
   fillTables($('row-tables'), row.tables, page.note, showFrame);
   showSection('joints', row.joints?.length);
   drawPlots();
@@ -92,6 +93,7 @@ function showScene(bodies) {
   $('ghost').checked = true;
   writeFrame(row.frames.length - 1);  // before, as it may need more lines
   stage.setRow(bodies, row);
+  if (row.opens !== undefined) showFrame(row.opens);
 }
 
 async function choose(index) {
@@ -165,8 +167,8 @@ async function begin() {
   begun = choose(page.rows[asked.get('row')] ? Number(asked.get('row')) : firstRow());
   await begun;
   window.onresize = () => { drawPlots(); if (row.frames.length > 0) writeFrame(frame); };
-  const at = asked.get('frame') ?? '100%';
-  showFrame(at.endsWith('%') ? Math.round(parseFloat(at) / 100 * (row.frames.length - 1)) : Number(at));
+  const at = asked.get('frame');
+  if (at) showFrame(at.endsWith('%') ? Math.round(parseFloat(at) / 100 * (row.frames.length - 1)) : Number(at));
   document.body.dataset.ready = 'yes';
 }
 

@@ -81,15 +81,15 @@ export class Stage {
     this.marks.traverse((part) => { part.geometry?.dispose(); part.material?.dispose(); });
     this.marks.clear();
     const size = 0.04 * bodies.bounds.radius;
-    [this.given, this.found] = [arrows(given, CONTACT, size), arrows(found, AFTER, size)];
-    this.marks.add(this.given, this.found);
+    [this.given, this.found, this.goal] = [arrows(given, CONTACT, size), arrows(found, AFTER, size), arrows(goal, CONTACT, size)];
+    this.marks.add(this.given, this.found, this.goal);
     this.showArrows(view);
   }
 
-  // Those of the answer where the slider shows it; one that is looked at stands out.
+  // Those of the answer, and of a path's goal, where the slider shows it; one that is looked at stands out.
   showArrows({row, frame, contact}) {
-    this.found.visible = frame === row.frames.length - 1;
-    for (const {userData} of [...this.given.children, ...this.found.children]) {
+    this.found.visible = this.goal.visible = frame === row.frames.length - 1;
+    for (const {userData} of [...this.given.children, ...this.found.children, ...this.goal.children]) {
       userData.material.opacity = !contact || userData.contact === contact ? 1 : 0.2;
     }
   }
@@ -194,7 +194,7 @@ export class Stage {
     if (!this.beside) return this.drawPart(this.camera, 0, this.width, this.height);
     bodies.showGhost(false);
     bodies.showFrame(0, BEFORE);
-    this.found.visible = false;
+    this.found.visible = this.goal.visible = false;
     this.drawPart(this.camera, 0, this.width / 2, this.height);
     this.showArrows(this.view);
     this.given.visible = false;
