@@ -76,7 +76,7 @@ Certificate PosedPair::Decide(double needed) const {
     const Reading reading = AgainstPlane();
     const bool holds = reading.distance >= least;
     return {holds ? Proof::kPlane : Proof::kPoints, reading.n_W, reading.distance,
-            holds ? reading.p1_W : reading.p2_W, reading.p2_W};
+            reading.distance >= 0.0 || holds ? reading.p1_W : reading.p2_W, reading.p2_W};
   }
   const bool centred = !(shapes.between.squaredNorm() > 0.0);
   const Certificate found =

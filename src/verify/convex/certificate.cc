@@ -36,13 +36,17 @@ Certificate Make(const ConvexPair& pair, const CoreGap& core, Proof proof) {
 
 CoreGap ToCoreGap(const MinimumNorm& found) { return {found.n, found.lower, found.a(), found.b()}; }
 
-// If the shapes overlap, makes p1 and p2 a point that both contain: it divides the line between the
-// nearest points of the cores in the ratio of the balls' radii.
-void MarkCommonPoint(const ConvexPair& pair, const MinimumNorm& found, Certificate& certificate) {
+// Makes p1 and p2 the shapes' points on the line between the nearest points of the cores; if the
+// shapes overlap, one point that both contain, which divides it in the ratio of the balls' radii.
+void MarkPoints(const ConvexPair& pair, const MinimumNorm& found, Certificate& certificate) {
   const double share = pair.radii() > 0.0 ? pair.first.radius / pair.radii() : 0.0;
   const Vector3d a = found.a(), b = found.b();
   const double apart = (b - a).norm();
-  if (apart > pair.radii() + kNoNormal * pair.size()) return;  // the shapes do not overlap
+  if (apart > pair.radii() + kNoNormal * pair.size()) {  // the shapes do not overlap
+    certificate.p1 = a + pair.first.radius / apart * (b - a);
+    certificate.p2 = b - pair.second.radius / apart * (b - a);
+    return;
+  }
   certificate.p1 = a + share * (b - a);
   certificate.p2 = pair.radii() > 0.0 ? certificate.p1 : b;
 }
@@ -100,7 +104,7 @@ Certificate Decide(const ConvexPair& pair, double required, const Vector3d& star
   const MinimumNorm found = FindMinimumNorm(pair, question);
   if (found.lower >= bound) return Make(pair, ToCoreGap(found), Proof::kPlane);
   Certificate certificate = Make(pair, ToCoreGap(found), Proof::kPoints);
-  MarkCommonPoint(pair, found, certificate);
+  MarkPoints(pair, found, certificate);
   if (bound > 0.0) {
     if (found.upper() < bound || found.holds_origin) return certificate;
     certificate.proof = Proof::kUnproven;  // within rounding
@@ -121,7 +125,7 @@ Certificate Decide(const ConvexPair& pair, double required, const Vector3d& star
   const bool none = search.AllBelow(bound);
   if (search.best().gap >= bound) return Make(pair, search.best(), Proof::kPlane);
   certificate = Make(pair, search.best(), none ? Proof::kPoints : Proof::kUnproven);
-  MarkCommonPoint(pair, found, certificate);
+  MarkPoints(pair, found, certificate);
   return certificate;
 }
 
