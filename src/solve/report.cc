@@ -19,20 +19,29 @@ constexpr std::size_t kLongestStart = 32;
 
 // Whether a configuration that is not free is still worth going to from another one: it is no
 // deeper, and either less deep, or fewer pairs are too near, or equality constraints and tendon
-// limits hold that did not.
+// limits that did not hold do, or are nearer to it. How far apart others are does not count: that
+// is known only as far as distances are reported.
 bool Improves(const Verdict& there, const Verdict& here, const Options& options) {
   const double tolerance = options.tolerance;
-  if (there.min_distance < here.min_distance - tolerance) return false;
+  const auto nearest = [&options](const Verdict& v) {
+    double least = options.clearance;
+    for (const Contact& contact : v.contacts) least = std::min(least, contact.distance);
+    return least;
+  };
+  if (nearest(there) < nearest(here) - tolerance) return false;
   const auto too_near = [&options](const Verdict& v) {
     return std::count_if(v.contacts.begin(), v.contacts.end(), [&options](const Contact& contact) {
       return contact.distance < options.clearance - options.tolerance;
     });
   };
-  const auto holds = [](const Verdict& v) {
-    return std::max(v.equality_residual, v.tendon_excess) <= kEqualityTolerance;
+  const auto broken = [](const Verdict& v) {
+    return std::max(v.equality_residual, v.tendon_excess);
   };
-  return there.min_distance > here.min_distance + tolerance || too_near(there) < too_near(here) ||
-         (holds(there) && !holds(here));
+  const bool holds_better =
+      broken(here) > kEqualityTolerance &&
+      broken(there) <= std::max(kEqualityTolerance, broken(here) - kEqualityTolerance);
+  return nearest(there) > nearest(here) + tolerance || too_near(there) < too_near(here) ||
+         holds_better;
 }
 
 }  // namespace

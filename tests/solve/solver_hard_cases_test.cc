@@ -404,6 +404,38 @@ TEST_P(ModelKeyframesTest, EveryKeyframeIsSolved) {
   }
 }
 
+// Of what is not free the same comes back whatever is to be reported: how far apart the others are
+// does not count.
+TEST_F(SolverHardCasesTest, WhatIsReportedDoesNotChangeWhatIsUnsolved) {
+  const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
+      <geom type="plane" size="2 2 .1"/>
+      <body name="wall" mocap="true" pos="1 0 .5"><geom type="box" size=".05 .5 .5"/></body>
+      <body name="arm" pos="0 0 .3"><joint axis="0 0 1"/><joint axis="0 1 0" range="-100 100"/>
+        <geom type="capsule" size=".04" fromto="0 0 0 .4 0 0"/>
+        <body name="fore" pos=".4 0 0"><joint axis="0 1 0" range="-140 140"/>
+          <geom type="capsule" size=".03" fromto="0.05 0 0 .4 0 0"/></body></body></worldbody>
+      <contact><exclude body1="arm" body2="fore"/></contact>
+      <equality><weld body1="fore" body2="wall"/></equality></mujoco>)",
+                                        {.equality = EqualityMode::kAll});
+  Options reporting;  // the wall is a metre too far away
+  reporting.mocap_pos = {2.0, 0.0, 0.5};
+  reporting.mocap_quat = {1.0, 0.0, 0.0, 0.0};
+  Options silent = reporting, far = reporting;
+  reporting.report_contacts = true;
+  silent.report_distances_to = 0.0;
+  far.report_distances_to = 3.0;
+  const Result told = Solver(scene, reporting).Solve(scene.DefaultQpos());
+  ASSERT_EQ(told.status, Status::kUnsolved);
+  EXPECT_EQ(told.cause, Cause::kEquality);
+  EXPECT_LT(told.equality_residual, told.equality_residual_in);
+  for (const Options& options : {silent, far}) {
+    const Result result = Solver(scene, options).Solve(scene.DefaultQpos());
+    EXPECT_EQ(result.q, told.q);
+    EXPECT_EQ(result.start, told.start);
+    EXPECT_EQ(result.equality_residual, told.equality_residual);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Models, ModelKeyframesTest,
                          ::testing::Values("puma/puma_car.xml", "hand/hand_bottle.xml",
                                            "figure/figure_bench.xml"));
