@@ -28,7 +28,8 @@ namespace fs = std::filesystem;
 // What the report of --update says of what it compares with.
 constexpr const char* kReplaced =
     "This run wrote new golden results (--update), and rows are compared with those here. A run "
-    "without --update, before it, shows what changes.";
+    "without --update, before it, shows what changes. A model that failed keeps its golden "
+    "results, and its rows are not here.";
 
 struct RegressArguments {
   std::vector<std::string> suites;
@@ -138,10 +139,18 @@ CaseReport Renewed(CaseReport report) {
   return report;
 }
 
-// Shows a model when it is done; one that the suite has no more is not there after --update.
+// Shows a model when it is done. After --update one that the suite has no more is not there, and
+// one that failed has no rows: they would be compared with results that were not written.
 void EndModel(const Suite& suite, const CaseReport& report, bool update, RegressPage& page) {
   if (!update) return page.End(suite, report);
-  if (!report.rows.empty() || !report.error.empty()) page.End(suite, Renewed(report));
+  if (!report.error.empty()) {
+    page.DropRows();
+    CaseReport failed;
+    failed.model = report.model;
+    failed.error = report.error;
+    return page.End(suite, failed);
+  }
+  if (!report.rows.empty()) page.End(suite, Renewed(report));
 }
 
 // False if it was interrupted. `page` gets all rows, unless it is null.

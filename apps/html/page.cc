@@ -55,6 +55,12 @@ void Page::AddTable(PageTable table) {
   tables_.push_back(TableJson(table));
 }
 
+void Page::GoBack(const Place& place) {
+  rows_.erase(rows_.begin() + static_cast<std::ptrdiff_t>(place.rows), rows_.end());
+  models_.erase(models_.begin() + static_cast<std::ptrdiff_t>(place.models), models_.end());
+  blocks_.resize(place.bytes);
+}
+
 Json Page::TableJson(const PageTable& table) {
   Json json = {{"title", table.title}, {"columns", table.columns}, {"rows", table.rows}};
   if (!table.frames.empty()) json["frames"] = table.frames;

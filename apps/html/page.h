@@ -66,6 +66,12 @@ class Page {
   void BeginModel(const std::string& name);
   void Add(const PageRow& row);
   void AddTable(PageTable table);
+  // How far the page has come; GoBack removes the models and rows that were added since.
+  struct Place {
+    std::size_t rows, models, bytes;
+  };
+  Place Here() const { return {rows_.size(), models_.size(), blocks_.size()}; }
+  void GoBack(const Place& place);
   std::string ToString() const;
 
  private:

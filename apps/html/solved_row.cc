@@ -106,6 +106,7 @@ PageRow TrajectoryPageRow(const std::vector<PageFrame>& answers) {
   row.status = "motion";
   const std::size_t stride = answers.size() / kTrajectoryFrames + 1;
   for (std::size_t k = 0; k < answers.size(); k += stride) row.frames.push_back(answers[k]);
+  if ((answers.size() - 1) % stride != 0) row.frames.push_back(answers.back());
   row.content = {{"facts", Json::array({PageFact("frames", answers.size())})},
                  {"before", "the first frame"}};
   return row;

@@ -90,6 +90,12 @@ void RegressPage::Begin(const Suite& suite, const SuiteCase& one) {
   options_ = one.options;
   given_ = one.given;
   begun_ = false;
+  place_ = page_.Here();
+}
+
+void RegressPage::DropRows() {
+  page_.GoBack(place_);
+  begun_ = false;
 }
 
 void RegressPage::Add(const Scene& scene, const SolvedRow& solved, const RowReport& report) {

@@ -20,6 +20,8 @@ class RegressPage {
   // The rows that follow are of this case.
   void Begin(const Suite& suite, const SuiteCase& one);
   void Add(const Scene& scene, const SolvedRow& solved, const RowReport& report);
+  // Removes the rows of the present case.
+  void DropRows();
   // What is known when the rows of a model are solved, or why they are not; also of a model that
   // the golden results alone have.
   void End(const Suite& suite, const CaseReport& report);
@@ -35,7 +37,8 @@ class RegressPage {
   std::string name_;  // of the present model
   Options options_;   // of the present case
   nlohmann::ordered_json given_;
-  bool begun_ = false;  // the present model is on the page
+  bool begun_ = false;   // the present model is on the page
+  Page::Place place_{};  // where the present case began
 };
 
 }  // namespace mjcf_pdg::app

@@ -282,5 +282,20 @@ TEST_F(CliTest, AReportOfAnUpdateIsThatOfTheNextRun) {
   EXPECT_GT(again["tables"][0]["rows"][0][1], 0);
 }
 
+// A model that fails after some rows keeps its golden results: nothing is shown as if it had
+// others.
+TEST_F(CliTest, AReportOfAnUpdateLeavesOutTheRowsOfAModelThatFails) {
+  Write("rows.csv", "0 0\n0 0 0\n");
+  Write("suite.json", R"({"version": 1, "cases": [
+    {"model": "scene.xml", "configurations": ["keyframes", {"file": "rows.csv"}]}]})");
+  ASSERT_EQ(Run({"regress", "suite.json", "--update", "--html", "r.html"}).exit_code, 3);
+  const std::string page = Read("r.html");
+  ASSERT_EQ(Head(page)["rows"].size(), 1u);
+  EXPECT_EQ(Head(page)["rows"][0]["status"], "failed");
+  EXPECT_EQ(Head(page)["models"].size(), 1u);
+  EXPECT_EQ(Head(page)["tables"][0]["rows"][0][2], "-");
+  EXPECT_EQ(Unpack(Script(page, "row0")).json["nq"], 0);
+}
+
 }  // namespace
 }  // namespace mjcf_pdg::test
