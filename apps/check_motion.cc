@@ -1,5 +1,7 @@
 #include "apps/check_motion.h"
 
+#include <algorithm>
+
 #include "apps/cli.h"
 #include "apps/console/text.h"
 #include "apps/html/checked_row.h"
@@ -83,6 +85,20 @@ std::string MotionText(const Scene& scene, const Motion& motion) {
          std::to_string(motion.distance_queries) + "\n";
 }
 
+// More than how far apart a motion leaves what is in its way (four) [tolerances].
+constexpr double kStopBand = 8.0;
+
+// What is in the way where the motion stops, or overlaps where it starts: of its pairs, those that
+// are within the tolerance of `near`.
+std::vector<Contact> ContactsAtStop(const Scene& scene, const std::vector<double>& from,
+                                    const Motion& motion, const Options& near) {
+  std::vector<Contact> contacts = Verify(scene, motion.q, near, &from).contacts;
+  std::erase_if(contacts, [&](const Contact& contact) {
+    return std::find(motion.pairs.begin(), motion.pairs.end(), contact.geom) == motion.pairs.end();
+  });
+  return contacts;
+}
+
 std::string MotionPage(const CLI::App& command, const MotionArguments& arguments,
                        const Scene& scene, const Motion& motion) {
   const std::string& model = arguments.scene.model;
@@ -93,8 +109,17 @@ std::string MotionPage(const CLI::App& command, const MotionArguments& arguments
   again.insert(again.end(), {"--json", "-"});
   Page page({"", {}, OptionsInForce(command)});
   page.BeginModel(model, scene);
-  PageRow row = MotionPageRow(scene, ends, motion, Sentence(scene, motion));
+  Options near = arguments.options;
+  near.tolerance = std::min(1.0, kStopBand * near.tolerance);
+  PageRow row =
+      MotionPageRow(scene, {ends, motion, ContactsAtStop(scene, ends.from, motion, near)});
+  if (motion.outcome != MotionOutcome::kFree) row.content["reason"] = Sentence(scene, motion);
   row.content["command"] = ShellCommand(again);
+  RowCommand stop{{"check", model}, GivenOptions(command, {"--tolerance"})};
+  stop.options.insert(stop.options.end(), {"--tolerance", nlohmann::json(near.tolerance).dump()});
+  Configuration at;
+  at.q = motion.q;
+  row.content["stop"] = stop.Of(at);
   const std::string aside = LeftAside(scene);
   if (!aside.empty()) row.content["note"] = "It " + aside + ".";
   row.content["norm"] = NormCommand(model, GivenNormOptions(command));

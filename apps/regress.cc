@@ -200,8 +200,9 @@ int RunRegress(const CLI::App& command, const RegressArguments& arguments) {
   CatchInterrupts();
   std::unique_ptr<RegressPage> page;
   if (!arguments.html.empty()) {
-    page =
-        std::make_unique<RegressPage>(Again(command, arguments), arguments.update ? kReplaced : "");
+    page = std::make_unique<RegressPage>(
+        RegressPageHead{Again(command, arguments), arguments.update ? kReplaced : "",
+                        GivenNormOptions(command), runs.size() > 1});
   }
   if (!RunSuites(runs, arguments, page.get()))
     return SayInterrupted("before the end: nothing was written");

@@ -27,6 +27,23 @@ Json Facts(const Verdict& verdict) {
   return facts;
 }
 
+// The pairs or the joint; a click leads to the frame where it stops.
+PageTable WhatEnds(const Scene& scene, const Motion& motion, std::size_t stop) {
+  const bool limit = motion.outcome == MotionOutcome::kLimit;
+  PageTable table{"What ends the motion", {}, Json::array(), {}, {}};
+  table.columns = limit ? std::vector<std::string>{"joint", "rad or m, at its limit"}
+                        : std::vector<std::string>{"geom 1", "geom 2"};
+  if (limit) {
+    const int at = scene.model()->jnt_qposadr[motion.joint];
+    table.rows.push_back({scene.JointName(motion.joint), motion.q[static_cast<std::size_t>(at)]});
+  }
+  for (const std::array<int, 2>& pair : motion.pairs) {
+    table.rows.push_back({PageGeomName(scene, pair[0]), PageGeomName(scene, pair[1])});
+  }
+  table.frames.assign(table.rows.size(), stop);
+  return table;
+}
+
 }  // namespace
 
 PageRow CheckedPageRow(const Scene& scene, double tolerance, const CheckedRow& checked) {
@@ -47,8 +64,8 @@ PageRow CheckedPageRow(const Scene& scene, double tolerance, const CheckedRow& c
   return page;
 }
 
-PageRow MotionPageRow(const Scene& scene, const Ends& ends, const Motion& motion,
-                      const std::string& words) {
+PageRow MotionPageRow(const Scene& scene, const CheckedMotion& checked) {
+  const auto& [ends, motion, contacts] = checked;
   PageRow page;
   page.of.label = "motion";
   page.status = motion.outcome == MotionOutcome::kFree ? "free" : "not_free";
@@ -60,18 +77,10 @@ PageRow MotionPageRow(const Scene& scene, const Ends& ends, const Motion& motion
     if (t < motion.t) page.frames.push_back({OnTheWay(scene, ends.from, ends.to, t), place(t)});
   }
   const bool at_once = motion.outcome == MotionOutcome::kStartInCollision;
-  PageTable stop{at_once ? "What overlaps where it starts" : "What ends the motion",
-                 {"geom 1", "geom 2"},
-                 Json::array(),
-                 {},
-                 {}};
-  if (motion.outcome != MotionOutcome::kFree) {
+  if (page.wrong && !at_once) {
     page.frames.push_back({motion.q, place(motion.t) + ", where it stops"});
-    for (const std::array<int, 2>& pair : motion.pairs) {
-      stop.rows.push_back({PageGeomName(scene, pair[0]), PageGeomName(scene, pair[1])});
-      stop.frames.push_back(page.frames.size() - 1);
-    }
   }
+  const std::size_t stop = page.frames.size() - 1;
   page.frames.push_back(
       {ends.to, page.wrong ? "to, which is not reached" : "to: free all the way"});
   page.content = {{"facts", Json::array({PageFact("free up to t", motion.t),
@@ -79,12 +88,11 @@ PageRow MotionPageRow(const Scene& scene, const Ends& ends, const Motion& motion
                                          PageFact("poses", motion.poses),
                                          PageFact("distance queries", motion.distance_queries)})},
                   {"joints", PageJoints(scene, Metric::kSequential, page.frames)}};
-  if (at_once) page.content["opens"] = 0;
-  if (!stop.frames.empty()) {
-    page.tables.push_back(stop);
-  } else if (page.wrong) {
-    page.content["reason"] = words;
-  }
+  if (!page.wrong) return page;
+  page.content["opens"] = stop;
+  page.content["contacts_stop"] = PageContacts(scene, contacts);
+  const PageTable table = WhatEnds(scene, motion, stop);
+  if (table.rows.size() > contacts.size()) page.tables.push_back(table);
   return page;
 }
 

@@ -22,10 +22,14 @@ struct CheckedRow {
 // [m] counts as none.
 PageRow CheckedPageRow(const Scene& scene, double tolerance, const CheckedRow& checked);
 
-// The slider goes from `from` to where the motion is free, and there to `to`. `words` say what
-// ended it where no pairs did.
-PageRow MotionPageRow(const Scene& scene, const Ends& ends, const Motion& motion,
-                      const std::string& words);
+struct CheckedMotion {
+  const Ends& ends;
+  const Motion& motion;
+  std::vector<Contact> contacts;  // of what is in the way, at motion.q
+};
+
+// The slider goes from `from` to where the motion is free, and from there to `to`.
+PageRow MotionPageRow(const Scene& scene, const CheckedMotion& checked);
 
 }  // namespace mjcf_pdg::app
 

@@ -50,8 +50,9 @@ struct PageRow {
   // More that web/report.js shows, each of it may be missing: facts (names and values), reason,
   // command, note (what is to be known of it), norm (a command without its ends, which gives joints
   // again), trace (a command that gives the iterations again), contacts_in, contacts,
-  // contacts_goal (PageContacts), joints (PageJoints), iterations, before (what the first frame is
-  // called), opens (the frame that is shown at first; without it the last).
+  // contacts_goal, contacts_stop (PageContacts), stop (a command that gives contacts_stop again),
+  // joints (PageJoints), iterations, before (what the first frame is called), opens (the frame that
+  // is shown at first, and that contacts_stop is of; without it the last).
   nlohmann::ordered_json content = nlohmann::ordered_json::object();
 };
 

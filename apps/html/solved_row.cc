@@ -100,15 +100,25 @@ PageRow SolvedPageRow(const Scene& scene, Metric metric, const SolvedRow& solved
   return row;
 }
 
-PageRow TrajectoryPageRow(const std::vector<PageFrame>& answers) {
+PageRow TrajectoryPageRow(const std::vector<PageFrame>& answers,
+                          const std::vector<std::size_t>& unsolved) {
   PageRow row;
   row.of.label = "all frames";
   row.status = "motion";
+  row.wrong = !unsolved.empty();
   const std::size_t stride = answers.size() / kTrajectoryFrames + 1;
   for (std::size_t k = 0; k < answers.size(); k += stride) row.frames.push_back(answers[k]);
   if ((answers.size() - 1) % stride != 0) row.frames.push_back(answers.back());
   row.content = {{"facts", Json::array({PageFact("frames", answers.size())})},
                  {"before", "the first frame"}};
+  if (row.wrong) {
+    row.content["facts"].push_back(PageFact("not solved", unsolved.size()));
+    const std::size_t more = unsolved.size() - 1;
+    row.content["reason"] = answers[unsolved.front()].label +
+                            (more > 0 ? ", and " + std::to_string(more) + " more" : "") +
+                            ". The list of rows says why.";
+    row.content["opens"] = unsolved.front() / stride;
+  }
   return row;
 }
 

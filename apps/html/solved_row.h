@@ -17,8 +17,9 @@ inline constexpr const char* kQueriesFact = "collision queries";
 // command and values.
 PageRow SolvedPageRow(const Scene& scene, Metric metric, const SolvedRow& solved);
 
-// The answers of a trajectory's frames, one after the other.
-PageRow TrajectoryPageRow(const std::vector<PageFrame>& answers);
+// The answers of a trajectory's frames, one after the other; `unsolved` are those that are none.
+PageRow TrajectoryPageRow(const std::vector<PageFrame>& answers,
+                          const std::vector<std::size_t>& unsolved);
 
 }  // namespace mjcf_pdg::app
 

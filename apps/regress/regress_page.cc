@@ -81,12 +81,26 @@ PageTable SuiteOptions(const Json& given) {
 
 }  // namespace
 
-RegressPage::RegressPage(const std::string& again, const std::string& note)
-    : again_(again),
-      page_({again, {"depth mm", "golden rms mm", "rms mm", "queries"}, Json::array(), note}) {}
+RegressPage::RegressPage(RegressPageHead head)
+    : head_(std::move(head)),
+      page_({head_.again,
+             {"depth mm", "golden rms mm", "rms mm", "queries"},
+             Json::array(),
+             head_.note}) {}
+
+std::string RegressPage::ShownName() const {
+  return head_.several_suites ? name_ + " of " + suite_ : name_;
+}
+
+std::vector<std::string> RegressPage::CommandOptions(bool of_norm) const {
+  std::vector<std::string> words = head_.plugins;
+  for (const std::string& word : OptionWords(given_, of_norm)) words.push_back(word);
+  return words;
+}
 
 void RegressPage::Begin(const Suite& suite, const SuiteCase& one) {
-  name_ = (suite.folder / one.model).string();
+  suite_ = suite.path;
+  name_ = (suite.folder / one.model).lexically_normal().string();
   options_ = one.options;
   given_ = one.given;
   begun_ = false;
@@ -99,7 +113,7 @@ void RegressPage::DropRows() {
 }
 
 void RegressPage::Add(const Scene& scene, const SolvedRow& solved, const RowReport& report) {
-  if (!begun_) page_.BeginModel(name_, scene);
+  if (!begun_) page_.BeginModel(ShownName(), scene);
   begun_ = true;
   const SolvedRow shown = WithContacts(scene, options_, solved);
   PageRow row = SolvedPageRow(scene, options_.metric, shown);
@@ -113,24 +127,25 @@ void RegressPage::Add(const Scene& scene, const SolvedRow& solved, const RowRepo
   row.values = {std::max(0.0, -1e3 * shown.result.depth_in),
                 report.before ? Rms(*report.before) : kNone, Rms(report.now),
                 static_cast<double>(report.now.queries)};
-  const RowCommand command{{"solve", name_}, OptionWords(given_, false)};
+  const RowCommand command{{"solve", name_}, CommandOptions(false)};
   row.content["command"] = command.Of(solved.row);
   row.content["trace"] = command.Of(solved.row, "--trace");
-  row.content["norm"] = NormCommand(name_, OptionWords(given_, true));
-  if (report.before) row.tables.push_back(Compared(report, again_));
+  row.content["norm"] = NormCommand(name_, CommandOptions(true));
+  if (report.before) row.tables.push_back(Compared(report, head_.again));
   if (!given_.empty()) row.tables.push_back(SuiteOptions(given_));
   page_.Add(row);
 }
 
 void RegressPage::AddUnsolved(const PageRow& row) {
-  if (!begun_) page_.BeginModel(name_);
+  if (!begun_) page_.BeginModel(ShownName());
   begun_ = true;
   page_.Add(row);
 }
 
 void RegressPage::End(const Suite& suite, const CaseReport& report) {
   if (report.rows.empty()) {  // maybe never begun
-    name_ = (suite.folder / report.model).string();
+    suite_ = suite.path;
+    name_ = (suite.folder / report.model).lexically_normal().string();
     begun_ = false;
   }
   PageRow row;
@@ -150,7 +165,7 @@ void RegressPage::End(const Suite& suite, const CaseReport& report) {
   }
   const char* words = !report.error.empty() ? "failed" : report.more_queries ? "more" : "";
   const bool compared = report.queries.rows > 0, added = report.new_queries.has_value();
-  models_.rows.push_back({name_, compared ? Json(report.queries.before) : Json("-"),
+  models_.rows.push_back({ShownName(), compared ? Json(report.queries.before) : Json("-"),
                           compared ? Json(report.queries.now) : Json("-"),
                           added ? Json(*report.new_queries) : Json("-"), words});
 }

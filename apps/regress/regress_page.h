@@ -11,11 +11,17 @@
 
 namespace mjcf_pdg::app {
 
+struct RegressPageHead {
+  std::string again;                 // a command that runs all suites again
+  std::string note;                  // what is to be known of it, in words
+  std::vector<std::string> plugins;  // of the command line, that `solve` and `norm` need as well
+  bool several_suites = false;       // models are then told apart by their suites
+};
+
 // Collects rows as they are solved, case by case.
 class RegressPage {
  public:
-  // `again`: a command that runs all suites again; `note`: what is to be known of it, in words.
-  RegressPage(const std::string& again, const std::string& note);
+  explicit RegressPage(RegressPageHead head);
 
   // The rows that follow are of this case.
   void Begin(const Suite& suite, const SuiteCase& one);
@@ -28,14 +34,18 @@ class RegressPage {
   std::string ToString();
 
  private:
+  // The model, with its suite where there are several.
+  std::string ShownName() const;
+  std::vector<std::string> CommandOptions(bool of_norm) const;
   void AddUnsolved(const PageRow& row);
 
-  std::string again_;
+  RegressPageHead head_;
   Page page_;
   PageTable models_{
       "Queries of each model", {"model", "golden", "now", "of new rows", ""}, {}, {}, {}};
-  std::string name_;  // of the present model
-  Options options_;   // of the present case
+  std::string suite_;  // the file of the present one
+  std::string name_;   // of the present model
+  Options options_;    // of the present case
   nlohmann::ordered_json given_;
   bool begun_ = false;   // the present model is on the page
   Page::Place place_{};  // where the present case began

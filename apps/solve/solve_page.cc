@@ -23,7 +23,9 @@ void SolvePage::Add(const Scene& scene, const SolvedRow& solved) {
   row.values = {std::max(0.0, -1e3 * solved.result.depth_in), 1e3 * std::sqrt(solved.result.sigma)};
   row.content["norm"] = NormCommand(model_, given_norm_);
   if (arguments_.options.trajectory) {  // a frame depends on those before it
-    motion_.push_back({solved.result.q, solved.row.label});
+    const bool found = solved.result.status != Status::kUnsolved;
+    if (!found) unsolved_.push_back(motion_.size());
+    motion_.push_back({solved.result.q, solved.row.label + (found ? "" : ": not solved")});
     motion_values_.resize(row.values.size(), 0.0);
     for (std::size_t k = 0; k < row.values.size(); ++k) {
       motion_values_[k] = std::max(motion_values_[k], row.values[k]);
@@ -65,12 +67,13 @@ std::string SolvePage::ClockNote() const {
 
 void SolvePage::End() {
   if (motion_.empty()) return;
-  PageRow row = TrajectoryPageRow(motion_);
+  PageRow row = TrajectoryPageRow(motion_, unsolved_);
   row.values = motion_values_;
   row.content["command"] = AllRowsCommand();
   row.content["note"] = InputNote() + ClockNote();
   page_.Add(row);
   motion_.clear();
+  unsolved_.clear();
   motion_values_.clear();
 }
 

@@ -35,6 +35,7 @@ class SolvePage {
   Page page_;
   std::string model_;
   std::vector<PageFrame> motion_;      // the answers of a trajectory
+  std::vector<std::size_t> unsolved_;  // of them
   std::vector<double> motion_values_;  // of the list: the largest of its frames
 };
 

@@ -75,7 +75,9 @@ class NormEvaluator {
   void InnerProduct(const MatrixXd& J, MatrixXd& H) const;
   // One term's part of σ [m²], from the residual r at q.
   double TermSigma(const NormTerm& term, const VectorXd& r) const;
-  // The name of the term's joint or body; "root" if it belongs to another root link's pose change.
+  // Whether the term belongs to the pose change of another root link.
+  bool OfRootPose(const NormTerm& term) const;
+  // The name of the term's joint or body; "root" if OfRootPose.
   std::string TermName(const NormTerm& term) const;
 
   // out := q moved by dq. With the sequential metric and no other root link, hinges, balls and free

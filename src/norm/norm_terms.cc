@@ -225,15 +225,17 @@ double NormEvaluator::TermSigma(const NormTerm& term, const VectorXd& r) const {
   return r.segment(term.row, TermRows(term.kind)).squaredNorm();
 }
 
-std::string NormEvaluator::TermName(const NormTerm& term) const {
-  const bool is_joint = term.joint >= 0;
-  const int id = is_joint ? tables_.joints[term.joint].id : term.body;
+bool NormEvaluator::OfRootPose(const NormTerm& term) const {
   // With the top body as root link, its own joints make the root's pose change.
   const int root = metric_ == Metric::kSequential ? tables_.root_body : -1;
-  if (root >= 0 &&
-      (!is_joint || tables_.joints[term.joint].body == TopBody(*tables_.model, root))) {
-    return "root";
-  }
+  return root >= 0 &&
+         (term.joint < 0 || tables_.joints[term.joint].body == TopBody(*tables_.model, root));
+}
+
+std::string NormEvaluator::TermName(const NormTerm& term) const {
+  if (OfRootPose(term)) return "root";
+  const bool is_joint = term.joint >= 0;
+  const int id = is_joint ? tables_.joints[term.joint].id : term.body;
   return NameOrId(*tables_.model, is_joint ? mjOBJ_JOINT : mjOBJ_BODY, id);
 }
 

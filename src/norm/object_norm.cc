@@ -1,5 +1,7 @@
 #include "mjcf_pdg/object_norm.h"
 
+#include <limits>
+
 #include "norm/norm_evaluator.h"
 
 namespace mjcf_pdg {
@@ -31,11 +33,15 @@ std::vector<NormPart> ObjectNorm::Parts(const std::vector<double>& q) {
   VectorXd r;
   impl_->evaluator.Residual(ToEigen(q), r);
   std::vector<NormPart> parts;
+  std::size_t root = std::numeric_limits<std::size_t>::max();  // which of them is the root link's
   for (const NormTerm& term : impl_->evaluator.terms()) {
-    NormPart part{impl_->evaluator.TermName(term), impl_->evaluator.TermSigma(term, r)};
-    if (part.name == "root" && !parts.empty() && parts.back().name == "root") {
-      parts.back().sigma += part.sigma;  // a top body with several joints
+    const NormPart part{impl_->evaluator.TermName(term), impl_->evaluator.TermSigma(term, r)};
+    if (!impl_->evaluator.OfRootPose(term)) {
+      parts.push_back(part);
+    } else if (root < parts.size()) {  // joints of the top body, and what their armature adds
+      parts[root].sigma += part.sigma;
     } else {
+      root = parts.size();
       parts.push_back(part);
     }
   }

@@ -10,6 +10,7 @@ from playwright.sync_api import Page, sync_playwright
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = os.environ["MJCF_PDG_CLI"]
+PLUGINS = next(pathlib.Path(os.environ.get("MuJoCo_ROOT", ROOT / "build/_mujoco")).glob("**/libsdf_plugin.so")).parent
 SCREENSHOTS = pathlib.Path(os.environ["MJCF_PDG_SCREENSHOTS"])
 SIZES = {"desk": (1280, 960), "phone": (390, 844)}
 
@@ -44,6 +45,15 @@ CAGE = """<mujoco><worldbody>
   </body></worldbody></mujoco>"""
 
 
+# A ball in a room: from each side a wall is before it.
+ROOM = """<mujoco><worldbody>
+  <geom type="box" size="1 .02 1.5" pos="0 -1 .5"/><geom type="box" size="1 .02 1.5" pos="0 1 .5"/>
+  <geom type="box" size=".02 1 1.5" pos="-1 0 .5"/><geom type="box" size=".02 1 1.5" pos="1 0 .5"/>
+  <body pos="0 0 .1">
+    <joint type="slide" axis="0 1 0" range="-.5 .5" limited="true"/><geom name="ball" size=".1"/>
+  </body></worldbody></mujoco>"""
+
+
 def run(folder: pathlib.Path, *arguments: str, exits: int) -> None:
     done = subprocess.run([PROGRAM, *arguments], cwd=folder, capture_output=True, text=True, timeout=120)
     assert done.returncode == exits, done.stderr
@@ -69,6 +79,9 @@ def reports(tmp_path_factory) -> dict[str, pathlib.Path]:
         {"model": "gone.xml", "row": "qpos0", "status": "solved", "sigma": 1e-6, "queries": 1}]}))
     (folder / "shell.xml").write_text(SHELL_AND_PADS)
     (folder / "cage.xml").write_text(CAGE)
+    (folder / "room.xml").write_text(ROOM)
+    (folder / "sinks.csv").write_text("".join(f"0.1 {z}\n" for z in (0, 0.01, 0.02)))
+    (folder / "more.json").write_text(json.dumps({"version": 1, "cases": [{"model": "ball.xml", "configurations": ["qpos0"]}]}))
     puma, zeros = "models/puma/puma_car.xml", "0 0 0 0 0 0 0 0 0"
     commands = {
         "solve": (["solve", puma], 0),
@@ -82,6 +95,10 @@ def reports(tmp_path_factory) -> dict[str, pathlib.Path]:
         "inside": (["plan", "ball_in_wall.xml", "--start", "0 -.15", "--goal", "0 .3"], 0),
         "inside_at_last": (["plan", "ball_in_wall.xml", "--start", "0 .3", "--goal", "0 -.15"], 0),
         "motion_from_inside": (["check", "ball.xml", "--motion", "--from", "0 -.05", "--to", ".9 .8"], 3),
+        "motion_to_limit": (["check", puma, "--motion", "--from", zeros, "--to", zeros[:-1] + "9"], 3),
+        "in_a_room": (["plan", "room.xml", "--start", "-.3", "--goal", ".3"], 0),
+        "two_suites": (["regress", "suite.json", "more.json", "--plugin-dir", str(PLUGINS)], 3),
+        "sinks": (["solve", "cage.xml", "--qpos-file", "sinks.csv", "--trajectory"], 3),
         "stuck": (["solve", "cage.xml", "--qpos", "0.1 0.02"], 3),
         "touching": (["check", "ball_in_wall.xml", "--qpos", "0 -.15"], 3),
         "clip": (["solve", "ball.xml", "--qpos-file", "clip.csv", "--trajectory"], 0),

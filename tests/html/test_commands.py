@@ -68,6 +68,14 @@ def test_what_a_check_or_a_path_found_comes_again(open_report, reports):
     reader = open_report("motion")
     again = json.loads(answer(reports, reader.page.inner_text("#command")))
     assert alike_numbers(facts(reader)["free up to t"], again["t"])
+    stop = json.loads(answer(reports, reader.page.inner_text("#stop")))["contacts"]
+    cells = reader.texts("#contacts_stop td")
+    assert [contact["geom1"] for contact in stop] == cells[::4] and [contact["geom2"] for contact in stop] == cells[1::4]
+    assert alike_numbers(cells[2], -1e3 * stop[0]["distance"])
+    reader = open_report("motion_to_limit")
+    again = json.loads(answer(reports, reader.page.inner_text("#command")))
+    joint, place = reader.texts("#row-tables tbody td")
+    assert joint == again["joint"] and alike_numbers(place, again["qpos"][-1])
     skip_what_is_not_built("plan")
     reader = open_report("plan")
     again = json.loads(answer(reports, reader.page.inner_text("#command")))

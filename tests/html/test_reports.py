@@ -37,8 +37,9 @@ def test_a_report_opens_and_fits(open_report, name, size):
 def test_the_slider_goes_from_what_was_given_to_the_end(open_report, name, size):
     skip_what_is_not_built(name)
     reader = open_report(name, size)
-    end, words, moved = reader.scene(), reader.page.inner_text("#frame"), reader.texts("#joints tr")
     reader.page.focus("#slider")
+    reader.page.keyboard.press("End")  # a motion opens where it is stopped
+    end, words, moved = reader.scene(), reader.page.inner_text("#frame"), reader.texts("#joints tr")
     reader.page.keyboard.press("Home")
     given = reader.scene()
     assert given != end
@@ -245,6 +246,94 @@ def test_contacts_of_a_goal_are_looked_at_where_the_slider_ends(open_report):
 def test_a_motion_that_starts_in_collision_opens_there(open_report):
     reader = open_report("motion_from_inside")
     assert reader.page.input_value("#slider") == "0"
+
+
+def test_a_motion_opens_where_it_stops_and_shows_what_is_in_the_way(open_report):
+    reader = open_report("motion")
+    page = reader.page
+    last = int(page.get_attribute("#slider", "max"))
+    assert int(page.input_value("#slider")) == last - 1
+    assert page.inner_text("#frame").endswith("where it stops")
+    assert reader.texts("#contacts_stop tr td")[:2] == ["link3_forearm", "car_left_door"]
+    assert colours_of(reader)["orange"] > 1000 and colours_of(reader)["blue"] > 1000  # what moved, and before
+    page.keyboard.press("End")
+    before = reader.scene()
+    page.click("#contacts_stop tr")
+    assert int(page.input_value("#slider")) == last - 1
+    assert not alike(reader.scene(), before)
+    reader.screenshot("contact")
+
+
+def test_a_motion_that_a_limit_stops_names_the_joint(open_report):
+    reader = open_report("motion_to_limit")
+    assert "reaches its limit" in reader.page.inner_text("#reason")
+    reader.page.keyboard.press("End")
+    reader.page.click("#row-tables tbody tr")
+    assert reader.page.inner_text("#frame").endswith("where it stops")
+
+
+def test_a_wall_before_what_moves_is_seen_through(open_report):
+    skip_what_is_not_built("plan")
+    reader = open_report("in_a_room")
+    assert colours_of(reader)["blue"] > 300
+    reader.screenshot("opened")
+
+
+def test_frames_that_are_not_solved_are_told_of_at_once(open_report):
+    reader = open_report("sinks")
+    page = reader.page
+    assert page.inner_text("#title") == "all frames"
+    assert page.inner_text("#reason") == "row0: not solved, and 2 more. The list of rows says why."
+    assert page.inner_text("#frame") == "row0: not solved"
+    assert "not solved\t3" in reader.texts("#facts tr")
+
+
+def test_a_heading_sorts_and_says_so(open_report):
+    reader = open_report("solve")
+    page = reader.page
+    assert page.locator("#list-head [aria-sort]").all_inner_texts() == ["row"]
+    page.click("#list-head th:nth-child(4)")
+    depths = [float(depth) for depth in reader.texts("#rows tr td:nth-child(4)")]
+    assert depths == sorted(depths, reverse=True) and depths[0] > 0
+    assert page.locator("#list-head [aria-sort=descending]").all_inner_texts() == ["depth mm"]
+    page.focus("#list-head th:nth-child(3)")
+    page.keyboard.press("Enter")
+    names = reader.texts("#rows tr .name div:first-child")
+    assert names == sorted(names) and len(names) == 15
+    assert page.locator("#list-head [aria-sort=ascending]").all_inner_texts() == ["name and status"]
+
+
+def test_every_command_has_a_button_that_copies_it(open_report):
+    reader = open_report("regress")
+    page = reader.page
+    assert page.locator("pre").count() == page.locator("pre + .copy").count() > 4
+    page.evaluate("Object.defineProperty(navigator, 'clipboard', {value: {writeText: (words) => { window.copied = words; }}})")
+    page.click("#row-tables pre + .copy")
+    assert page.evaluate("copied") == page.inner_text("#row-tables pre")
+
+
+def test_names_are_broken_between_their_words(open_report):
+    reader = open_report("check", "phone")
+    cells = reader.page.locator("#contacts_in td:nth-child(-n+2)")
+    broken = cells.evaluate_all("""all => all.flatMap((cell) => [...cell.childNodes].filter((part) => part.nodeType === 3).filter((part) => {
+      const range = document.createRange();
+      range.selectNodeContents(part);
+      return range.getClientRects().length > 1;
+    }).map((part) => part.textContent))""")
+    assert cells.count() > 3 and broken == []
+
+
+def test_rows_of_two_suites_are_told_apart(open_report):
+    reader = open_report("two_suites")
+    page = reader.page
+    page.fill("#filter", "qpos0 ball of suite.json")
+    assert page.inner_text("#count").startswith("1 of")
+    page.fill("#filter", "qpos0 ball of more.json")
+    assert page.inner_text("#count").startswith("1 of")
+    page.click("#rows tr")
+    page.wait_for_function("document.getElementById('model').textContent.endsWith(' of more.json')")
+    assert {"ball.xml of suite.json", "ball.xml of more.json"} < set(reader.texts("#page-tables td:first-child"))
+    assert "--plugin-dir" in page.inner_text("#command") and "--plugin-dir" in page.inner_text("#norm")
 
 
 def test_arrows_of_the_answer_are_there_at_the_answer_alone(open_report):

@@ -72,6 +72,26 @@ TEST_F(ObjectNormTest, AnotherRootCarriesItsWholeTreeAndTurnsPathJointsRound) {
   }
 }
 
+// Whatever else has a term of its own, the joints of the top body and their armature included.
+TEST_F(ObjectNormTest, TheRootLinksPoseIsOnePart) {
+  const Scene scene = Scene::FromString(
+      "<mujoco><worldbody><body name='base'><joint name='slide' type='slide' axis='1 0 0'/>"
+      "<joint name='turn' axis='0 0 1'/><geom size='.1'/>"
+      "<body name='link' pos='.3 0 0'><joint name='elbow' axis='0 0 1'/><geom size='.1'/>"
+      "</body></body></worldbody></mujoco>",
+      {.root = "link", .armature = 0.5});
+  ObjectNorm norm(scene, Metric::kSequential, {0.0, 0.0, 0.0});
+  const std::vector<double> q = {0.1, 0.2, 0.3};
+  std::vector<std::string> names;
+  double sum = 0.0;
+  for (const NormPart& part : norm.Parts(q)) {
+    names.push_back(part.name);
+    sum += part.sigma;
+  }
+  EXPECT_THAT(names, ::testing::UnorderedElementsAre("root", "elbow"));
+  EXPECT_NEAR(sum, norm.Sigma(q), 1e-14);
+}
+
 // What armature adds to σ, by hand: 4 a sin²(Δ/2)/M for a hinge or a ball turned by Δ, a Δ²/M for a
 // slide, nothing for a free joint.
 double ByArmature(const Scene& scene, const VectorXd& q_in, const VectorXd& q, double armature) {

@@ -3,7 +3,9 @@ import * as THREE from 'three';
 
 // Orange and blue of Okabe and Ito: told apart with every kind of colour vision.
 export const BEFORE = 0xe69f00, AFTER = 0x0072b2;
+export const CONTACT = 0xd55e00;  // their vermilion
 const POSE = 7;  // numbers of a body's pose
+const POINTS = 8;  // that the camera tries to see
 const SUNK = 0.99;  // of its width: what is so deep in another geom is not seen
 
 function meshGeometry(mesh, bytes) {
@@ -55,8 +57,8 @@ export class Bodies {
     this.group = new THREE.Group();
     this.now = this.make(scene, meshes, false);
     this.ghost = this.make(scene, meshes, true);
-    this.contacts = this.overlapping = [];
-    this.covering = new Set();
+    this.contacts = this.overlapping = this.stopping = [];
+    this.covering = this.hiding = new Set();
     this.showColliding(colliding);
   }
 
@@ -81,9 +83,9 @@ export class Bodies {
     for (const body of bodies) yield* body.children;
   }
 
-  // `contacts`: where nothing has moved in the end, their geoms stand out; `goal`: those where the slider ends.
-  setRow(poses, contacts, goal) {
-    this.poses = poses;
+  // A row as it is first seen, at frame `opened`. Where nothing has moved in the end, the geoms of its contacts as given stand out.
+  setRow({poses, contacts_in: contacts = [], contacts_goal: goal = [], contacts_stop: stop = []}, opened) {
+    Object.assign(this, {poses, opened});
     const stride = POSE * this.count;
     this.frames = poses.length / stride;
     this.moves = this.now.map((_, b) => {
@@ -96,12 +98,13 @@ export class Bodies {
     this.stays = poses.subarray(0, stride).every((x, k) => Math.abs(poses[end + k] - x) < 1e-6);  // as it was in the end
     this.contacts = this.stays ? contacts : [];
     this.overlapping = this.contacts.flatMap((contact) => contact.geoms);
+    this.stopping = stop.flatMap((contact) => contact.geoms);
     this.ghost.forEach((body, b) => place(body, poses, POSE * b));
     this.covering = new Set([...this.findCovering(contacts, 0), ...this.findCovering(goal, this.frames - 1)]);
     this.focus();
     this.showGhost(true);
-    this.showFrame(this.frames - 1);
     this.bounds = this.measure();
+    this.showFrame(opened);
   }
 
   showFrame(frame, colour = AFTER) {
@@ -112,7 +115,8 @@ export class Bodies {
         const {geom, own} = mesh.userData;
         const stands_out = geom.type !== 'plane' && this.overlapping.includes(geom.id);
         const moved = this.moves[b] && !(this.stays && frame === this.frames - 1);
-        mesh.material.color.set(moved ? colour : stands_out ? BEFORE : own);
+        const stops = frame === this.opened && this.stopping.includes(geom.id);
+        mesh.material.color.set(moved ? colour : stands_out ? BEFORE : stops ? CONTACT : own);
       }
     });
   }
@@ -134,6 +138,28 @@ export class Bodies {
     this.showParts();
   }
 
+  // Geoms that are in the way of the camera become transparent.
+  seeThrough(hiding) {
+    this.hiding = hiding;
+    this.showParts();
+  }
+
+  // Points that the reader wants to see [m]: where contacts are, if nothing has moved, or else the middle of what moved, where it
+  // was and where the row opens. A few of many.
+  pointsToSee() {
+    const middle = (body) => new THREE.Box3().setFromObject(body).getCenter(new THREE.Vector3());
+    const bodies = (all) => all.filter((body, b) => this.moves[b] && body.children.length > 0);
+    const points = this.contacts.map(({position}) => new THREE.Vector3(...position));
+    if (points.length === 0) points.push(...[...bodies(this.ghost), ...bodies(this.now)].map(middle));
+    const stride = Math.ceil(points.length / POINTS);
+    return points.filter((_, k) => k % stride === 0);
+  }
+
+  // Whether the geom stands still and is no part of what overlaps, so that it may be in the way of the camera.
+  mayHide({geom}) {
+    return !this.overlapping.includes(geom.id) && !this.stopping.includes(geom.id) && (this.stays || !this.moves[geom.body]);
+  }
+
   // MuJoCo shows groups 0 to 2, and what collides is often in another. What overlaps or is looked at is seen even so, through what
   // else its body has, as what lies wholly in another geom is seen through that.
   showParts() {
@@ -142,9 +168,9 @@ export class Bodies {
     const inside = this.bodiesOf(wanted, (geom) => !usual(geom));
     for (const mesh of this.meshes()) {
       const {geom, opacity: own} = mesh.userData, chosen = wanted.includes(geom.id);
-      const through = this.covering.has(geom.id) || (!chosen && inside.has(geom.body));
+      const through = this.covering.has(geom.id) || this.hiding.has(geom.id) || (!chosen && inside.has(geom.body));
       mesh.visible = usual(geom) || chosen;
-      const opacity = own * (through ? 0.35 : chosen || !this.focused ? 1 : 0.2);
+      const opacity = own * (this.focused && !chosen ? 0.2 : through ? 0.35 : 1);
       Object.assign(mesh.material, {opacity, transparent: opacity < 1, depthWrite: opacity === 1});
     }
   }
@@ -179,7 +205,7 @@ export class Bodies {
     return box.isEmpty() ? 0 : box.getBoundingSphere(new THREE.Sphere()).radius;
   }
 
-  // A sphere around what moves, as given and at the end, or what stands out with its contacts and the bodies it is of, or else around
+  // A sphere around what moves, as given, where it opens and at the end, or what stands out with its contacts and the bodies it is of, or else around
   // everything.
   measure() {
     const box = new THREE.Box3(), frame = this.frame, bodies = this.bodiesOf(this.overlapping);
@@ -189,9 +215,11 @@ export class Bodies {
         if (mesh.visible && geom.type !== 'plane' && wanted(b, geom)) box.expandByObject(mesh);
       }
     }));
-    this.showFrame(this.frames - 1);
-    this.group.updateMatrixWorld(true);
-    add((b) => this.moves[b]);
+    for (const k of [this.opened, this.frames - 1]) {
+      this.showFrame(k);
+      this.group.updateMatrixWorld(true);
+      add((b) => this.moves[b]);
+    }
     if (box.isEmpty()) add((b, geom) => bodies.has(b) || this.overlapping.includes(geom.id));
     for (const {position, normal, distance} of this.contacts) {
       const begin = new THREE.Vector3(...position);

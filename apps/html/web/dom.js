@@ -18,11 +18,23 @@ export function element(tag, content, attributes = {}) {
   return made;
 }
 
+// An element with words that may be names: long ones are broken behind such characters, rather than within a word.
+export function nameElement(tag, words, attributes = {}) {
+  const made = element(tag, undefined, attributes);
+  words.split(/(?<=[_/.:,])/).forEach((part, k) => made.append(...k > 0 ? [element('wbr')] : [], part));
+  return made;
+}
+
 // Runs `act` when the line is clicked, or at Enter.
 export function onChoice(line, act) {
   line.tabIndex = 0;
   line.onclick = act;
   line.onkeydown = (event) => { if (event.key === 'Enter') act(); };
+}
+
+// Lets a button copy the command that stands before it.
+export function onCopy(button) {
+  button.onclick = () => navigator.clipboard?.writeText(button.previousElementSibling.textContent);
 }
 
 // Marks one line of a table's body; -1: none.
@@ -34,7 +46,7 @@ export function mark(body, chosen) {
 export function fill(body, rows, choose) {
   body.replaceChildren(...rows.map((cells, k) => {
     const line = element('tr');
-    line.append(...cells.map((cell) => element('td', text(cell), typeof cell === 'number' ? {class: 'number'} : {})));
+    line.append(...cells.map((cell) => (typeof cell === 'number' ? element('td', text(cell), {class: 'number'}) : nameElement('td', text(cell)))));
     if (choose) onChoice(line, () => { mark(body, k); choose(k); });
     return line;
   }));
@@ -50,7 +62,11 @@ export function fillTables(place, tables, note, go) {
     table.append(element('thead'), body);
     table.firstChild.append(head);
     section.append(element('h2', title), table);
-    if (command) section.append(element('p', `The same again: ${note}`, {class: 'faint'}), element('pre', command));
+    if (command) {
+      const copy = element('button', 'copy', {class: 'copy'});
+      onCopy(copy);
+      section.append(element('p', `The same again: ${note}`, {class: 'faint'}), element('pre', command), copy);
+    }
     return section;
   }));
 }

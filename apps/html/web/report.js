@@ -1,5 +1,5 @@
 // What a report does: unpacks a row when it is chosen, fills the page, moves the slider. Data come from apps/html/page.cc.
-import {$, fill, fillTables, mark} from './dom.js';
+import {$, fill, fillTables, mark, onCopy} from './dom.js';
 import {unpackRow} from './packed.js';
 import {fillJoints, plotJoints, plotSigma} from './plots.js';
 import {RowList} from './rows.js';
@@ -49,7 +49,7 @@ function showSection(id, filled) {
   $(id).closest('section').hidden = !filled;
 }
 
-const CONTACTS = ['contacts_in', 'contacts', 'contacts_goal'];
+const CONTACTS = ['contacts_in', 'contacts', 'contacts_goal', 'contacts_stop'];
 
 function fillContacts(id) {
   const contacts = row[id] ?? [];
@@ -57,7 +57,7 @@ function fillContacts(id) {
   showSection(id, contacts.length);
   fill($(id), contacts.map(cells), (k) => {
     CONTACTS.filter((other) => other !== id).forEach((other) => mark($(other), -1));
-    if (id !== 'contacts_in') showFrame(row.frames.length - 1);
+    if (id !== 'contacts_in') showFrame(id === 'contacts_stop' ? row.opens : row.frames.length - 1);
     stage.lookAtContact(contacts[k]);
     document.body.dataset.contact = k;
   });
@@ -76,6 +76,7 @@ function fillPage() {
   drawPlots();
   $('command').textContent = row.command ?? '';
   $('trace').textContent = row.trace ?? '';
+  $('stop').textContent = row.stop ?? '';
   $('note').textContent = row.note ?? '';
   $('command-part').hidden = !row.command;
   $('norm-part').hidden = !row.norm;
@@ -91,9 +92,8 @@ function showScene(bodies) {
   if (!bodies) return stage.clear();
   $('slider').max = row.frames.length - 1;
   $('ghost').checked = true;
-  writeFrame(row.frames.length - 1);  // before, as it may need more lines
-  stage.setRow(bodies, row);
-  if (row.opens !== undefined) showFrame(row.opens);
+  writeFrame(row.opens ?? row.frames.length - 1);  // before, as it may need more lines
+  stage.setRow(bodies, row, frame);
 }
 
 async function choose(index) {
@@ -151,9 +151,7 @@ async function begin() {
   $('beside').onchange = () => stage.showBeside($('beside').checked);
   $('colliding').onchange = () => stage.showColliding($('colliding').checked);
   $('dark').onclick = () => setDark(document.documentElement.dataset.theme !== 'dark');
-  document.querySelectorAll('.copy').forEach((button) => {
-    button.onclick = () => navigator.clipboard?.writeText(button.previousElementSibling.textContent);
-  });
+  document.querySelectorAll('.copy').forEach(onCopy);
   document.onkeydown = onKey;
   fillTables($('page-tables'), page.tables, page.note);
   $('again').textContent = page.again;

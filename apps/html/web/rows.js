@@ -1,5 +1,5 @@
 // The list of rows: filtered, sorted, with thumbnails. Lines are made as it is scrolled, thumbnails when they are seen: there may be thousands.
-import {$, element, onChoice, text} from './dom.js';
+import {$, element, nameElement, onChoice, text} from './dom.js';
 
 const BATCH = 100;  // lines made at once
 
@@ -8,8 +8,8 @@ export class RowList {
   constructor({rows, columns, models}, choose, draw) {
     Object.assign(this, {rows, columns, models, choose, current: -1, shown: []});
     this.several = models.length > 1;
-    const head = ['', 'row', 'name and status', ...columns];
-    $('list-head').append(...head.map((words) => element('th', words)));
+    const head = [['', ''], ['row', 'index'], ['name and status', 'label'], ...columns.map((column, k) => [column, String(k)])];
+    $('list-head').append(...head.map(([words, key]) => this.heading(words, key)));
     const orders = [['index', 'by number'], ['label', 'by name'], ['status', 'by status'], ...columns.map((column, k) => [k, `${column}, largest first`])];
     $('sort').append(...orders.map(([value, words]) => element('option', words, {value})));
     this.queue = [];
@@ -20,6 +20,13 @@ export class RowList {
     $('list').onscroll = () => { if ($('list').scrollTop + $('list').clientHeight > $('list').scrollHeight - 200) this.more(); };
     $('list-part').hidden = rows.length < 2;
     this.list();
+  }
+
+  // A click on it sorts the rows.
+  heading(words, key) {
+    const heading = element('th', words, {'data-key': key});
+    if (key) onChoice(heading, () => { $('sort').value = key; this.list(); });
+    return heading;
   }
 
   // One thumbnail after the other, between what the reader does.
@@ -52,6 +59,9 @@ export class RowList {
     } else if (key !== 'index') {
       this.shown.sort((a, b) => (row(b).values[key] ?? -Infinity) - (row(a).values[key] ?? -Infinity) || a - b);
     }
+    for (const heading of $('list-head').children) {
+      heading.ariaSort = heading.dataset.key !== key ? null : key === 'index' || key === 'label' ? 'ascending' : 'descending';
+    }
     $('rows').replaceChildren();
     $('count').textContent = `${this.shown.length} of ${this.rows.length}`;
     this.more();
@@ -65,7 +75,7 @@ export class RowList {
       picture.append(canvas);
       const [, ...words] = this.words(index), status = words.pop(), name = words.pop();
       const cell = element('td', undefined, {class: 'name'});
-      cell.append(element('div', name), ...words.map((model) => element('div', model, {class: 'faint'})), element('div', status, {class: 'status faint'}));
+      cell.append(nameElement('div', name), ...words.map((model) => nameElement('div', model, {class: 'faint'})), element('div', status, {class: 'status faint'}));
       line.append(picture, element('td', index), cell, ...this.rows[index].values.map((value) => element('td', text(value))));
       line.classList.toggle('wrong', this.rows[index].wrong);
       line.classList.toggle('chosen', index === this.current);

@@ -1,10 +1,9 @@
 // The scene in 3-D: bodies, contacts as arrows along their normals, the camera.
 import * as THREE from 'three';
 import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
-import {AFTER, BEFORE, Bodies} from './bodies.js';
+import {AFTER, BEFORE, Bodies, CONTACT} from './bodies.js';
 import {unpack} from './packed.js';
 
-const CONTACT = 0xd55e00;  // vermilion of Okabe and Ito
 const THUMB = [64, 48];    // pixels of a thumbnail
 
 function arrows(contacts, colour, size) {
@@ -55,9 +54,9 @@ export class Stage {
     return this.models.get(model);
   }
 
-  // Shows a row, {poses, contacts_in, contacts}, as it ends.
-  setRow(bodies, row) {
-    this.view = {bodies, row, frame: row.frames.length - 1, ghost: true, focus: undefined};
+  // Shows a row, {poses, contacts_in, contacts, ...}, which opens at this frame.
+  setRow(bodies, row, frame) {
+    this.view = {bodies, row, opened: frame, frame, ghost: true, focus: undefined};
     this.apply(this.view);
     this.lookAtAll();
   }
@@ -69,27 +68,30 @@ export class Stage {
 
   // Puts what a view has into the world.
   apply(view) {
-    const {bodies, row, frame, ghost, focus} = view;
+    const {bodies, row, opened, frame, ghost, focus, hiding = new Set()} = view;
     if (this.bodies) this.world.remove(this.bodies.group);
     this.bodies = bodies;
     this.world.add(bodies.group);
-    const {contacts_in: given = [], contacts: found = [], contacts_goal: goal = []} = row;
-    bodies.setRow(row.poses, given, goal);
+    const {contacts_in: given = [], contacts: found = [], contacts_goal: goal = [], contacts_stop: stop = []} = row;
+    bodies.setRow(row, opened);
     bodies.showFrame(frame);
     bodies.showGhost(ghost);
     bodies.focus(focus);
+    bodies.seeThrough(hiding);
     this.marks.traverse((part) => { part.geometry?.dispose(); part.material?.dispose(); });
     this.marks.clear();
     const size = 0.04 * bodies.bounds.radius;
-    [this.given, this.found, this.goal] = [arrows(given, CONTACT, size), arrows(found, AFTER, size), arrows(goal, CONTACT, size)];
-    this.marks.add(this.given, this.found, this.goal);
+    [this.given, this.found, this.goal, this.stop] = [[given, CONTACT], [found, AFTER], [goal, CONTACT], [stop, CONTACT]].map(
+      ([contacts, colour]) => arrows(contacts, colour, size));
+    this.marks.add(this.given, this.found, this.goal, this.stop);
     this.showArrows(view);
   }
 
-  // Those of the answer, and of a path's goal, where the slider shows it; one that is looked at stands out.
-  showArrows({row, frame, contact}) {
+  // Those of the answer, of a path's goal and of where a motion stops, where the slider shows it; one that is looked at stands out.
+  showArrows({row, opened, frame, contact}) {
     this.found.visible = this.goal.visible = frame === row.frames.length - 1;
-    for (const {userData} of [...this.given.children, ...this.found.children, ...this.goal.children]) {
+    this.stop.visible = frame === opened;
+    for (const {userData} of this.marks.children.flatMap((group) => group.children)) {
       userData.material.opacity = !contact || userData.contact === contact ? 1 : 0.2;
     }
   }
@@ -124,13 +126,14 @@ export class Stage {
     if (!this.view) return;
     this.focus(undefined);
     const {center, radius} = this.bodies.bounds;
-    this.look(center, 3.4 * radius);
+    this.look(center, 3.4 * radius, this.bodies.pointsToSee());
   }
 
   lookAtContact(contact) {
     this.focus(contact.geoms, contact);
     const near = this.bodies.radiusAround(contact.geoms), far = 1.2 * this.bodies.bounds.radius;
-    this.look(new THREE.Vector3(...contact.position), near > 0 ? Math.min(far, 5 * near) : far);
+    const position = new THREE.Vector3(...contact.position);
+    this.look(position, near > 0 ? Math.min(far, 5 * near) : far, [position]);
   }
 
   focus(geoms, contact) {
@@ -139,27 +142,36 @@ export class Stage {
     this.showArrows(this.view);
   }
 
-  // Of directions around the target, the one from which least that stands still hides it.
-  clearDirection(target, far) {
-    const still = this.bodies.now.filter((_, b) => !this.bodies.moves[b]);
-    const ray = new THREE.Raycaster();
-    let best, fewest = Infinity;
+  // The geoms that stand still and hide each of the points from the eye.
+  hidingEach(points, eye) {
+    const meshes = [...this.bodies.meshes(this.bodies.now)].filter((mesh) => mesh.visible && this.bodies.mayHide(mesh.userData));
+    return points.map((point) => {
+      const way = point.clone().sub(eye), far = way.length();
+      const ray = new THREE.Raycaster(eye, way.normalize(), 0, far);
+      return new Set(ray.intersectObjects(meshes, false).map((hit) => hit.object.userData.geom.id));
+    });
+  }
+
+  // Where the camera stands: of directions around the target, the one from which fewest of the points are hidden. What hides those
+  // even so is seen through.
+  standWhereSeen(target, far, points) {
+    let best, hiding, fewest = Infinity;
     for (let k = 0; k < 12 && fewest > 0; ++k) {
       const turn = (k % 2 ? -1 : 1) * Math.ceil(k / 2) * Math.PI / 6 - 0.9;
-      const direction = new THREE.Vector3(Math.cos(turn), Math.sin(turn), 0.45).normalize();
-      ray.set(target.clone().addScaledVector(direction, far), direction.clone().negate());
-      ray.far = far;
-      const hits = this.bodies.frames > 1 ? ray.intersectObjects(still).filter((hit) => hit.object.visible).length : 0;
-      if (hits < fewest) [best, fewest] = [direction, hits];
+      const eye = new THREE.Vector3(Math.cos(turn), Math.sin(turn), 0.45).setLength(far).add(target);
+      const each = this.hidingEach(points, eye), hidden = each.filter((geoms) => geoms.size > 0).length;
+      if (hidden < fewest) [best, hiding, fewest] = [eye, each, hidden];
     }
+    this.view.hiding = new Set(hiding.flatMap((geoms) => [...geoms]));
+    this.bodies.seeThrough(this.view.hiding);
     return best;
   }
 
-  look(target, distance) {
+  look(target, distance, points) {
     this.resize();  // the page around may just have changed, and nobody has been told yet
     const far = this.camera.aspect < 1 ? distance / this.camera.aspect : distance;
     this.controls.target.copy(target);
-    this.camera.position.copy(target).addScaledVector(this.clearDirection(target, far), far);
+    this.camera.position.copy(this.standWhereSeen(target, far, points));
     this.camera.near = far / 200;
     this.camera.far = far * 200;
     this.camera.updateProjectionMatrix();
@@ -194,7 +206,7 @@ export class Stage {
     if (!this.beside) return this.drawPart(this.camera, 0, this.width, this.height);
     bodies.showGhost(false);
     bodies.showFrame(0, BEFORE);
-    this.found.visible = this.goal.visible = false;
+    this.found.visible = this.goal.visible = this.stop.visible = false;
     this.drawPart(this.camera, 0, this.width / 2, this.height);
     this.showArrows(this.view);
     this.given.visible = false;
@@ -213,7 +225,8 @@ export class Stage {
 
   // Draws a row into a small canvas: in a corner of the large one, which is drawn anew before anybody sees it.
   thumbnail(bodies, row, canvas) {
-    this.apply({bodies, row, frame: row.frames.length - 1, ghost: true});
+    const opened = row.opens ?? row.frames.length - 1;
+    this.apply({bodies, row, opened, frame: opened, ghost: true});
     const {center, radius} = bodies.bounds, [width, height] = THUMB;
     const camera = new THREE.PerspectiveCamera(40, width / height, 1.9 * radius, 200 * radius);  // what is in the way is cut off
     camera.up.set(0, 0, 1);
