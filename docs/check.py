@@ -7,7 +7,7 @@ Commands are the lines that begin with "$ " in blocks marked ```console. They ru
 `python` are the project's, `mjcf-pdg` is the program and earlier blocks of the same document have left their files.
 Numbers may differ by 1 % or, if small, by 0.001 (compilers round differently), and the last column of a table headed `time ms` by anything;
 `...` at the end of a line stands for the rest of it, alone on a line for lines that are left out. `# exit N` at the end of a command is its
-exit code, 0 if nothing is said. A block marked with a file name behind its language (```xml arm.xml) is that file. --update writes into the documents what came out; blocks with `...` are left as they are.
+exit code, 0 if nothing is said. Blocks marked ```console downloads need a network; docs/make_site.sh runs them. A block marked with a file name behind its language (```xml arm.xml) is that file. --update writes into the documents what came out; blocks with `...` are left as they are.
 """
 
 import argparse

@@ -24,6 +24,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 SOURCE = ROOT / "build/site-source"
 GALLERY = "docs/gallery"  # of pictures and reports
 GALLERY_LINK = "gallery/"  # to there, from docs/gallery.md
+# Blocks with commands; those marked `downloads` are run here alone, as they need a network, which making the site needs anyway.
+BLOCK = re.compile(r"^```console(?: downloads)?\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 LINK = re.compile(r"\]\(([^)\s#]+)")
 CODE = re.compile(r"(^```.*?^```$|`[^`\n]*`)", re.DOTALL | re.MULTILINE)
 SIZE = (1280, 800)  # pixels of a picture of a report
@@ -74,14 +76,14 @@ def gallery(text: str, program: pathlib.Path) -> str:
     target.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        environment = check.prepare(folder, program, text)
+        environment = check.prepare(folder, program, text) | {"PIP_DISABLE_PIP_VERSION_CHECK": "1", "PIP_ROOT_USER_ACTION": "ignore"}
 
         def run(match: re.Match) -> str:
             before = set(folder.iterdir())
             block = match[1]
             if draws:
                 png = "" if "--trajectory" in block else r" --png \2.png"
-                block = re.sub(r"( solve .* --html )(\w+)\.html", rf"\1\2.html --animation \2.gif{png}", block)
+                block = re.sub(r"( solve [^$]* --html )(\w+)\.html", rf"\1\2.html --animation \2.gif{png}", block)
                 block = re.sub(r"( plan .* --html )(\w+)\.html", r"\1\2.html --animation \2.gif", block)
             _, faults = check.run_block(block, name, environment)
             if faults:
@@ -99,7 +101,7 @@ def gallery(text: str, program: pathlib.Path) -> str:
                     shown += f", [see its motion]({GALLERY_LINK}{motion.name})"
             return shown
 
-        return check.BLOCK.sub(run, text)
+        return BLOCK.sub(run, text).replace("```console downloads", "```console")
 
 
 def main() -> None:

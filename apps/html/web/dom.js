@@ -21,7 +21,7 @@ export function element(tag, content, attributes = {}) {
 // An element with words that may be names: long ones are broken behind such characters, rather than within a word.
 export function nameElement(tag, words, attributes = {}) {
   const made = element(tag, undefined, attributes);
-  words.split(/(?<=[_/.:,])/).forEach((part, k) => made.append(...k > 0 ? [element('wbr')] : [], part));
+  words.split(/(?<=[_/:,])|(?<=\.)(?!\d)/).forEach((part, k) => made.append(...k > 0 ? [element('wbr')] : [], part));
   return made;
 }
 
