@@ -56,7 +56,8 @@ class PairProof {
   void PoseAt(double t);
 
   // How long before and after the pose all pairs of two bodies are proven to keep `distance` [m],
-  // by the bodies' bounding spheres alone; <= 0 if that proves nothing. At most `horizon`.
+  // by the bodies' bounding spheres alone; <= 0 if that proves nothing. More than
+  // `horizon` proves the horizon and no more.
   double BodiesReach(int body_pair, double distance, double horizon);
   // The same for one pair and the margin `floor` [m], by the geoms' bounding volumes.
   Reach BoundsReach(int body_pair, int pair, double floor, double horizon);

@@ -6,7 +6,9 @@
 //   1. Rows are elastic: a contact that cannot be held costs `penalty` per metre, so that contacts
 //      in conflict have an answer. Limits of joints and tendons are far stiffer.
 //   2. Witness points of earlier steps add rows (witness_memory.h).
-//   3. Equality constraints hold exactly: the step is sought in the null space of their Jacobian.
+//   3. Equality constraints that hold stay so to first order: beside the step that corrects them,
+//      it is sought in the null space of their Jacobian. Where they do not hold and their rows
+//      depend on each other, what is left may be 1e-3 (a weld, measured); later steps mend it.
 //   4. Levenberg-Marquardt damping, and a trust radius in the units of the object norm.
 #ifndef MJCF_PDG_SRC_OPTIMIZE_LINEARIZED_STEP_H_
 #define MJCF_PDG_SRC_OPTIMIZE_LINEARIZED_STEP_H_
