@@ -8,8 +8,8 @@ namespace mjcf_pdg {
 
 // The largest t in [0, 1] so that q0 ⊕ t·dq keeps all joint limits; `joint` is then the index into
 // SceneTables::joints of the one that ends it, -1 if none. Limits count as held within 1e-9 rad
-// (kAngleSlack; half of it for balls), those of slides within `slide_slack` [m]. Hinges and slides change monotonically:
-// only balls can leave a limit between two configurations that keep it.
+// (kAngleSlack; half of it for balls), those of slides within `slide_slack` [m]. Hinges and slides
+// change monotonically: only balls can leave a limit between two configurations that keep it.
 double LimitReach(const SceneTables& tables, const VectorXd& q0, const VectorXd& dq,
                   double slide_slack, int& joint);
 
