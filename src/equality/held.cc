@@ -1,5 +1,7 @@
 #include "equality/held.h"
 
+#include <algorithm>
+
 #include "base/names.h"
 
 namespace mjcf_pdg {
@@ -8,6 +10,10 @@ namespace {
 int BodyOf(const mjModel& m, int object_type, int object) {
   if (object < 0) return 0;
   return object_type == mjOBJ_SITE ? m.site_bodyid[object] : object;
+}
+
+bool IsSumOfJoints(const mjModel& m, int tendon) {
+  return tendon < 0 || m.wrap_type[m.tendon_adr[tendon]] == mjWRAP_JOINT;
 }
 
 }  // namespace
@@ -19,6 +25,19 @@ bool JoinsMocapBody(const mjModel& m, int equality) {
     if (m.body_mocapid[m.body_rootid[BodyOf(m, m.eq_objtype[equality], object)]] >= 0) return true;
   }
   return false;
+}
+
+bool HoldsAlongStraightMotions(const mjModel& m, int equality) {
+  const int type = m.eq_type[equality];
+  if (type != mjEQ_JOINT && type != mjEQ_TENDON) return false;
+  if (type == mjEQ_TENDON &&
+      !(IsSumOfJoints(m, m.eq_obj1id[equality]) && IsSumOfJoints(m, m.eq_obj2id[equality]))) {
+    return false;
+  }
+  // Coefficients of the second to fourth power; without a second joint or tendon they are not used.
+  const mjtNum* polynomial = m.eq_data + static_cast<std::ptrdiff_t>(mjNEQDATA) * equality;
+  return m.eq_obj2id[equality] < 0 ||
+         std::all_of(polynomial + 2, polynomial + 5, [](mjtNum c) { return c == 0.0; });
 }
 
 std::string DescribeEquality(const mjModel& m, int equality) {

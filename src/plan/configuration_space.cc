@@ -76,8 +76,10 @@ ConfigurationSpace::ConfigurationSpace(const Scene& scene, const MocapPoses& moc
       mocap_(mocap),
       base_(start),
       norm_(tables_, Metric::kSequential),
+      equalities_(tables_),
       dq_(tables_.n) {
   setName("MuJoCo configurations");
+  equalities_.SetMocap(mocap_);
   FindBounds(start, goal);
   MeasureExtent();
 }
@@ -135,8 +137,25 @@ void ConfigurationSpace::Interpolate(const VectorXd& from, const VectorXd& to, d
   Integrate(tables_, out, dq_, out);
 }
 
+bool ConfigurationSpace::HoldsEqualities(const VectorXd& q) const {
+  return !equalities_.any() || equalities_.Violation(q) <= kEqualityTolerance;
+}
+
+bool ConfigurationSpace::Project(VectorXd& q) const {
+  return !equalities_.any() || equalities_.Project(q);
+}
+
 void ConfigurationSpace::Sample(ompl::RNG& rng, VectorXd& q) const {
+  constexpr int kDraws = 10;  // few are needed: limits rarely keep a sample off the constraints
   ++samples_;
+  for (int k = 0; k < kDraws; ++k) {
+    Draw(rng, q);
+    if (Project(q)) return;
+  }
+  q = base_;
+}
+
+void ConfigurationSpace::Draw(ompl::RNG& rng, VectorXd& q) const {
   q = base_;
   for (const JointEntry& joint : tables_.joints) {
     const int entries = joint.type == mjJNT_FREE ? 3 : joint.type == mjJNT_BALL ? 0 : 1;
@@ -161,7 +180,10 @@ unsigned int ConfigurationSpace::getDimension() const {
   return static_cast<unsigned int>(tables_.n);
 }
 
-void ConfigurationSpace::enforceBounds(ob::State* state) const { ClampToLimits(tables_, Q(state)); }
+void ConfigurationSpace::enforceBounds(ob::State* state) const {
+  ClampToLimits(tables_, Q(state));
+  Project(Q(state));
+}
 
 bool ConfigurationSpace::satisfiesBounds(const ob::State* state) const {
   return LimitExcess(tables_, Q(state)) <= kLimitTolerance;

@@ -3,7 +3,8 @@
 // Source: Tang & Kim, Sec. 6.3: planning with the object norm as the distance. The distance is √σ
 // [m], measured from the second state (Eq. 19); OMPL asks for the tree's nodes first and the sample
 // second, so that one pose of the model serves a whole search for the nearest node. Interpolation
-// follows the motions that CCDg proves free, q ⊕ t·(to ⊖ q). Frozen joints keep their values.
+// follows the motions that CCDg proves free, q ⊕ t·(to ⊖ q). Frozen joints keep their values. The
+// equality constraints that are held must hold along straight motions (equality/held.h).
 #ifndef MJCF_PDG_SRC_PLAN_CONFIGURATION_SPACE_H_
 #define MJCF_PDG_SRC_PLAN_CONFIGURATION_SPACE_H_
 
@@ -11,6 +12,7 @@
 
 #include <cstdint>
 
+#include "equality/equality_constraints.h"
 #include "mjcf_pdg/scene.h"
 #include "norm/norm_evaluator.h"
 
@@ -26,8 +28,8 @@ class ConfigurationSpace : public ompl::base::StateSpace {
 
   // Joints are sampled within their limits. Where there are none: hinges within half a turn of
   // start and goal; slides and free bodies in the box of start and goal, which is made larger on
-  // each side by half of the model's extent. `start` and `goal` have nq entries, and the same
-  // values for frozen joints.
+  // each side by half of the model's extent. `start` and `goal` have nq entries, the same values
+  // for frozen joints, and hold the equality constraints.
   ConfigurationSpace(const Scene& scene, const MocapPoses& mocap, const VectorXd& start,
                      const VectorXd& goal);
 
@@ -41,8 +43,11 @@ class ConfigurationSpace : public ompl::base::StateSpace {
   double Distance(const VectorXd& q_in, const VectorXd& q) const;
   // out := from ⊕ t·(to ⊖ from), which may be one of the two.
   void Interpolate(const VectorXd& from, const VectorXd& to, double t, VectorXd& out) const;
+  bool HoldsEqualities(const VectorXd& q) const;
+  // Brings q onto the equality constraints. Returns whether they hold then.
+  bool Project(VectorXd& q) const;
   // Draws uniformly from the bounds, a ball's or a free body's rotation among all that its limit
-  // admits.
+  // admits; where there are equality constraints, brought onto them.
   void Sample(ompl::RNG& rng, VectorXd& q) const;
   std::int64_t samples() const { return samples_; }  // drawn so far
 
@@ -65,6 +70,7 @@ class ConfigurationSpace : public ompl::base::StateSpace {
   void registerProjections() override;
 
  private:
+  void Draw(ompl::RNG& rng, VectorXd& q) const;
   void FindBounds(const VectorXd& start, const VectorXd& goal);
   void MeasureExtent();
 
@@ -75,6 +81,7 @@ class ConfigurationSpace : public ompl::base::StateSpace {
   VectorXd low_, high_;  // nq; of the entries that are no quaternions
   double extent_ = 1.0;  // the largest distance of random configurations [m]
   mutable NormEvaluator norm_;
+  mutable EqualityConstraints equalities_;
   mutable VectorXd reference_;  // that norm_ measures from
   mutable VectorXd dq_;         // scratch
   mutable std::int64_t samples_ = 0;

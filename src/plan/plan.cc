@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "equality/held.h"
 #include "plan/planners.h"
 
 namespace mjcf_pdg {
@@ -94,6 +95,10 @@ bool Planning::Repair(const std::vector<double>& q, const char* end, Result& res
 }
 
 bool Planning::Prove(const std::vector<VectorXd>& path) {
+  if (!std::all_of(path.begin(), path.end(),
+                   [this](const VectorXd& q) { return space_->HoldsEqualities(q); })) {
+    return false;
+  }
   std::vector<EdgeProof> edges;
   for (std::size_t k = 1; k < path.size(); ++k) {
     const std::int64_t before = prover_->queries();
@@ -208,14 +213,21 @@ void Seed(std::uint64_t seed) {
   ompl::RNG::setSeed(static_cast<std::uint_fast32_t>(seed % 0xffffffffu + 1));
 }
 
+void CheckEqualities(const Scene& scene) {
+  const mjModel& m = *scene.model();
+  for (int e = 0; e < m.neq; ++e) {
+    if (scene.tables().held_equalities[e] && m.eq_active0[e] && !HoldsAlongStraightMotions(m, e)) {
+      throw Error("the model has an equality constraint that straight motions do not hold: " +
+                  DescribeEquality(m, e));
+    }
+  }
+}
+
 }  // namespace
 
 Path Plan(const Scene& scene, const std::vector<double>& start, const std::vector<double>& goal,
           const PlanOptions& options) {
-  if (!scene.HeldEqualities().empty()) {
-    throw Error("the model has equality constraints, which a path would not hold: " +
-                scene.HeldEqualities().front());
-  }
+  CheckEqualities(scene);
   const std::vector<std::string> names = PlannerNames();
   if (std::find(names.begin(), names.end(), options.planner) == names.end()) {
     MakePlanner(options.planner, 0.0, {scene, {}, nullptr, nullptr}, nullptr);  // throws

@@ -54,7 +54,7 @@ struct Path {
 // Plans from `start` to `goal` (nq entries each). The same seed and max_samples give the same path,
 // unless the time limit or `go_on` ends the search. Throws Error for a bad configuration, option or
 // planner's name, or if start and goal differ in a frozen joint; and if the scene holds equality
-// constraints, which paths do not follow.
+// constraints that straight motions do not: others than couplings of first degree.
 Path Plan(const Scene& scene, const std::vector<double>& start, const std::vector<double>& goal,
           const PlanOptions& options);
 

@@ -79,6 +79,7 @@ class ContactRetraction : public Retraction {
     out = q;
     Integrate(tables_, out, dq_, out);
     ClampToLimits(tables_, out);
+    if (!input_.space->Project(out)) out = q;
   }
 
   // dq_ += H⁻¹ Cᵀ λ.

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <tuple>
 
 #include "plan/planners.h"
 #include "tests/support/test_support.h"
@@ -125,6 +126,34 @@ TEST_P(EveryPlanner, MovesAnArmFromSlotToSlot) {
   ExpectFree(scene, path, first.q, last.q);
 }
 
+// A hand whose fingers open together must close them to pass a gap; a dial turns as it goes.
+std::string CoupledHand(const std::string& coupling = "0 -1 0 0 0") {
+  return R"(<mujoco><worldbody>
+    <geom type="box" size=".1 2 .5" pos="0 -2.24 0"/><geom type="box" size=".1 2 .5" pos="0 2.24 0"/>
+    <body name="dial" pos="0 5 0"><joint name="dial" axis="0 0 1"/><geom size=".1"/></body>
+    <body name="hand">
+      <joint name="x" type="slide" axis="1 0 0" range="-2 2" limited="true"/>
+      <joint name="y" type="slide" axis="0 1 0" range="-1 1" limited="true"/>
+      <geom type="cylinder" size=".1 .1"/>
+      <body pos="0 .1 0"><joint name="left" axis="0 0 1" range="-90 90" limited="true"/>
+        <geom type="capsule" size=".03" fromto="0 0 0 0 .25 0"/></body>
+      <body pos="0 -.1 0"><joint name="right" axis="0 0 1" range="-90 90" limited="true"/>
+        <geom type="capsule" size=".03" fromto="0 0 0 0 -.25 0"/></body>
+    </body></worldbody>
+    <tendon><fixed name="turned"><joint joint="dial" coef="1"/><joint joint="x" coef="-1"/></fixed></tendon>
+    <equality><joint name="fingers" joint1="right" joint2="left" polycoef=")" +
+         coupling + R"("/><tendon tendon1="turned"/></equality></mujoco>)";
+}
+
+TEST_P(EveryPlanner, HoldsCouplingsAllTheWay) {
+  const Scene scene = Scene::FromString(CoupledHand());
+  const std::vector<double> start = {-1, -1, 0.1, 0.2, -0.2}, goal = {1, 1, -0.1, -0.3, 0.3};
+  const Path path = Plan(scene, start, goal, With(GetParam()));
+  ExpectFree(scene, path, start, goal);  // the verifier's *free* is that equalities hold, too
+  const auto closed = [](const std::vector<double>& q) { return std::abs(q[3]) > 0.8; };
+  EXPECT_TRUE(std::any_of(path.q.begin(), path.q.end(), closed));
+}
+
 TEST_P(EveryPlanner, TheSameSeedGivesTheSamePath) {
   const Scene scene = Scene::FromString(DiscAndGap(0.1));
   const std::vector<double> start = {-1.0, 0.7}, goal = {1.0, -0.7};
@@ -212,12 +241,15 @@ TEST(PlanTest, FrozenJointsStay) {
 
 TEST(PlanTest, EveryNamedPlannerPlans) {
   const Scene scene = Scene::FromString(DiscAndGap(1.0));
+  const Scene coupled = Scene::FromString(CoupledHand());
   const std::vector<double> start = {-0.6, 0.3}, goal = {0.6, -0.3};
+  const std::vector<double> open = {-1, -1, 0, 0.2, -0.2}, moved = {-0.5, -0.5, 0.3, -0.3, 0.3};
   int planned = 0;
   for (const std::string& name : PlannerNames()) {
     SCOPED_TRACE(name);
     const Path path = Plan(scene, start, goal, With(name));
     ExpectFree(scene, path, start, goal);
+    ExpectFree(coupled, Plan(coupled, open, moved, With(name)), open, moved);
     ++planned;
   }
   EXPECT_GE(planned, 15);
@@ -283,6 +315,38 @@ TEST(PlanTest, BadInputIsRefused) {
   EXPECT_THAT(message({0.0}, With("birrt")), testing::HasSubstr("2"));
   EXPECT_NE(message({0.0, NAN}, With("birrt")), "");
   EXPECT_THAT(message({-1.0, 0.0}, With("birrt-x")), testing::HasSubstr("birrt-pdg"));
+}
+
+TEST(PlanTest, EndsOffTheCouplingsAreRepaired) {
+  const Scene scene = Scene::FromString(CoupledHand());
+  const Path path = Plan(scene, {-1, -1, 0, 0.4, 0}, {1, 0.9, 0, 0, 0}, With("birrt-pdg"));
+  EXPECT_EQ(path.start.status, Status::kSolved);
+  EXPECT_EQ(path.goal.status, Status::kSolved);
+  ExpectFree(scene, path, path.start.q, path.goal.q);
+}
+
+TEST(PlanTest, WhatStraightMotionsDoNotHoldIsRefused) {
+  constexpr char kPinned[] = R"(<mujoco><worldbody>
+    <body name="a"><joint axis="0 0 1"/><geom size=".1"/></body>
+    <body name="b" pos="1 0 0"><joint axis="0 0 1"/><geom size=".1"/></body></worldbody>
+    <equality><connect name="pin" body1="a" body2="b" anchor=".5 0 0"/></equality></mujoco>)";
+  constexpr char kStrung[] = R"(<mujoco><worldbody>
+    <site name="here" pos="0 0 1"/>
+    <body name="a"><joint name="a" axis="0 1 0"/><geom size=".1"/><site name="there" pos="1 0 0"/></body></worldbody>
+    <tendon><spatial name="string"><site site="here"/><site site="there"/></spatial></tendon>
+    <equality><tendon name="taut" tendon1="string"/></equality></mujoco>)";
+  for (const auto& [xml, name, nq] :
+       {std::tuple(CoupledHand("0 -1 .1 0 0"), "fingers", 5),
+        std::tuple(std::string(kPinned), "pin", 2), std::tuple(std::string(kStrung), "taut", 1)}) {
+    const Scene scene = Scene::FromString(xml);
+    const std::vector<double> q(static_cast<std::size_t>(nq), 0.0);
+    try {
+      Plan(scene, q, q, With("birrt"));
+      FAIL() << name;
+    } catch (const Error& e) {
+      EXPECT_THAT(e.what(), testing::HasSubstr(name));
+    }
+  }
 }
 
 TEST(PlanTest, EndsWhenAsked) {
