@@ -204,6 +204,9 @@ int RunPlan(const CLI::App& command, PlanArguments& arguments) {
   plan.options.report_contacts = true;
 #ifdef MJCF_PDG_HAVE_TIMING
   const std::optional<TimingLimits> limits = ReadTimingLimits(scene, arguments.trajectory);
+  // No path takes less time than the straight one: what is too slow for that is told before any
+  // work.
+  if (limits) TimePath(scene, {start.q, goal.q}, *limits);
 #endif
   PlanOutputs outputs;
   AddOutputs(arguments, outputs);

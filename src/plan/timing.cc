@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ruckig/ruckig.hpp>
+#include <sstream>
 #include <string>
 
 #include "base/names.h"
@@ -89,8 +90,10 @@ class PathTimer {
     ruckig::Trajectory<1> way;
     const ruckig::Result result = ruckig_.calculate(input, way);
     if (result == ruckig::Result::Working) return way;
-    throw Error("no times for an edge that takes " + std::to_string(seconds) +
-                " s at full speed (Ruckig: " + std::to_string(static_cast<int>(result)) + ")");
+    std::ostringstream words;
+    words << "no times for an edge that takes " << seconds
+          << " s at full speed (Ruckig: " << static_cast<int>(result) << ")";
+    throw Error(words.str());
   }
 
   void Append(const VectorXd& q, const VectorXd& rates) {

@@ -108,6 +108,8 @@ TEST_F(CliTrajectoryTest, BadInputIsRefused) {
   ExpectRefused(Timed({"--speeds", "1", "--time-step", "0"}), "--time-step");
   ExpectRefused(Timed({"--speeds", "1", "--out-trajectory", "t.doc"}), "--out-trajectory");
   ExpectRefused(Timed({"--speeds", "1e-9"}), "at full speed");
+  // Before any path is sought.
+  ExpectRefused(Timed({"--speeds", "1e-9", "--time-limit", "1e-6"}), "at full speed");
 }
 
 }  // namespace
