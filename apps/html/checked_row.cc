@@ -87,7 +87,8 @@ PageRow MotionPageRow(const Scene& scene, const CheckedMotion& checked) {
                                          PageFact("proven", motion.certified ? "yes" : "no"),
                                          PageFact("poses", motion.poses),
                                          PageFact("distance queries", motion.distance_queries)})},
-                  {"joints", PageJoints(scene, Metric::kSequential, page.frames)}};
+                  {"joints", PageJoints(scene, Metric::kSequential, page.frames,
+                                        page.wrong ? stop : page.frames.size() - 1)}};
   if (!page.wrong) return page;
   page.content["opens"] = stop;
   page.content["contacts_stop"] = PageContacts(scene, contacts);

@@ -35,8 +35,9 @@ double Rounded(double value) {
   return std::strtod(text, nullptr);
 }
 
-// The terms that are anywhere more than rounding errors, the largest at the end first.
-std::vector<Term> Terms(const Scene& scene, Metric metric, const std::vector<PageFrame>& frames) {
+// The terms that are anywhere more than rounding errors, the largest in frame `end` first.
+std::vector<Term> Terms(const Scene& scene, Metric metric, const std::vector<PageFrame>& frames,
+                        std::size_t end) {
   ObjectNorm norm(scene, metric, frames.front().q);
   std::vector<Term> terms;
   for (const PageFrame& frame : frames) {
@@ -49,7 +50,7 @@ std::vector<Term> Terms(const Scene& scene, Metric metric, const std::vector<Pag
   }
   const double nothing = std::pow(kRounding * scene.model()->stat.extent, 2);
   std::erase_if(terms, [&](const Term& term) { return !(term.Largest() > nothing); });
-  const auto order = [](const Term& term) { return std::pair(term.sigma.back(), term.Largest()); };
+  const auto order = [end](const Term& term) { return std::pair(term.sigma[end], term.Largest()); };
   std::stable_sort(terms.begin(), terms.end(),
                    [&](const Term& a, const Term& b) { return order(a) > order(b); });
   if (terms.size() > kJoints) terms.resize(kJoints);
@@ -58,10 +59,11 @@ std::vector<Term> Terms(const Scene& scene, Metric metric, const std::vector<Pag
 
 }  // namespace
 
-Json PageJoints(const Scene& scene, Metric metric, const std::vector<PageFrame>& frames) {
+Json PageJoints(const Scene& scene, Metric metric, const std::vector<PageFrame>& frames,
+                std::size_t end) {
   const std::map<std::string, int> ids = JointsOfTerms(scene, metric);
   Json list = Json::array();
-  for (const Term& term : Terms(scene, metric, frames)) {
+  for (const Term& term : Terms(scene, metric, frames, end)) {
     Json joint = {{"name", term.name}, {"unit", ""}, {"sigma", Json::array()}};
     for (const double sigma : term.sigma) joint["sigma"].push_back(Rounded(sigma));
     const auto found = ids.find(term.name);

@@ -10,11 +10,11 @@
 
 namespace mjcf_pdg::app {
 
-// The terms of σ from the first frame to each, those that are largest in the last frame first: for
+// The terms of σ from the first frame to each, those that are largest in frame `end` first: for
 // every term its name, unit, and for every frame its σ [m²] and (of joints) how far it moved [mm or
 // °].
 nlohmann::ordered_json PageJoints(const Scene& scene, Metric metric,
-                                  const std::vector<PageFrame>& frames);
+                                  const std::vector<PageFrame>& frames, std::size_t end);
 
 }  // namespace mjcf_pdg::app
 

@@ -72,6 +72,7 @@ PageRow PathPageRow(const Scene& scene, const PlannedPath& planned) {
     row.frames.push_back({planned.start.q, "the start as given"});
   }
   AddEdges(scene, path, edges, row);
+  const std::size_t end = row.frames.size();
   if (path.found) row.frames.push_back({path.q.back(), "the end of the path"});
   if (!path.found || path.goal.status != Status::kAlreadyFree) {
     row.frames.push_back({planned.goal.q, "the goal as given"});
@@ -83,9 +84,11 @@ PageRow PathPageRow(const Scene& scene, const PlannedPath& planned) {
                  {"contacts_goal", PageContacts(scene, path.goal.contacts_in)}};
   const bool searched = !path.found && path.samples > 0;
   if (searched) row.content["note"] = "A clock may have ended it, and another run get further.";
-  if (!path.found) row.content["opens"] = 0;  // what is wrong with the start comes first
+  row.content["before"] = "the start";
   // Where there is none, start and goal are all the slider has, and nothing moved between them.
-  if (path.found) row.content["joints"] = PageJoints(scene, Metric::kSequential, row.frames);
+  if (!path.found) return row;
+  row.content["opens"] = end;
+  row.content["joints"] = PageJoints(scene, Metric::kSequential, row.frames, end);
   return row;
 }
 

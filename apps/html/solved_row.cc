@@ -88,7 +88,7 @@ PageRow SolvedPageRow(const Scene& scene, Metric metric, const SolvedRow& solved
                  {"reason", result.reason},
                  {"contacts_in", PageContacts(scene, result.contacts_in)},
                  {"contacts", PageContacts(scene, result.contacts)},
-                 {"joints", PageJoints(scene, metric, row.frames)},
+                 {"joints", PageJoints(scene, metric, row.frames, row.frames.size() - 1)},
                  {"iterations", Json::array()}};
   for (const KeptIteration& it : solved.iterations) {
     row.content["iterations"].push_back({{"start", it.start},

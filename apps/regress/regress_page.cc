@@ -122,7 +122,7 @@ void RegressPage::Add(const Scene& scene, const SolvedRow& solved, const RowRepo
   facts.erase(std::remove_if(facts.begin(), facts.end(),
                              [](const Json& fact) { return fact[0] == kQueriesFact; }),
               facts.end());
-  row.status = report.change == Change::kNone ? row.status : NameOf(report.change);
+  if (report.change != Change::kNone) row.status += std::string(", ") + NameOf(report.change);
   row.wrong = IsRegression(report.change);
   row.values = {std::max(0.0, -1e3 * shown.result.depth_in),
                 report.before ? Rms(*report.before) : kNone, Rms(report.now),

@@ -36,6 +36,15 @@ SHELL_AND_PADS = """<mujoco><worldbody>
   </body></worldbody></mujoco>"""
 
 
+# What is seen is large, and what collides is small, as the feet of some humanoids.
+TOES = """<mujoco><worldbody>
+  <geom name="floor" type="plane" size="2 2 .1" rgba=".5 .5 .5 1"/>
+  <body pos="0 0 .1"><freejoint/>
+    <geom type="box" size=".2 .1 .1" contype="0" conaffinity="0" rgba=".5 .5 .5 1"/>
+    <geom name="toe" type="sphere" size=".01" pos=".15 0 -.1" group="3"/>
+  </body></worldbody></mujoco>"""
+
+
 # A rod that fits nowhere between floor and roof.
 CAGE = """<mujoco><worldbody>
   <geom name="floor" type="box" size="1 1 .5"/><geom name="roof" type="box" size="1 1 .5" pos="0 0 1.15"/>
@@ -80,6 +89,14 @@ def reports(tmp_path_factory) -> dict[str, pathlib.Path]:
     (folder / "shell.xml").write_text(SHELL_AND_PADS)
     (folder / "cage.xml").write_text(CAGE)
     (folder / "room.xml").write_text(ROOM)
+    (folder / "toes.xml").write_text(TOES)
+    # Row 0 as golden, row 1 worse, row 2 of another model new and not to be solved.
+    (folder / "two.csv").write_text("0 0\n0 -.05\n")
+    (folder / "one.csv").write_text("0.1 0.02\n")
+    cases = [{"model": "ball.xml", "configurations": [{"file": "two.csv"}]}, {"model": "cage.xml", "configurations": [{"file": "one.csv"}]}]
+    (folder / "worse.json").write_text(json.dumps({"version": 1, "cases": cases}))
+    golden = [{"model": "ball.xml", "row": f"two.csv row {row}", "status": "solved", "sigma": sigma, "queries": 99} for row, sigma in ((0, 0.04), (1, 1e-6))]
+    (folder / "worse.golden.json").write_text(json.dumps({"version": 1, "rows": golden}))
     (folder / "sinks.csv").write_text("".join(f"0.1 {z}\n" for z in (0, 0.01, 0.02)))
     (folder / "more.json").write_text(json.dumps({"version": 1, "cases": [{"model": "ball.xml", "configurations": ["qpos0"]}]}))
     puma, zeros = "models/puma/puma_car.xml", "0 0 0 0 0 0 0 0 0"
@@ -97,6 +114,8 @@ def reports(tmp_path_factory) -> dict[str, pathlib.Path]:
         "motion_from_inside": (["check", "ball.xml", "--motion", "--from", "0 -.05", "--to", ".9 .8"], 3),
         "motion_to_limit": (["check", puma, "--motion", "--from", zeros, "--to", zeros[:-1] + "9"], 3),
         "in_a_room": (["plan", "room.xml", "--start", "-.3", "--goal", ".3"], 0),
+        "worse": (["regress", "worse.json"], 3),
+        "toes": (["check", "toes.xml"], 3),
         "two_suites": (["regress", "suite.json", "more.json", "--plugin-dir", str(PLUGINS)], 3),
         "sinks": (["solve", "cage.xml", "--qpos-file", "sinks.csv", "--trajectory"], 3),
         "stuck": (["solve", "cage.xml", "--qpos", "0.1 0.02"], 3),

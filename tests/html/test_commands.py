@@ -30,7 +30,7 @@ def test_sigma_of_joints_comes_again_from_the_command_beside_it(open_report, rep
         choose(reader, 8)
     reader.page.focus("#slider")
     for _ in range(2):
-        parts = json.loads(answer(reports, reader.page.inner_text("#norm") + " --json -"))["parts"]
+        parts = json.loads(answer(reports, reader.page.inner_text("#norm")))["parts"]
         again = {part["name"]: part for part in parts}
         cells = [line.split("\t") for line in reader.texts("#joints tr")]
         assert all(alike_numbers(sigma, again[name]["sigma"]) for name, _, sigma, _ in cells) and cells
@@ -96,7 +96,7 @@ def test_a_regression_comes_again_with_the_options_of_its_suite(open_report, rep
     again = json.loads(answer(reports, reader.page.inner_text("#command")))
     assert alike_numbers(facts(reader)["σ, m²"], again["sigma"]) and again["sigma"] > 1e-4
     assert alike_numbers(facts(reader)["depth as given, mm"], -1e3 * again["depth_in"])
-    parts = json.loads(answer(reports, reader.page.inner_text("#norm") + " --json -"))
+    parts = json.loads(answer(reports, reader.page.inner_text("#norm")))
     assert alike_numbers(facts(reader)["σ, m²"], parts["sigma"])
     rows = [json.loads(line) for line in answer(reports, reader.page.inner_text("#again")).splitlines()]
     assert rows[0]["sigma"] == again["sigma"] and rows[0]["change"] == "sigma_up"

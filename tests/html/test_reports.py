@@ -122,10 +122,12 @@ def test_the_camera_goes_to_a_contact(open_report, name, size):
     before = reader.scene()
     reader.page.click("#contacts_in tr:first-child")
     assert "chosen" in reader.page.get_attribute("#contacts_in tr:first-child", "class")
+    assert reader.page.input_value("#slider") == "0"  # where it overlaps
     there = reader.scene()
     assert not alike(there, before)
     reader.screenshot("contact")
     reader.page.keyboard.press("f")
+    reader.page.keyboard.press("End")
     assert alike(reader.scene(), before)
     reader.page.focus("#contacts_in tr:first-child")
     reader.page.keyboard.press("Enter")
@@ -219,10 +221,7 @@ def test_what_lies_in_an_obstacle_is_seen_through_it(open_report, name, key):
     reader.page.keyboard.press(key)
     colours = colours_of(reader)
     reader.screenshot("inside")
-    if name == "touching":
-        assert colours["orange"] > 1000
-    else:
-        assert colours["blue"] > 1000
+    assert colours["blue" if key == "End" else "orange"] > 1000
 
 
 def test_what_cannot_be_repaired_stands_out_where_it_is(open_report):
@@ -246,6 +245,43 @@ def test_contacts_of_a_goal_are_looked_at_where_the_slider_ends(open_report):
 def test_a_motion_that_starts_in_collision_opens_there(open_report):
     reader = open_report("motion_from_inside")
     assert reader.page.input_value("#slider") == "0"
+
+
+def test_what_was_given_is_orange_at_its_end_of_the_slider_too(open_report):
+    reader = open_report("displacement")
+    reader.page.keyboard.press("g")
+    assert colours_of(reader)["blue"] > 1000 > colours_of(reader)["orange"]
+    reader.page.keyboard.press("Home")
+    assert colours_of(reader)["orange"] > 1000 > colours_of(reader)["blue"]
+
+
+def test_a_body_whose_feet_are_too_small_to_see_stands_out(open_report):
+    reader = open_report("toes")
+    pixels = Counter(Image.open(io.BytesIO(reader.scene())).convert("RGB").getdata())
+    assert sum(n for (r, g, b), n in pixels.items() if r > b + 50) > 1000
+    reader.screenshot("opened")
+
+
+def test_an_arrow_leads_from_one_geom_to_the_other(open_report):
+    """Of a ball 0.25 m deep in a wall: all of the arrow lies in the overlap."""
+    reader = open_report("touching")
+    image = Image.open(io.BytesIO(reader.scene())).convert("RGB")
+    red = [k // image.width for k, colour in enumerate(image.getdata()) if colour == (0xD5, 0x5E, 0x00)]
+    orange = [k // image.width for k, (r, g, b) in enumerate(image.getdata()) if r > b + 50]
+    assert red and orange
+    assert min(red) >= min(orange) - 3 and max(red) <= max(orange) + 3
+    reader.screenshot("arrow")
+
+
+def test_a_link_may_lead_to_any_row_and_frame(open_report, reports):
+    reader = open_report("many")
+    page = reader.page
+    for link, row in (("row=2345&frame=50%", "2345"), ("row=7&frame=x%", "7")):
+        page.goto("about:blank")
+        page.goto(f"file://{reports['many']}#{link}")
+        page.wait_for_selector("body[data-ready]")
+        assert page.get_attribute("body", "data-row") == row
+        assert page.get_attribute("#rows tr.chosen", "data-index") == row
 
 
 def test_a_motion_opens_where_it_stops_and_shows_what_is_in_the_way(open_report):
@@ -310,6 +346,7 @@ def test_every_command_has_a_button_that_copies_it(open_report):
     page.evaluate("Object.defineProperty(navigator, 'clipboard', {value: {writeText: (words) => { window.copied = words; }}})")
     page.click("#row-tables pre + .copy")
     assert page.evaluate("copied") == page.inner_text("#row-tables pre")
+    assert page.inner_text("#row-tables pre + .copy") == "copied"
 
 
 def test_names_are_broken_between_their_words(open_report):
@@ -321,6 +358,17 @@ def test_names_are_broken_between_their_words(open_report):
       return range.getClientRects().length > 1;
     }).map((part) => part.textContent))""")
     assert cells.count() > 3 and broken == []
+
+
+def test_a_report_opens_at_the_first_row_that_is_bad_news(open_report):
+    reader = open_report("worse")
+    page = reader.page
+    assert page.inner_text("#title") == "two.csv row 1: solved, sigma up"
+    assert page.inner_text("#count-wrong") == ", 1 stands out"
+    page.select_option("#sort", label="what stands out first")
+    assert reader.texts("#rows .name div:first-child")[0] == "two.csv row 1"
+    page.fill("#filter", "unsolved")
+    assert reader.texts("#rows .status") == ["unsolved, new"]
 
 
 def test_rows_of_two_suites_are_told_apart(open_report):

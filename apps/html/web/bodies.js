@@ -5,6 +5,7 @@ import * as THREE from 'three';
 export const BEFORE = 0xe69f00, AFTER = 0x0072b2;
 export const CONTACT = 0xd55e00;  // their vermilion
 const POSE = 7;  // numbers of a body's pose
+const TINY = 0.1;  // of its body's radius: what is so small is not seen, so that its body stands out instead
 const POINTS = 8;  // that the camera tries to see
 const SUNK = 0.99;  // of its width: what is so deep in another geom is not seen
 
@@ -58,7 +59,7 @@ export class Bodies {
     this.now = this.make(scene, meshes, false);
     this.ghost = this.make(scene, meshes, true);
     this.contacts = this.overlapping = this.stopping = [];
-    this.covering = this.hiding = new Set();
+    this.covering = this.hiding = this.tinted = new Set();
     this.showColliding(colliding);
   }
 
@@ -98,6 +99,7 @@ export class Bodies {
     this.stays = poses.subarray(0, stride).every((x, k) => Math.abs(poses[end + k] - x) < 1e-6);  // as it was in the end
     this.contacts = this.stays ? contacts : [];
     this.overlapping = this.contacts.flatMap((contact) => contact.geoms);
+    this.tinted = this.bodiesOf(this.overlapping, (geom) => this.isTiny(geom));
     this.stopping = stop.flatMap((contact) => contact.geoms);
     this.ghost.forEach((body, b) => place(body, poses, POSE * b));
     this.covering = new Set([...this.findCovering(contacts, 0), ...this.findCovering(goal, this.frames - 1)]);
@@ -113,10 +115,10 @@ export class Bodies {
       place(body, this.poses, POSE * (this.count * frame + b));
       for (const mesh of body.children) {
         const {geom, own} = mesh.userData;
-        const stands_out = geom.type !== 'plane' && this.overlapping.includes(geom.id);
+        const stands_out = geom.type !== 'plane' && (this.overlapping.includes(geom.id) || this.tinted.has(geom.body));
         const moved = this.moves[b] && !(this.stays && frame === this.frames - 1);
         const stops = frame === this.opened && this.stopping.includes(geom.id);
-        mesh.material.color.set(moved ? colour : stands_out ? BEFORE : stops ? CONTACT : own);
+        mesh.material.color.set(moved ? (frame === 0 ? BEFORE : colour) : stands_out ? BEFORE : stops ? CONTACT : own);
       }
     });
   }
@@ -166,11 +168,12 @@ export class Bodies {
     const wanted = [...this.overlapping, ...this.focused ?? []];
     const usual = (geom) => (this.colliding ? geom.collides : geom.group < 3);
     const inside = this.bodiesOf(wanted, (geom) => !usual(geom));
+    const stand_for = this.bodiesOf(this.focused ?? [], (geom) => this.isTiny(geom));
     for (const mesh of this.meshes()) {
-      const {geom, opacity: own} = mesh.userData, chosen = wanted.includes(geom.id);
+      const {geom, opacity: own} = mesh.userData, chosen = wanted.includes(geom.id) || (usual(geom) && stand_for.has(geom.body));
       const through = this.covering.has(geom.id) || this.hiding.has(geom.id) || (!chosen && inside.has(geom.body));
       mesh.visible = usual(geom) || chosen;
-      const opacity = own * (this.focused && !chosen ? 0.2 : through ? 0.35 : 1);
+      const opacity = own * (this.focused && !chosen ? 0.1 : through ? 0.35 : 1);
       Object.assign(mesh.material, {opacity, transparent: opacity < 1, depthWrite: opacity === 1});
     }
   }
@@ -188,6 +191,12 @@ export class Bodies {
       if (still && -distance >= SUNK * Math.min(...widths)) covering.add(outer);
     }
     return covering;
+  }
+
+  isTiny({body, id}) {
+    const radius = ({geometry}) => (geometry.computeBoundingSphere(), geometry.boundingSphere.radius);
+    const meshes = this.now[body].children;
+    return radius(meshes.find((mesh) => mesh.userData.geom.id === id)) < TINY * Math.max(...meshes.map(radius));
   }
 
   // The bodies, but for the world, of those of the geoms that are `such`.
@@ -222,8 +231,9 @@ export class Bodies {
     }
     if (box.isEmpty()) add((b, geom) => bodies.has(b) || this.overlapping.includes(geom.id));
     for (const {position, normal, distance} of this.contacts) {
-      const begin = new THREE.Vector3(...position);
-      box.expandByPoint(begin).expandByPoint(begin.clone().addScaledVector(new THREE.Vector3(...normal), Math.max(0, -distance)));
+      for (const half of [-0.5, 0.5]) {
+        box.expandByPoint(new THREE.Vector3(...position).addScaledVector(new THREE.Vector3(...normal), half * Math.max(0, -distance)));
+      }
     }
     if (box.isEmpty()) add(() => true);
     this.showFrame(frame);

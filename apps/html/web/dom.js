@@ -34,7 +34,15 @@ export function onChoice(line, act) {
 
 // Lets a button copy the command that stands before it.
 export function onCopy(button) {
-  button.onclick = () => navigator.clipboard?.writeText(button.previousElementSibling.textContent);
+  button.onclick = async () => {
+    try {
+      await navigator.clipboard.writeText(button.previousElementSibling.textContent);
+      button.textContent = 'copied';
+    } catch {
+      button.textContent = 'not copied: select it and copy';
+    }
+    setTimeout(() => { button.textContent = 'copy'; }, 1500);
+  };
 }
 
 // Marks one line of a table's body; -1: none.

@@ -13,7 +13,7 @@ function writeFrame(k) {
   frame = Math.max(0, Math.min(row.frames.length - 1, k));
   const {label, iteration} = row.frames[frame];
   const words = (k) => `'${row.q(k).join(' ')}'`;
-  $('norm').textContent = row.norm ? `${row.norm} --from ${words(0)} --to ${words(frame)}` : '';
+  $('norm').textContent = row.norm ? `${row.norm} --from ${words(0)} --to ${words(frame)} --json -` : '';
   $('slider').value = frame;
   $('slider').setAttribute('aria-valuetext', label);
   $('frame').textContent = label;
@@ -57,7 +57,7 @@ function fillContacts(id) {
   showSection(id, contacts.length);
   fill($(id), contacts.map(cells), (k) => {
     CONTACTS.filter((other) => other !== id).forEach((other) => mark($(other), -1));
-    if (id !== 'contacts_in') showFrame(id === 'contacts_stop' ? row.opens : row.frames.length - 1);
+    showFrame({contacts_in: 0, contacts_stop: row.opens}[id] ?? row.frames.length - 1);
     stage.lookAtContact(contacts[k]);
     document.body.dataset.contact = k;
   });
@@ -65,7 +65,7 @@ function fillContacts(id) {
 
 function fillPage() {
   const {label, status, model} = page.rows[list.current];
-  $('title').textContent = status === 'motion' ? label : `${label}: ${status.replace('_', ' ')}`;
+  $('title').textContent = status === 'motion' ? label : `${label}: ${status.replaceAll('_', ' ')}`;
   $('model').textContent = page.models[model];
   fill($('facts'), row.facts ?? []);
   $('reason').textContent = row.reason ?? '';
@@ -136,10 +136,10 @@ function onKey(event) {
   keys[event.key]();
 }
 
-// A whole motion, else the first row that is bad news or was moved.
+// A whole motion, else the first row that is bad news, else the first that was moved.
 function firstRow() {
   const first = (wanted) => page.rows.findIndex(wanted);
-  return [first((one) => one.status === 'motion'), first((one) => one.wrong || one.status === 'solved'), 0].find((k) => k >= 0);
+  return [first((one) => one.status === 'motion'), first((one) => one.wrong), first((one) => one.status === 'solved'), 0].find((k) => k >= 0);
 }
 
 async function begin() {
@@ -166,7 +166,7 @@ async function begin() {
   await begun;
   window.onresize = () => { drawPlots(); if (row.frames.length > 0) writeFrame(frame); };
   const at = asked.get('frame');
-  if (at) showFrame(at.endsWith('%') ? Math.round(parseFloat(at) / 100 * (row.frames.length - 1)) : Number(at));
+  if (at) showFrame(Math.round(at.endsWith('%') ? parseFloat(at) / 100 * (row.frames.length - 1) : Number(at)) || 0);
   document.body.dataset.ready = 'yes';
 }
 

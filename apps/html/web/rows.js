@@ -10,7 +10,7 @@ export class RowList {
     this.several = models.length > 1;
     const head = [['', ''], ['row', 'index'], ['name and status', 'label'], ...columns.map((column, k) => [column, String(k)])];
     $('list-head').append(...head.map(([words, key]) => this.heading(words, key)));
-    const orders = [['index', 'by number'], ['label', 'by name'], ['status', 'by status'], ...columns.map((column, k) => [k, `${column}, largest first`])];
+    const orders = [['index', 'by number'], ['label', 'by name'], ['status', 'by status'], ['wrong', 'what stands out first'], ...columns.map((column, k) => [k, `${column}, largest first`])];
     $('sort').append(...orders.map(([value, words]) => element('option', words, {value})));
     this.queue = [];
     this.observer = new IntersectionObserver((entries) => {
@@ -44,7 +44,7 @@ export class RowList {
   // What the filter looks in: number, model (of several), name, status.
   words(index) {
     const {label, status, model} = this.rows[index];
-    return [index, ...(this.several ? [this.models[model]] : []), label, status.replace('_', ' ')];
+    return [index, ...(this.several ? [this.models[model]] : []), label, status.replaceAll('_', ' ')];
   }
 
   list() {
@@ -56,6 +56,8 @@ export class RowList {
     const key = $('sort').value, row = (index) => this.rows[index];
     if (key === 'label' || key === 'status') {
       this.shown.sort((a, b) => row(a)[key].localeCompare(row(b)[key], undefined, {numeric: true}) || a - b);
+    } else if (key === 'wrong') {
+      this.shown.sort((a, b) => row(b).wrong - row(a).wrong || a - b);
     } else if (key !== 'index') {
       this.shown.sort((a, b) => (row(b).values[key] ?? -Infinity) - (row(a).values[key] ?? -Infinity) || a - b);
     }
@@ -63,7 +65,9 @@ export class RowList {
       heading.ariaSort = heading.dataset.key !== key ? null : key === 'index' || key === 'label' ? 'ascending' : 'descending';
     }
     $('rows').replaceChildren();
+    const wrong = this.rows.filter((row) => row.wrong).length;
     $('count').textContent = `${this.shown.length} of ${this.rows.length}`;
+    $('count-wrong').textContent = wrong ? `, ${wrong} stand${wrong > 1 ? '' : 's'} out` : '';
     this.more();
   }
 
@@ -87,6 +91,7 @@ export class RowList {
 
   mark(index) {
     this.current = index;
+    while (this.shown.indexOf(index) >= $('rows').children.length) this.more();
     for (const line of $('rows').children) line.classList.toggle('chosen', Number(line.dataset.index) === index);
   }
 

@@ -20,8 +20,9 @@ function arrows(contacts, colour, size) {
       arrow.add(part);
     }
     arrow.userData = {contact, material};
-    arrow.position.set(...contact.position);
-    arrow.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), new THREE.Vector3(...contact.normal));
+    const along = new THREE.Vector3(...contact.normal);
+    arrow.position.set(...contact.position).addScaledVector(along, -0.5 * length);  // the contact is in the middle of its two points
+    arrow.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), along);
     group.add(arrow);
   }
   return group;
@@ -131,9 +132,9 @@ export class Stage {
 
   lookAtContact(contact) {
     this.focus(contact.geoms, contact);
-    const near = this.bodies.radiusAround(contact.geoms), far = 1.2 * this.bodies.bounds.radius;
+    const near = Math.max(this.bodies.radiusAround(contact.geoms), -0.4 * contact.distance), far = 1.2 * this.bodies.bounds.radius;
     const position = new THREE.Vector3(...contact.position);
-    this.look(position, near > 0 ? Math.min(far, 5 * near) : far, [position]);
+    this.look(position, near > 0 ? Math.min(Math.max(far, -2 * contact.distance), 5 * near) : far, [position]);
   }
 
   focus(geoms, contact) {
