@@ -115,6 +115,7 @@ std::string MotionPage(const CLI::App& command, const MotionArguments& arguments
       MotionPageRow(scene, {ends, motion, ContactsAtStop(scene, ends.from, motion, near)});
   if (motion.outcome != MotionOutcome::kFree) row.content["reason"] = Sentence(scene, motion);
   row.content["command"] = ShellCommand(again);
+  for (PageTable& table : row.tables) table.command = ShellCommand(again);
   RowCommand stop{{"check", model}, GivenOptions(command, {"--tolerance"})};
   stop.options.insert(stop.options.end(), {"--tolerance", nlohmann::json(near.tolerance).dump()});
   Configuration at;

@@ -185,8 +185,12 @@ TEST_F(CliTest, AReportOfAMotionGoesToWhereItStops) {
   EXPECT_FLOAT_EQ(HeightIn(row, 0, 1, 2), 0.55f);
   EXPECT_NEAR(HeightIn(row, frames - 2, 1, 2), 0.2f, 1e-3f);
   EXPECT_FLOAT_EQ(HeightIn(row, frames - 1, 1, 2), 0.15f);
-  EXPECT_EQ(row.json["tables"][0]["rows"][0], nlohmann::json({"sphere", "wall"}));
-  EXPECT_EQ(row.json["tables"][0]["frames"][0], frames - 2);
+  EXPECT_EQ(row.json["opens"], frames - 2);
+  ASSERT_EQ(row.json["contacts_stop"].size(), 1u);
+  EXPECT_EQ(row.json["contacts_stop"][0]["geom1"], "sphere");
+  EXPECT_EQ(row.json["contacts_stop"][0]["geom2"], "wall");
+  EXPECT_NEAR(row.json["contacts_stop"][0]["distance"].get<double>(), 3e-6, 1.1e-6);
+  EXPECT_TRUE(row.json["tables"].empty());
 }
 
 TEST_F(CliTest, AReportOfAuditHasPairsAndKeyframes) {
@@ -240,7 +244,7 @@ TEST_F(CliTest, AReportOfRegressSaysWhatChanged) {
   const std::string page = Read("r.html");
   const nlohmann::json rows = Head(page)["rows"];
   ASSERT_EQ(rows.size(), 3u);
-  EXPECT_EQ(rows[0]["status"], "sigma_up");
+  EXPECT_EQ(rows[0]["status"], "solved, sigma_up");
   EXPECT_EQ(rows[0]["wrong"], true);
   EXPECT_EQ(rows[1]["status"], "already_free");
   EXPECT_EQ(rows[2]["status"], "gone");
