@@ -228,6 +228,10 @@ def test_what_cannot_be_repaired_stands_out_where_it_is(open_report):
     reader = open_report("stuck")
     assert reader.page.inner_text("#title").endswith("unsolved")
     assert colours_of(reader)["orange"] > 1000  # though the slider shows a search that moved it and gave up
+    image = Image.open(io.BytesIO(reader.scene())).convert("RGB")
+    pale = [k // image.width for k, (r, g, b) in enumerate(image.getdata()) if r > b + 50 and b > 80]
+    full = [k // image.width for k, (r, g, b) in enumerate(image.getdata()) if r > b + 50 and b < 50]
+    assert len(pale) > 1000 and len(full) > 1000 and sum(pale) / len(pale) < sum(full) / len(full)  # the roof is seen through, not the floor
     reader.screenshot("opened")
 
 

@@ -157,6 +157,11 @@ export class Bodies {
     return points.filter((_, k) => k % stride === 0);
   }
 
+  // Whether the geom is what others overlap with, and cannot move.
+  isWall({geom}) {
+    return geom.body === 0 && this.overlapping.includes(geom.id);
+  }
+
   // Whether the geom stands still and is no part of what overlaps, so that it may be in the way of the camera.
   mayHide({geom}) {
     return !this.overlapping.includes(geom.id) && !this.stopping.includes(geom.id) && (this.stays || !this.moves[geom.body]);

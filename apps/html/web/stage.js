@@ -143,9 +143,9 @@ export class Stage {
     this.showArrows(this.view);
   }
 
-  // The geoms that stand still and hide each of the points from the eye.
-  hidingEach(points, eye) {
-    const meshes = [...this.bodies.meshes(this.bodies.now)].filter((mesh) => mesh.visible && this.bodies.mayHide(mesh.userData));
+  // The geoms that hide each of the points from the eye, of those that are `such`.
+  hidingEach(points, eye, such) {
+    const meshes = [...this.bodies.meshes(this.bodies.now)].filter((mesh) => mesh.visible && such(mesh.userData));
     return points.map((point) => {
       const way = point.clone().sub(eye), far = way.length();
       const ray = new THREE.Raycaster(eye, way.normalize(), 0, far);
@@ -153,17 +153,19 @@ export class Stage {
     });
   }
 
-  // Where the camera stands: of directions around the target, the one from which fewest of the points are hidden. What hides those
-  // even so is seen through.
+  // Where the camera stands: of directions around the target, the one from which fewest of the points are hidden by what has no part in
+  // it. What hides those even so is seen through, and so is a wall that hides all that overlaps with it.
   standWhereSeen(target, far, points) {
     let best, hiding, fewest = Infinity;
     for (let k = 0; k < 12 && fewest > 0; ++k) {
       const turn = (k % 2 ? -1 : 1) * Math.ceil(k / 2) * Math.PI / 6 - 0.9;
       const eye = new THREE.Vector3(Math.cos(turn), Math.sin(turn), 0.45).setLength(far).add(target);
-      const each = this.hidingEach(points, eye), hidden = each.filter((geoms) => geoms.size > 0).length;
+      const each = this.hidingEach(points, eye, (geom) => this.bodies.mayHide(geom)), hidden = each.filter((geoms) => geoms.size > 0).length;
       if (hidden < fewest) [best, hiding, fewest] = [eye, each, hidden];
     }
-    this.view.hiding = new Set(hiding.flatMap((geoms) => [...geoms]));
+    const [first, ...others] = this.hidingEach(points, best, (geom) => this.bodies.isWall(geom));
+    const walls = [...first ?? []].filter((geom) => others.every((geoms) => geoms.has(geom)));
+    this.view.hiding = new Set([...hiding.flatMap((geoms) => [...geoms]), ...walls]);
     this.bodies.seeThrough(this.view.hiding);
     return best;
   }
