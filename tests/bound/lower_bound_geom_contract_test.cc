@@ -1,13 +1,12 @@
 // What lower_bound_geom.h promises of its farthest and extreme points, against the definitions of
 // the geoms.
-#include "bound/lower_bound_geom.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
 
+#include "bound/lower_bound_geom.h"
 #include "tests/bound/posed_geoms.h"
 
 namespace mjcf_pdg::test {
@@ -58,8 +57,8 @@ TEST_F(LowerBoundGeomContractTest, TheGeomIsTheHullOfItsPointsGrownByTheRadiusOr
     round += geom.round;
     double widest = 0.0;
     for (int k = 0; k < 300; ++k) {
-      const Vector3d n = k < 6 ? Vector3d((k % 2 ? 1.0 : -1.0) * geom.R.col(k / 2))
-                               : rng.UnitVector();
+      const Vector3d n =
+          k < 6 ? Vector3d((k % 2 ? 1.0 : -1.0) * geom.R.col(k / 2)) : rng.UnitVector();
       const double by_points = ReachOfPoints(geom, n), reach = geoms.Reach(id, n);
       EXPECT_GE(by_points, reach - 1e-6 * scale) << type;
       if (!geom.round) {

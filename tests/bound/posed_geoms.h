@@ -2,6 +2,7 @@
 #ifndef MJCF_PDG_TESTS_BOUND_POSED_GEOMS_H_
 #define MJCF_PDG_TESTS_BOUND_POSED_GEOMS_H_
 
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -41,8 +42,15 @@ struct PosedGeoms {
     filled.Fill(*posed, *points, geom);
     return filled;
   }
-  // max n · x over the points x of the geom, by its definition.
+  // max n · x over the points x of the geom, by its definition. A plane is a half-space, bounded
+  // along its normal only.
   double Reach(int geom, const Vector3d& n) const {
+    if (model->geom_type[geom] == mjGEOM_PLANE) {
+      const Vector3d normal = AsMatrix(posed->data()->geom_xmat + 9 * geom).col(2);
+      const bool along = n.cross(normal).norm() < 1e-12 && n.dot(normal) > 0.0;
+      return along ? n.dot(AsVector(posed->data()->geom_xpos + 3 * geom))
+                   : std::numeric_limits<double>::infinity();
+    }
     return test::Support(model.get(), posed->data(), geom, n);
   }
 
