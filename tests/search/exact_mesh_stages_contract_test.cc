@@ -184,21 +184,35 @@ TEST_F(ExactMeshStagesContractTest, AHintIsDescendedFromAsCoarselyAsAStartWithFe
   EXPECT_EQ(hint.depths, coarse.depths);
 }
 
-TEST_F(ExactMeshStagesContractTest, StartsFindTheWayBackIntoTheHollow) {
-  for (const std::string joints : {"<freejoint/>", kSlide.c_str()}) {
-    Frames frames(joints, false);
-    VectorXd q = ToEigen(frames.scene.DefaultQpos());
-    q[0] = 0.07;
-    frames.work.Begin(q);
-    const StrategyInput input{.overlaps = frames.work.OverlapsAtInput()};
-    frames.trials.Begin(frames.plan, input, 0.01, true);
-    frames.starts.Begin();
-    mjcf_pdg::Random random(1);
-    frames.starts.Try(input, q, 0.01, random);
-    ASSERT_TRUE(frames.trials.HasFree());
-    EXPECT_TRUE(frames.work.Free(frames.trials.Best()));
-    EXPECT_LT(std::sqrt(frames.trials.BestSigma()), 0.02) << joints;
-  }
+// The kinds of starts for a box in the wall, in order, each once.
+std::vector<std::string> KindsOfStarts(const std::string& joints) {
+  Frames frames(joints, false);
+  std::vector<std::string> kinds;
+  Recorder recorder;
+  recorder.Set([&kinds](const Iteration& it) {
+    if (it.step == 0 && (kinds.empty() || kinds.back() != it.start)) kinds.push_back(it.start);
+  });
+  frames.work.recorder = &recorder;
+  VectorXd q = ToEigen(frames.scene.DefaultQpos());
+  q[0] = 0.07;
+  frames.work.Begin(q);
+  const StrategyInput input{.overlaps = frames.work.OverlapsAtInput()};
+  frames.trials.Begin(frames.plan, input, 0.01, true);
+  frames.starts.Begin();
+  mjcf_pdg::Random random(1);
+  frames.starts.Try(input, q, 0.01, random);
+  EXPECT_TRUE(frames.trials.HasFree());
+  EXPECT_TRUE(frames.work.Free(frames.trials.Best()));
+  EXPECT_LT(std::sqrt(frames.trials.BestSigma()), 0.02) << joints;
+  return kinds;
+}
+
+TEST_F(ExactMeshStagesContractTest, LinksArePartedFirstAndADescentFromTheInputComesLastIfAtAll) {
+  const std::vector<std::string> rigid = KindsOfStarts("<freejoint/>");
+  EXPECT_EQ(rigid, std::vector<std::string>{"constrained_translation"}) << "which found it near";
+  const std::vector<std::string> linked = KindsOfStarts(kSlide);
+  const std::vector<std::string> in_order = {"pair_by_pair", "constrained_translation", "direct"};
+  EXPECT_EQ(linked, in_order);
 }
 
 }  // namespace
