@@ -15,6 +15,11 @@ double LambdaMaxOfRank2(const Matrix3d& A) {
   return 0.5 * (trace + std::sqrt(std::max(0.0, 2.0 * A.squaredNorm() - trace * trace)));
 }
 
+// False for a slide that moves no mass, too: Finite is to see it.
+bool MergesWithSlides(const Mover& mover) {
+  return mover.turn == 0.0 && std::isfinite(mover.slide);
+}
+
 // Turns about `anchor`, and slides as `mass` does; without mass it is infinitely easy to move.
 Mover PoseMover(double mass, const Vector3d& anchor, const Matrix3d& inertia) {
   Mover mover;
@@ -79,7 +84,7 @@ void Chains::AppendAlong(std::span<const int> path, MoverPool& pool) const {
   const std::size_t begin = pool.size();
   for (const int i : path) {
     const Mover& mover = movers_[i];
-    if (pool.size() > begin && mover.turn == 0.0 && pool.back().turn == 0.0) {
+    if (pool.size() > begin && MergesWithSlides(mover) && MergesWithSlides(pool.back())) {
       pool.back().T += mover.T;
       const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(pool.back().T);
       pool.back().slide = std::sqrt(eigen.eigenvalues()[2]);

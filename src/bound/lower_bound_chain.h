@@ -45,8 +45,8 @@ class Chains {
   // Indices of the movers between the world, or the root link, and a body, base to terminal.
   void Path(int body, std::vector<int>& path);
 
-  // Appends the movers of (a part of) a path. Consecutive slides become one mover: no rotation lies
-  // between them.
+  // Appends the movers of (a part of) a path. Consecutive slides that move a mass become one mover:
+  // no rotation lies between them.
   void AppendAlong(std::span<const int> path, MoverPool& pool) const;
 
  private:

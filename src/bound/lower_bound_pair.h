@@ -29,14 +29,16 @@ struct PairProblem {
   double required = 0.0;  // δ [m]
   double needed = 0.0;    // δ - d [m]
   bool plane = false;     // geom 1 is a plane that does not move relative to geom 2's base
-  double hope = 0.0;      // √S along one direction: SearchDirections can prove no more than this
+  // √S along one direction, from the farthest points: SearchDirections looks for no more than this,
+  // though other points may prove a little more.
+  double hope = 0.0;
 
   Chain ChainOf(int i) const { return std::span(*pool).subspan(first[i], first[i + 1] - first[i]); }
 
   // By moment arms, S; `floor` if that is more.
   double MomentArmS(double floor) const;
-  // √S for all unit vectors within eps of n: the best of the points tried, or `floor` if that is
-  // more.
+  // √S for all unit vectors within eps, at most a right angle, of n: the best of the points tried,
+  // or `floor` if that is more. Infinite if nothing moves the geoms that way.
   double RootFor(const Vector3d& n, double eps, double floor = 0.0) const;
   // √S if geom 1 is a plane: a half-space is left along its normal only.
   double RootForPlane(const BudgetMeter* budget) const;

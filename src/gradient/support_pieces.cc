@@ -87,6 +87,10 @@ SupportValue Evaluate(const SupportPiece& piece, const Vector3d& u_G) {
       break;
     case Kind::kRim: {
       const double across = u_G.head<2>().norm();
+      if (across == 0.0) {
+        value.x_G << piece.radius, 0.0, piece.p_G.z();
+        break;
+      }
       const Eigen::Vector2d out = u_G.head<2>() / across;
       value.x_G << piece.radius * out, piece.p_G.z();
       value.second_G.topLeftCorner<2, 2>() =

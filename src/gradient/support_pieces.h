@@ -1,7 +1,7 @@
 // The support function h(u) = max over x of u · x of a convex geom, as the maximum of smooth pieces
 // with their first and second derivatives: the vertices of a box or mesh, the ends of a capsule,
-// the rims of a cylinder. Wherever two geoms touch, a few pieces of each say how their distance
-// changes.
+// the rims of a cylinder, or twelve points of a cap that is nearly parallel to the plane. Wherever
+// two geoms touch, a few pieces of each say how their distance changes.
 //
 // SupportPoints (collide/convex) answers which point is farthest. Here all pieces near the farthest
 // are needed, since a plane that touches a face or an edge touches several.
@@ -28,6 +28,7 @@ struct SupportPiece {
 };
 
 // h, its gradient x (the farthest point) and its second derivative, all at a direction of length 1.
+// Along its axis a rim has no derivatives: x is one of its points, and the second derivative 0.
 struct SupportValue {
   double h = 0.0;                        // [m]
   Vector3d x_G = Vector3d::Zero();       // [m]

@@ -15,9 +15,10 @@ class Bystanders {
  public:
   explicit Bystanders(const SceneTables& scene);
 
-  // Puts trees that neither overlap at q_in nor are outside their limits, and that no constraint
-  // joins with others, back to `q_in` (nq, as the user gave it) in `q`. Returns whether that
-  // changes q: whether it is still free is not known.
+  // Puts trees that neither overlap at q_in nor are outside their limits, and that no held
+  // constraint concerns, back to `q_in` (nq, as the user gave it) in `q`. Returns whether that
+  // changes q: whether it is still free is not known. A tree that is the only one stays: it was
+  // moved because something is wrong with it.
   bool PutBack(const Problem& problem, const std::vector<NearPair>& overlaps,
                const std::vector<double>& q_in, std::vector<double>& q);
 

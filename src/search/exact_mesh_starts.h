@@ -4,9 +4,9 @@
 // A translation takes a rigid body out of an overlap by a short way. For a link it may be a detour:
 // a finger is carried over the rim of a cup where its joints could have moved it back through the
 // wall. So links begin with the answer of their convex hulls (hull_stage.h) and with overlapping
-// pairs parted one after the other (pair_by_pair.h). A descent from q_in comes last, and only if
-// translations found nothing near, because the depth of overlapping triangles says little about the
-// way out.
+// pairs parted one after the other (pair_by_pair.h). A descent from q_in comes last, and for rigid
+// bodies only if translations found nothing near, because the depth of overlapping triangles says
+// little about the way out.
 #ifndef MJCF_PDG_SRC_SEARCH_EXACT_MESH_STARTS_H_
 #define MJCF_PDG_SRC_SEARCH_EXACT_MESH_STARTS_H_
 
