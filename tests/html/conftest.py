@@ -1,11 +1,13 @@
 """Reports of every command, and a browser that looks at them."""
 
+import io
 import json
 import os
 import pathlib
 import subprocess
 
 import pytest
+from PIL import Image, ImageChops, ImageStat
 from playwright.sync_api import Page, sync_playwright
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -193,6 +195,12 @@ def open_report(browser, reports):
     for reader in readers:
         assert reader.faults == []
         reader.page.close()
+
+
+def alike(first: bytes, second: bytes) -> bool:
+    """Whether two pictures differ by no more than where the browser rounds half pixels; another view differs by 10 and more."""
+    difference = ImageChops.difference(*(Image.open(io.BytesIO(one)).convert("L") for one in (first, second)))
+    return ImageStat.Stat(difference).mean[0] < 3
 
 
 def facts(reader) -> dict[str, str]:
