@@ -92,6 +92,7 @@ constexpr double kStopBand = 8.0;
 // are within the tolerance of `near`.
 std::vector<Contact> ContactsAtStop(const Scene& scene, const std::vector<double>& from,
                                     const Motion& motion, const Options& near) {
+  if (motion.pairs.empty()) return {};
   std::vector<Contact> contacts = Verify(scene, motion.q, near, &from).contacts;
   std::erase_if(contacts, [&](const Contact& contact) {
     return std::find(motion.pairs.begin(), motion.pairs.end(), contact.geom) == motion.pairs.end();
