@@ -6,9 +6,9 @@
 
 Every keyframe is simulated for a second as it is and as mjcf_pdg.solve repairs it. A figure without muscles falls in a
 heap from any pose, so servos hold it as in character animation: every joint is drawn to its angle at the start, by the
-published gains of DeepMimic; the pelvis floats free. Everything else is as the model has it. Gravity moves poses that
-nothing supports, free or not: --weightless shows what the penetration alone does. What is measured is printed as a
-table, and written as CSV, PNG (plots) and GIF (animation) where asked for.
+published gains of DeepMimic, and the pelvis to its place and orientation, like a puppet's. Everything else is as the
+model has it. With --free-pelvis a pose has to be balanced by itself; --weightless shows what the penetration alone
+does. What is measured is printed as a table, and written as CSV, PNG (plots) and GIF (animation) where asked for.
 """
 
 import argparse
@@ -25,39 +25,38 @@ import mjcf_pdg
 SECONDS = 1.0
 MOST_WEIGHTS, FASTEST = 3.0, 0.5  # a pose at rest stays under both: force over body weight, speed of any body [m/s]
 
-# Stiffness of the servos [N m/rad]: Peng et al., "DeepMimic", ACM TOG 37(4), 2018 (humanoid3d_ctrl.txt, a figure of
-# 45 kg), whose damping [N m s/rad] is a tenth. Its wrists are rigid: ours have the gain of its neck.
+# Stiffness of the servos [N m/rad] for a figure of 45 kg, to be scaled with its mass: Peng et al., "DeepMimic", ACM TOG
+# 37(4), 2018 (humanoid3d_ctrl.txt), whose damping [N m s/rad] is a tenth. Its wrists are rigid: ours have the gain of its
+# neck.
+GAINS_MASS = 45.0
 GAINS = {
     "waist": 1000, "neck_nod": 100, "neck_turn": 100, "shoulder": 400, "elbow": 300, "pronation": 300, "wrist": 100,
     "hip": 500, "knee": 500, "ankle": 400,
 }  # fmt: skip
+
+SAG = 0.01  # by which the servo of the pelvis gives under the figure's whole weight [m]
 
 
 def is_free_joint(model: mujoco.MjModel, j: int) -> bool:
     return model.jnt_type[j] == int(mujoco.mjtJoint.mjJNT_FREE)
 
 
-def add_servos(model: mujoco.MjModel, factor: float) -> None:
-    """Stiffness and damping, factor times GAINS, of every joint but the free one; hold() says where they draw to."""
+def add_servos(model: mujoco.MjModel, gains: float, pelvis_held: bool) -> None:
+    """Springs with damping: of joints `gains` times GAINS for the figure's mass, of the pelvis critically damped."""
+    mass = moving_mass(model)
     for j in range(model.njnt):
+        dofs = model.dof_jntid == j
         if is_free_joint(model, j):
+            if pelvis_held:
+                model.jnt_stiffness[j] = body_weight(model) / SAG  # N/m, and as many N m/rad
+                model.dof_damping[dofs] += 2 * np.sqrt(mass * model.jnt_stiffness[j])
             continue
         name = model.joint(j).name
         part = name.removeprefix("left_").removeprefix("right_")
         if part not in GAINS:
             raise ValueError(f"joint '{name}' is none of the figure's: no gain for its servo")
-        model.jnt_stiffness[j] = factor * GAINS[part]
-        dofs = model.dof_jntid == j
-        model.dof_damping[dofs] += 0.1 * factor * GAINS[part]
-
-
-def hold(model: mujoco.MjModel, q: np.ndarray) -> None:
-    """Servos are springs whose rest is q: exact for ball joints, too."""
-    for j in range(model.njnt):
-        if not is_free_joint(model, j):
-            width = 4 if model.jnt_type[j] == int(mujoco.mjtJoint.mjJNT_BALL) else 1
-            at = int(model.jnt_qposadr[j])
-            model.qpos_spring[at : at + width] = q[at : at + width]
+        model.jnt_stiffness[j] = gains * GAINS[part] * mass / GAINS_MASS
+        model.dof_damping[dofs] += 0.1 * model.jnt_stiffness[j]
 
 
 @dataclasses.dataclass
@@ -72,7 +71,7 @@ class Run:
 
 
 def simulate(model: mujoco.MjModel, q: np.ndarray) -> Run:
-    hold(model, q)
+    model.qpos_spring[:] = q  # where the servos draw to
     data = mujoco.MjData(model)
     data.qpos[:] = q
     mujoco.mj_forward(model, data)
@@ -93,9 +92,14 @@ def simulate(model: mujoco.MjModel, q: np.ndarray) -> Run:
     return Run(np.array(path), force, speed, energy, float(np.sqrt(mjcf_pdg.object_norm(model, q, data.qpos))))
 
 
+def moving_mass(model: mujoco.MjModel) -> float:
+    """Of the figure, without furniture [kg]."""
+    return float(np.sum(model.body_mass[model.body_weldid != 0]))
+
+
 def body_weight(model: mujoco.MjModel) -> float:
-    """Of all that moves, without furniture [N]."""
-    return float(np.sum(model.body_mass[model.body_weldid != 0]) * np.linalg.norm(model.opt.gravity))
+    """Of the figure [N]."""
+    return moving_mass(model) * float(np.linalg.norm(model.opt.gravity))
 
 
 def normal_force(model: mujoco.MjModel, data: mujoco.MjData) -> float:
@@ -142,7 +146,7 @@ def load(path: str, arguments: argparse.Namespace) -> mujoco.MjModel:
     model = mujoco.MjModel.from_xml_path(path)
     if not model.nkey:
         raise ValueError(f"{path} has no keyframes")
-    add_servos(model, arguments.gains)
+    add_servos(model, arguments.gains, not arguments.free_pelvis)
     model.opt.enableflags |= int(mujoco.mjtEnableBit.mjENBL_ENERGY)
     if arguments.weightless:
         model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_GRAVITY)
@@ -268,7 +272,8 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("models", nargs="+", metavar="MODEL", help="MJCF of the figure with keyframes")
     parser.add_argument("--key", action="append", help="a keyframe; may be repeated (default: all)")
     parser.add_argument("--weightless", action="store_true", help="no gravity: the penetration alone")
-    parser.add_argument("--gains", type=float, default=1.0, help="of the servos, over the published ones; 0: limp")
+    parser.add_argument("--free-pelvis", action="store_true", help="no servo at the pelvis: unbalanced poses fall")
+    parser.add_argument("--gains", type=float, default=1.0, help="of the joints' servos, over the published ones")
     parser.add_argument("--csv", help="the table")
     parser.add_argument("--png", help="force and speed over time; needs matplotlib")
     gif = "the sketch with the largest force and its repair, side by side; needs pillow and pyopengl"
