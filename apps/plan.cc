@@ -39,7 +39,7 @@ struct PlanArguments {
   std::string start, goal;
   PlanOptions plan;
   double time_limit_ms = 60e3;
-  unsigned long long seed = 0;
+  unsigned long long seed = 0, threads = 1;
   std::string json, out_qpos, out_mjcf, animation, html;
 #ifdef MJCF_PDG_HAVE_TIMING
   TrajectoryArguments trajectory;
@@ -198,6 +198,7 @@ int RunPlan(const CLI::App& command, PlanArguments& arguments) {
   const Configuration goal = ReadConfiguration(scene, arguments.goal, "--goal");
   PlanOptions& plan = arguments.plan;
   plan.options.seed = arguments.seed;
+  plan.threads = static_cast<int>(arguments.threads);
   plan.options.time_limit = arguments.time_limit_ms / 1e3;
   plan.options.mocap_pos = start.mocap_pos;
   plan.options.mocap_quat = start.mocap_quat;
@@ -206,7 +207,7 @@ int RunPlan(const CLI::App& command, PlanArguments& arguments) {
   const std::optional<TimingLimits> limits = ReadTimingLimits(scene, arguments.trajectory);
   // No path takes less time than the straight one: what is too slow for that is told before any
   // work.
-  if (limits) TimePath(scene, {start.q, goal.q}, *limits);
+  if (limits) TimePath(scene, {start.q, goal.q}, {0, 1}, *limits);
 #endif
   PlanOutputs outputs;
   AddOutputs(arguments, outputs);
@@ -218,7 +219,7 @@ int RunPlan(const CLI::App& command, PlanArguments& arguments) {
   std::vector<double> times;
 #ifdef MJCF_PDG_HAVE_TIMING
   if (path.found && limits) {
-    const TimedPath timed = TimePath(scene, path.q, *limits);
+    const TimedPath timed = TimePath(scene, path.q, path.corners, *limits);
     const std::string& file = arguments.trajectory.file;
     if (!file.empty()) outputs.files.Stage(file, TrajectoryContent(timed, file));
     times = timed.times;
@@ -265,6 +266,12 @@ Verb AddPlanVerb(CLI::App& program) {
              arguments->seed);
   AddNumber(*command, {"--time-limit", "MS", "for all of it", {.above_low = true}},
             arguments->time_limit_ms);
+  AddInteger(*command,
+             {"--threads",
+              "N",
+              "of planners that retract, at runs of their own",
+              {.low = 1.0, .high = 1024.0}},
+             arguments->threads);
   AddMovable(*command, arguments->scene);
   AddPairs(*command, arguments->scene);
   AddExactMesh(*command, arguments->scene);

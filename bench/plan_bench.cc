@@ -25,7 +25,7 @@ struct Task {
 struct Runs {
   std::vector<std::string> planners = {"birrt", "birrt-r", "birrt-pdg"};
   std::vector<std::string> scenes = {"placement", "bridge"};
-  int first_seed = 0, seeds = 5;
+  int first_seed = 0, seeds = 5, threads = 1;
   double seconds = 60.0;
   std::int64_t samples = 0;
   bool gaps = false, each = false;
@@ -93,10 +93,12 @@ void RunAll(const Task& task, const std::string& planner, const Runs& runs) {
     options.options.seed = static_cast<std::uint64_t>(seed);
     options.options.time_limit = runs.seconds;
     options.max_samples = runs.samples;
+    options.threads = runs.threads;
     const std::clock_t begin = std::clock();
     paths.push_back(Plan(task.scene, task.start, task.goal, options));
-    // Of the processor: a planner has one thread, and other programs do not count.
-    paths.back().seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+    if (runs.threads == 1) {  // of the processor, so that other programs do not count
+      paths.back().seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+    }
     if (runs.each) PrintRow(task.name + " " + std::to_string(seed), planner, {paths.back()});
   }
   PrintRow(task.name, planner, paths);
@@ -133,6 +135,8 @@ int main(int argc, char** argv) {
       ->delimiter(',');
   app.add_option("--first-seed", runs.first_seed, "of the runs");
   app.add_option("--seeds", runs.seeds, "runs of each")->check(CLI::Range(1, 1000));
+  app.add_option("--threads", runs.threads, "of a run; seconds are the clock's if several")
+      ->check(CLI::Range(1, 1024));
   app.add_option("--seconds", runs.seconds, "time limit of a run");
   app.add_option("--samples", runs.samples, "ends a run, too; 0: no bound");
   app.add_flag("--gaps", runs.gaps, "the disc and the gap instead of the scenes");

@@ -16,18 +16,7 @@ bool IsSumOfJoints(const mjModel& m, int tendon) {
   return tendon < 0 || m.wrap_type[m.tendon_adr[tendon]] == mjWRAP_JOINT;
 }
 
-}  // namespace
-
-bool JoinsMocapBody(const mjModel& m, int equality) {
-  const int type = m.eq_type[equality];
-  if (type != mjEQ_CONNECT && type != mjEQ_WELD) return false;
-  for (const int object : {m.eq_obj1id[equality], m.eq_obj2id[equality]}) {
-    if (m.body_mocapid[m.body_rootid[BodyOf(m, m.eq_objtype[equality], object)]] >= 0) return true;
-  }
-  return false;
-}
-
-bool HoldsAlongStraightMotions(const mjModel& m, int equality) {
+bool IsStraight(const mjModel& m, int equality) {
   const int type = m.eq_type[equality];
   if (type != mjEQ_JOINT && type != mjEQ_TENDON) return false;
   if (type == mjEQ_TENDON &&
@@ -40,11 +29,33 @@ bool HoldsAlongStraightMotions(const mjModel& m, int equality) {
          std::all_of(polynomial + 2, polynomial + 5, [](mjtNum c) { return c == 0.0; });
 }
 
+}  // namespace
+
+bool JoinsMocapBody(const mjModel& m, int equality) {
+  const int type = m.eq_type[equality];
+  if (type != mjEQ_CONNECT && type != mjEQ_WELD) return false;
+  for (const int object : {m.eq_obj1id[equality], m.eq_obj2id[equality]}) {
+    if (m.body_mocapid[m.body_rootid[BodyOf(m, m.eq_objtype[equality], object)]] >= 0) return true;
+  }
+  return false;
+}
+
 std::string DescribeEquality(const mjModel& m, int equality) {
   static constexpr const char* kKinds[] = {"connect", "weld", "joint", "tendon"};
   const int type = m.eq_type[equality];
   return std::string(type >= 0 && type < 4 ? kKinds[type] : "equality") + " " +
          QuotedNameOrId(m, mjOBJ_EQUALITY, equality);
+}
+
+bool HoldsAlongStraightMotions(const mjModel& m, const std::vector<char>& equalities,
+                               const std::vector<char>& tendons) {
+  for (int e = 0; e < m.neq; ++e) {
+    if (equalities[e] && m.eq_active0[e] && !IsStraight(m, e)) return false;
+  }
+  for (int t = 0; t < m.ntendon; ++t) {
+    if (tendons[t] && !IsSumOfJoints(m, t)) return false;
+  }
+  return true;
 }
 
 std::vector<char> HeldEqualities(const mjModel& m, EqualityMode mode) {

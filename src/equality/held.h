@@ -19,10 +19,12 @@ std::vector<char> HeldEqualities(const mjModel& m, EqualityMode mode);
 // <flag> is not, if the options honour that.
 std::vector<char> HeldTendons(const mjModel& m, const SceneOptions& options);
 
-// Whether it holds all along the straight motion between any two configurations that hold it: a
-// coupling of joints, or of tendons that are sums of joints, by a polynomial of at most first
-// degree.
-bool HoldsAlongStraightMotions(const mjModel& m, int equality);
+// Whether all that is held holds along the straight motion between any two configurations that hold
+// it: couplings of joints, or of tendons that are sums of joints, by a polynomial of at most first
+// degree, and limits of such tendons. The vectors are those that the two above return; equalities
+// that the model does not switch on do not count.
+bool HoldsAlongStraightMotions(const mjModel& m, const std::vector<char>& equalities,
+                               const std::vector<char>& tendons);
 
 // For messages: its kind and its name or "#id".
 std::string DescribeEquality(const mjModel& m, int equality);

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "base/random.h"
+#include "equality/held.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -16,8 +17,10 @@ namespace ob = ompl::base;
 
 class UniformSampler : public ob::StateSampler {
  public:
-  explicit UniformSampler(const ConfigurationSpace* space)
-      : ob::StateSampler(space), configurations_(*space) {}
+  UniformSampler(const ConfigurationSpace* space, std::uint64_t seed)
+      : ob::StateSampler(space), configurations_(*space) {
+    rng_.setLocalSeed(static_cast<std::uint_fast32_t>(seed));
+  }
 
   void sampleUniform(ob::State* state) override {
     configurations_.Sample(rng_, ConfigurationSpace::Q(state));
@@ -67,6 +70,10 @@ class TwoDirections : public ob::ProjectionEvaluator {
   MatrixXd directions_;  // 2 × n
 };
 
+// A motion that is not straight is halved at most so often to find its pieces: then a piece would
+// be a thousandth of it, and what keeps it from holding is a jump rather than a bend.
+constexpr int kMostHalvings = 10;
+
 }  // namespace
 
 ConfigurationSpace::ConfigurationSpace(const Scene& scene, const MocapPoses& mocap,
@@ -77,11 +84,30 @@ ConfigurationSpace::ConfigurationSpace(const Scene& scene, const MocapPoses& moc
       base_(start),
       norm_(tables_, Metric::kSequential),
       equalities_(tables_),
+      straight_(
+          HoldsAlongStraightMotions(*tables_.model, tables_.held_equalities, tables_.held_tendons)),
       dq_(tables_.n) {
   setName("MuJoCo configurations");
   equalities_.SetMocap(mocap_);
   FindBounds(start, goal);
   MeasureExtent();
+}
+
+ConfigurationSpace::ConfigurationSpace(const ConfigurationSpace& space, std::uint64_t seed)
+    : scene_(space.scene_),
+      tables_(scene_.tables()),
+      mocap_(space.mocap_),
+      base_(space.base_),
+      low_(space.low_),
+      high_(space.high_),
+      extent_(space.extent_),
+      norm_(tables_, Metric::kSequential),
+      equalities_(tables_),
+      straight_(space.straight_),
+      seed_(seed),
+      dq_(tables_.n) {
+  setName(space.getName());
+  equalities_.SetMocap(mocap_);
 }
 
 void ConfigurationSpace::FindBounds(const VectorXd& start, const VectorXd& goal) {
@@ -131,10 +157,57 @@ void ConfigurationSpace::Interpolate(const VectorXd& from, const VectorXd& to, d
     out = to;
     return;
   }
+  GoStraight(from, to, t, out);
+  if (!straight_) Project(out);
+}
+
+// out := from ⊕ t·(to ⊖ from).
+void ConfigurationSpace::GoStraight(const VectorXd& from, const VectorXd& to, double t,
+                                    VectorXd& out) const {
   Difference(tables_, from, to, dq_);
   dq_ *= t;
   out = from;
   Integrate(tables_, out, dq_, out);
+}
+
+// Along the straight motion: in its middle, and beside it for motions that are odd about it.
+bool ConfigurationSpace::HoldsBetween(const VectorXd& from, const VectorXd& to,
+                                      double tolerance) const {
+  VectorXd q;
+  for (const double t : {0.5, 0.25, 0.75}) {
+    GoStraight(from, to, t, q);
+    if (equalities_.Violation(q) > tolerance) return false;
+  }
+  return true;
+}
+
+bool ConfigurationSpace::Follow(const VectorXd& from, const VectorXd& to,
+                                const std::function<bool(const Piece&)>& next) const {
+  if (straight_) return next({to, 1.0});
+  const double at_ends = std::max(equalities_.Violation(from), equalities_.Violation(to));
+  if (at_ends > kEqualityTolerance) return false;
+  // Half of it, as three places are asked only; more where the ends are as far off themselves.
+  const double tolerance = std::max(0.5 * kEqualityTolerance, at_ends);
+  struct Part {
+    Piece end;
+    int halvings;
+  };
+  std::vector<Part> ahead = {{{to, 1.0}, 0}};  // the next is the last
+  Piece at = {from, 0.0};
+  while (!ahead.empty()) {
+    const Part& part = ahead.back();
+    if (HoldsBetween(at.q, part.end.q, tolerance)) {
+      at = part.end;
+      ahead.pop_back();
+      if (!next(at)) return false;
+      continue;
+    }
+    Part middle = {{{}, 0.5 * (at.t + part.end.t)}, part.halvings + 1};
+    GoStraight(from, to, middle.end.t, middle.end.q);
+    if (middle.halvings > kMostHalvings || !Project(middle.end.q)) return false;
+    ahead.push_back(std::move(middle));
+  }
+  return true;
 }
 
 bool ConfigurationSpace::HoldsEqualities(const VectorXd& q) const {
@@ -209,7 +282,7 @@ void ConfigurationSpace::interpolate(const ob::State* from, const ob::State* to,
 }
 
 ob::StateSamplerPtr ConfigurationSpace::allocDefaultStateSampler() const {
-  return std::make_shared<UniformSampler>(this);
+  return std::make_shared<UniformSampler>(this, Random(seed_++).Bits());
 }
 
 ob::State* ConfigurationSpace::allocState() const {
@@ -224,6 +297,14 @@ void ConfigurationSpace::freeState(ob::State* state) const {
 
 void ConfigurationSpace::registerProjections() {
   registerDefaultProjection(std::make_shared<TwoDirections>(this, base_));
+}
+
+std::vector<VectorXd> Configurations(const ompl::geometric::PathGeometric& path) {
+  std::vector<VectorXd> q;
+  for (std::size_t k = 0; k < path.getStateCount(); ++k) {
+    q.push_back(ConfigurationSpace::Q(path.getState(static_cast<unsigned int>(k))));
+  }
+  return q;
 }
 
 }  // namespace mjcf_pdg

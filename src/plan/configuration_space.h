@@ -2,15 +2,21 @@
 //
 // Source: Tang & Kim, Sec. 6.3: planning with the object norm as the distance. The distance is √σ
 // [m], measured from the second state (Eq. 19); OMPL asks for the tree's nodes first and the sample
-// second, so that one pose of the model serves a whole search for the nearest node. Interpolation
-// follows the motions that CCDg proves free, q ⊕ t·(to ⊖ q). Frozen joints keep their values. The
-// equality constraints that are held must hold along straight motions (equality/held.h).
+// second, so that one pose of the model serves a whole search for the nearest node. Frozen joints
+// keep their values.
+//
+// Motions are straight, q(t) = q ⊕ t·(to ⊖ q), where all equality constraints that are held hold
+// along straight motions (equality/held.h). Elsewhere (loops, welds, curved couplings) they follow
+// the constraints: q(t) is that configuration, brought onto them.
 #ifndef MJCF_PDG_SRC_PLAN_CONFIGURATION_SPACE_H_
 #define MJCF_PDG_SRC_PLAN_CONFIGURATION_SPACE_H_
 
 #include <ompl/base/StateSpace.h>
+#include <ompl/geometric/PathGeometric.h>
 
 #include <cstdint>
+#include <functional>
+#include <vector>
 
 #include "equality/equality_constraints.h"
 #include "mjcf_pdg/scene.h"
@@ -32,8 +38,12 @@ class ConfigurationSpace : public ompl::base::StateSpace {
   // for frozen joints, and hold the equality constraints.
   ConfigurationSpace(const Scene& scene, const MocapPoses& mocap, const VectorXd& start,
                      const VectorXd& goal);
+  // The same space for another thread; its samplers draw from a sequence that `seed` begins.
+  ConfigurationSpace(const ConfigurationSpace& space, std::uint64_t seed);
 
   const SceneTables& tables() const { return tables_; }
+  // All motions are straight, so that a part of one is the motion between its ends.
+  bool straight() const { return straight_; }
   static const VectorXd& Q(const ompl::base::State* state) {
     return static_cast<const StateType*>(state)->q;
   }
@@ -41,8 +51,18 @@ class ConfigurationSpace : public ompl::base::StateSpace {
 
   // √σ from q_in to q [m].
   double Distance(const VectorXd& q_in, const VectorXd& q) const;
-  // out := from ⊕ t·(to ⊖ from), which may be one of the two.
+  // out := q(t) of the motion from `from` to `to`; it may be one of the two.
   void Interpolate(const VectorXd& from, const VectorXd& to, double t, VectorXd& out) const;
+
+  // Goes along the motion from `from` to `to` in straight pieces, so short that what is held holds
+  // along each to kEqualityTolerance; `next` sees where each ends, and says whether to go on.
+  // Returns whether that leads to `to`. CCDg proves straight pieces free.
+  struct Piece {
+    VectorXd q;
+    double t;  // 1 at `to`
+  };
+  bool Follow(const VectorXd& from, const VectorXd& to,
+              const std::function<bool(const Piece&)>& next) const;
   bool HoldsEqualities(const VectorXd& q) const;
   // Brings q onto the equality constraints. Returns whether they hold then.
   bool Project(VectorXd& q) const;
@@ -71,6 +91,8 @@ class ConfigurationSpace : public ompl::base::StateSpace {
 
  private:
   void Draw(ompl::RNG& rng, VectorXd& q) const;
+  void GoStraight(const VectorXd& from, const VectorXd& to, double t, VectorXd& out) const;
+  bool HoldsBetween(const VectorXd& from, const VectorXd& to, double tolerance) const;
   void FindBounds(const VectorXd& start, const VectorXd& goal);
   void MeasureExtent();
 
@@ -82,10 +104,15 @@ class ConfigurationSpace : public ompl::base::StateSpace {
   double extent_ = 1.0;  // the largest distance of random configurations [m]
   mutable NormEvaluator norm_;
   mutable EqualityConstraints equalities_;
-  mutable VectorXd reference_;  // that norm_ measures from
-  mutable VectorXd dq_;         // scratch
+  const bool straight_;
+  mutable std::uint64_t seed_ = 0;  // of the next sampler
+  mutable VectorXd reference_;      // that norm_ measures from
+  mutable VectorXd dq_;             // scratch
   mutable std::int64_t samples_ = 0;
 };
+
+// Of a path in a ConfigurationSpace.
+std::vector<VectorXd> Configurations(const ompl::geometric::PathGeometric& path);
 
 }  // namespace mjcf_pdg
 

@@ -1,6 +1,6 @@
 #include "plan/motion_prover.h"
 
-#include "plan/configuration_space.h"
+#include <cmath>
 
 namespace mjcf_pdg {
 namespace {
@@ -37,13 +37,13 @@ class ProvenMotions : public ob::MotionValidator {
   }
   bool checkMotion(const ob::State* from, const ob::State* to,
                    std::pair<ob::State*, double>& last_free) const override {
-    const Motion& motion = prover_->Move(ConfigurationSpace::Q(from), ConfigurationSpace::Q(to));
-    const bool free = motion.outcome == MotionOutcome::kFree;
-    if (!free) {
-      last_free.second = motion.t;
-      if (last_free.first) si_->getStateSpace()->interpolate(from, to, motion.t, last_free.first);
+    const MotionProver::FreePart free =
+        prover_->Move(ConfigurationSpace::Q(from), ConfigurationSpace::Q(to));
+    if (!free.all) {
+      last_free.second = free.t;
+      if (last_free.first) si_->getStateSpace()->interpolate(from, to, free.t, last_free.first);
     }
-    return Count(free);
+    return Count(free.all);
   }
 
  private:
@@ -56,21 +56,36 @@ class ProvenMotions : public ob::MotionValidator {
 
 }  // namespace
 
-const Motion& MotionProver::Move(const VectorXd& from, const VectorXd& to) {
+const Motion& MotionProver::GoStraight(const VectorXd& from, const VectorXd& to) {
   const Motion& motion = checker_.Check(AsSpan(from), AsSpan(to));
   queries_ += motion.poses;
-  certified_ = motion.certified;
+  certified_ = certified_ && motion.certified;
   return motion;
 }
 
-bool MotionProver::IsFree(const VectorXd& q) { return Move(q, q).outcome == MotionOutcome::kFree; }
+MotionProver::FreePart MotionProver::Move(const VectorXd& from, const VectorXd& to) {
+  certified_ = true;
+  VectorXd at = from;
+  double t = 0.0;
+  const bool all = space_->Follow(from, to, [&](const ConfigurationSpace::Piece& piece) {
+    const Motion& motion = GoStraight(at, piece.q);
+    const bool free = motion.outcome == MotionOutcome::kFree;
+    t = free ? piece.t : std::lerp(t, piece.t, motion.t);
+    at = piece.q;
+    return free;
+  });
+  return {all, t};
+}
+
+bool MotionProver::IsFree(const VectorXd& q) {
+  certified_ = true;
+  return GoStraight(q, q).outcome == MotionOutcome::kFree;
+}
 
 bool MotionProver::IsFree(const VectorXd& from, const VectorXd& to) {
   if (!IsFree(to)) return false;  // one pose tells most of those that are not
-  const Motion& motion = Move(from, to);
-  if (motion.outcome == MotionOutcome::kFree) return true;
-  return motion.outcome == MotionOutcome::kContact && motion.t > kNearlyThere &&
-         Move(to, from).outcome == MotionOutcome::kFree;
+  const FreePart free = Move(from, to);
+  return free.all || (free.t > kNearlyThere && Move(to, from).all);
 }
 
 void UseProver(const std::shared_ptr<MotionProver>& prover, const ob::SpaceInformationPtr& space) {

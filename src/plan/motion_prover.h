@@ -1,5 +1,6 @@
 // What a planner asks of the scene: is a configuration free, is the motion between two free? Edges
-// are proven by CCDg (mjcf_pdg/motion.h), not sampled.
+// are proven by CCDg (mjcf_pdg/motion.h), not sampled. Motions are those of the ConfigurationSpace,
+// each straight piece of them proven.
 #ifndef MJCF_PDG_SRC_PLAN_MOTION_PROVER_H_
 #define MJCF_PDG_SRC_PLAN_MOTION_PROVER_H_
 
@@ -9,9 +10,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "mjcf_pdg/motion.h"
-#include "model/kinematics.h"
+#include "plan/configuration_space.h"
 
 namespace mjcf_pdg {
 
@@ -19,20 +22,29 @@ namespace mjcf_pdg {
 class MotionProver {
  public:
   // Of the options, those of MotionChecker count.
-  MotionProver(const Scene& scene, const Options& options) : checker_(scene, options) {}
+  MotionProver(const Scene& scene, const Options& options,
+               std::shared_ptr<const ConfigurationSpace> space)
+      : checker_(scene, options), space_(std::move(space)) {}
 
   bool IsFree(const VectorXd& q);
   // Whether the motion is proven free, in the one direction or the other: it goes through the same
   // configurations, but a motion may begin at a contact and not end there.
   bool IsFree(const VectorXd& from, const VectorXd& to);
-  // How far the motion is free. The result is valid until the next call.
-  const Motion& Move(const VectorXd& from, const VectorXd& to);
+  // How far the motion is free: up to its t in [0, 1], as in ConfigurationSpace::Interpolate.
+  struct FreePart {
+    bool all;
+    double t;
+  };
+  FreePart Move(const VectorXd& from, const VectorXd& to);
   // Whether the last motion was certified to be what it was said to be.
   bool certified() const { return certified_; }
   std::int64_t queries() const { return queries_; }  // configurations posed
 
  private:
+  const Motion& GoStraight(const VectorXd& from, const VectorXd& to);
+
   MotionChecker checker_;
+  const std::shared_ptr<const ConfigurationSpace> space_;
   bool certified_ = true;
   std::int64_t queries_ = 0;
 };

@@ -1,7 +1,5 @@
 #include "plan/plan.h"
 
-#include <ompl/base/PlannerData.h>
-#include <ompl/base/ProblemDefinition.h>
 #include <ompl/base/ScopedState.h>
 #include <ompl/geometric/PathSimplifier.h>
 #include <ompl/util/Console.h>
@@ -9,8 +7,9 @@
 #include <algorithm>
 #include <chrono>
 
-#include "equality/held.h"
+#include "plan/motion_prover.h"
 #include "plan/planners.h"
+#include "plan/runs.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -23,23 +22,6 @@ using Clock = std::chrono::steady_clock;
 // motion along a wall does not run in CCDg's contact band. A passage must be wider by twice that.
 // Not tuned.
 constexpr double kContactClearance = 1e-3;
-constexpr double kRange = 0.1;  // of the largest distance of random configurations; not tuned
-// A search that retracts and has not found a path after so many samples, times a term of Luby's
-// sequence, begins anew: a few samples in the right place make a path soon or not at all. Seconds
-// per path on the bridge, with 60, 125, 250, 500, 1000 and 2000 (PDg in both trees): 0.36, 0.39,
-// 0.55, 0.49, 0.62 and 1.0; birrt-r, but for the last, 1.3, 1.4, 1.8, 2.1 and 2.4. Without, three
-// and four of eight runs found none in 6000 samples. OMPL's own planners need large trees: birrt
-// took 3.7 instead of 1.1 on Placement.
-constexpr std::int64_t kSamplesOfARun = 100;
-
-// Term k = 1, 2, ... of 1 1 2 1 1 2 4 1 1 2 1 1 2 4 8 ... (Luby, Sinclair and Zuckerman, Optimal
-// speedup of Las Vegas algorithms, 1993).
-std::int64_t Luby(std::int64_t k) {
-  std::int64_t power = 1;
-  while (2 * power - 1 < k) power *= 2;
-  return 2 * power - 1 == k ? power : Luby(k - power + 1);
-}
-
 class Planning {
  public:
   Planning(const Scene& scene, const PlanOptions& options);
@@ -47,10 +29,10 @@ class Planning {
 
  private:
   bool Repair(const std::vector<double>& q, const char* end, Result& result);
-  void Search(const VectorXd& start, const VectorXd& goal);
-  void Solve(const ob::ProblemDefinitionPtr& problem, const ob::SpaceInformationPtr& information);
-  void Keep(const og::PathGeometric& path);
-  void Straighten(std::vector<VectorXd>& q);
+  void Connect(const VectorXd& start, const VectorXd& goal);
+  std::vector<VectorXd> Shorten(const std::vector<VectorXd>& corners);
+  void Straighten(std::vector<VectorXd>& corners);
+  bool Keep(const std::vector<VectorXd>& corners);
   bool Prove(const std::vector<VectorXd>& path);
   bool Ended() const;
 
@@ -58,22 +40,19 @@ class Planning {
   const PlanOptions options_;
   const Clock::time_point begin_ = Clock::now();
   double clearance_;  // of contact samples [m]
-  std::shared_ptr<MotionProver> prover_;
   std::shared_ptr<ConfigurationSpace> space_;
+  std::shared_ptr<MotionProver> prover_;
   Path path_;
 };
 
 Planning::Planning(const Scene& scene, const PlanOptions& options)
     : scene_(scene),
       options_(options),
-      clearance_(options.options.clearance + kContactClearance * scene.tables().size),
-      prover_(std::make_shared<MotionProver>(scene, options.options)) {}
+      clearance_(options.options.clearance + kContactClearance * scene.tables().size) {}
 
 bool Planning::Ended() const {
   const std::chrono::duration<double> gone = Clock::now() - begin_;
-  return gone.count() > options_.options.time_limit ||
-         (options_.max_samples > 0 && space_ && space_->samples() >= options_.max_samples) ||
-         (options_.go_on && !options_.go_on());
+  return gone.count() > options_.options.time_limit || (options_.go_on && !options_.go_on());
 }
 
 // Moves an end out of collision, so far that motions can begin there, or, where that is not to be
@@ -102,7 +81,10 @@ bool Planning::Prove(const std::vector<VectorXd>& path) {
   std::vector<EdgeProof> edges;
   for (std::size_t k = 1; k < path.size(); ++k) {
     const std::int64_t before = prover_->queries();
-    if (!prover_->IsFree(path[k - 1], path[k])) return false;
+    // The one way or the other: a short one that ends at a contact is stopped well before it.
+    if (!prover_->IsFree(path[k - 1], path[k]) && !prover_->IsFree(path[k], path[k - 1])) {
+      return false;
+    }
     edges.push_back({prover_->certified(), static_cast<int>(prover_->queries() - before),
                      space_->Distance(path[k - 1], path[k])});
   }
@@ -112,99 +94,56 @@ bool Planning::Prove(const std::vector<VectorXd>& path) {
   return true;
 }
 
-std::vector<VectorXd> Configurations(const og::PathGeometric& path) {
-  std::vector<VectorXd> q;
-  for (std::size_t k = 0; k < path.getStateCount(); ++k) {
-    q.push_back(ConfigurationSpace::Q(path.getState(static_cast<unsigned int>(k))));
-  }
-  return q;
-}
-
-// Takes out configurations whose neighbours can be joined: smoothing leaves some on straight parts,
-// and a path that is timed stops at each.
-void Planning::Straighten(std::vector<VectorXd>& q) {
-  for (std::size_t k = 1; k + 1 < q.size() && !Ended();) {
-    if (prover_->IsFree(q[k - 1], q[k + 1])) {
-      q.erase(q.begin() + static_cast<std::ptrdiff_t>(k));
+// Takes out corners whose neighbours can be joined: smoothing leaves some on straight parts, and a
+// path that is timed stops at each.
+void Planning::Straighten(std::vector<VectorXd>& corners) {
+  for (std::size_t k = 1; k + 1 < corners.size() && !Ended();) {
+    if (prover_->IsFree(corners[k - 1], corners[k + 1])) {
+      corners.erase(corners.begin() + static_cast<std::ptrdiff_t>(k));
     } else {
       ++k;
     }
   }
 }
 
-// Shortens the path, each change proven free, and proves what is left once more from end to end.
-void Planning::Keep(const og::PathGeometric& path) {
-  og::PathGeometric shorter(path);
-  og::PathSimplifier simplifier(path.getSpaceInformation());
-  if (!Ended()) simplifier.reduceVertices(shorter);
-  if (!Ended()) simplifier.shortcutPath(shorter);
-  if (!Ended()) simplifier.smoothBSpline(shorter, 2, space_->getMaximumExtent() / 100.0);
-  if (!Ended()) simplifier.reduceVertices(shorter);
-  std::vector<VectorXd> q = Configurations(shorter);
-  Straighten(q);
-  if (!Prove(q)) {
-    q = Configurations(path);
-    if (!Prove(q)) {
-      path_.reason = "a path was found, but could not be proven free once more";
-      return;
-    }
-  }
-  path_.found = true;
-  for (const VectorXd& at : q) path_.q.emplace_back(at.data(), at.data() + at.size());
-  for (const EdgeProof& edge : path_.edges) path_.length += edge.length;
-}
-
-void Planning::Search(const VectorXd& start, const VectorXd& goal) {
-  const Options& options = options_.options;
-  space_ = std::make_shared<ConfigurationSpace>(
-      scene_, MocapPoses{options.mocap_pos, options.mocap_quat}, start, goal);
+std::vector<VectorXd> Planning::Shorten(const std::vector<VectorXd>& corners) {
   const auto information = std::make_shared<ob::SpaceInformation>(space_);
   UseProver(prover_, information);
   information->setup();
-  ob::ScopedState<> first(information->getStateSpace()), last(information->getStateSpace());
-  ConfigurationSpace::Q(first.get()) = start;
-  ConfigurationSpace::Q(last.get()) = goal;
-  const auto problem = std::make_shared<ob::ProblemDefinition>(information);
-  problem->setStartAndGoalStates(first, last);
-  Solve(problem, information);
-  path_.samples = space_->samples();
-  if (problem->hasExactSolution()) {
-    Keep(*problem->getSolutionPath()->as<og::PathGeometric>());
-  } else {
-    path_.reason = "none was found within the limit";
+  og::PathGeometric path(information);
+  ob::ScopedState<> state(information->getStateSpace());
+  for (const VectorXd& q : corners) {
+    ConfigurationSpace::Q(state.get()) = q;
+    path.append(state.get());
   }
+  og::PathSimplifier simplifier(information);
+  if (!Ended()) simplifier.reduceVertices(path);
+  if (!Ended()) simplifier.shortcutPath(path);
+  if (!Ended()) simplifier.smoothBSpline(path, 2, space_->getMaximumExtent() / 100.0);
+  if (!Ended()) simplifier.reduceVertices(path);
+  std::vector<VectorXd> shorter = Configurations(path);
+  Straighten(shorter);
+  return shorter;
 }
 
-void Planning::Solve(const ob::ProblemDefinitionPtr& problem,
-                     const ob::SpaceInformationPtr& information) {
-  const double range = options_.range > 0.0 ? options_.range : kRange * space_->getMaximumExtent();
-  const NamedPlanner named =
-      MakePlanner(options_.planner, range, {scene_, options_.options, space_, prover_, clearance_},
-                  information);
-  named.planner->setProblemDefinition(problem);
-  named.planner->setup();
-  for (std::int64_t run = 1; !problem->hasExactSolution() && !Ended(); ++run) {
-    named.planner->clear();
-    const std::int64_t last = named.retracting ? space_->samples() + Luby(run) * kSamplesOfARun
-                                               : std::numeric_limits<std::int64_t>::max();
-    named.planner->solve(ob::PlannerTerminationCondition(
-        [this, last] { return space_->samples() >= last || Ended(); }));
-    ob::PlannerData data(information);
-    named.planner->getPlannerData(data);
-    path_.nodes += static_cast<int>(data.numVertices());
+// Proves the path through the corners once more, from end to end, and keeps it if it can be proven.
+bool Planning::Keep(const std::vector<VectorXd>& corners) {
+  std::vector<VectorXd> q = {corners.front()};
+  std::vector<int> at = {0};
+  const auto append = [&q](const ConfigurationSpace::Piece& piece) {
+    q.push_back(piece.q);
+    return true;
+  };
+  for (std::size_t k = 1; k < corners.size(); ++k) {
+    if (!space_->Follow(corners[k - 1], corners[k], append)) return false;
+    at.push_back(static_cast<int>(q.size()) - 1);
   }
-  if (named.retracting) path_.collision_queries += named.retracting->retraction_queries();
-}
-
-Path Planning::Run(const std::vector<double>& start, const std::vector<double>& goal) {
-  const bool from = Repair(start, "start", path_.start), to = Repair(goal, "goal", path_.goal);
-  if (from && to) {
-    const SceneTables& tables = scene_.tables();
-    Search(Normalized(tables, ToEigen(path_.start.q)), Normalized(tables, ToEigen(path_.goal.q)));
-  }
-  path_.collision_queries += prover_->queries();
-  path_.seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
-  return std::move(path_);
+  if (!Prove(q)) return false;
+  path_.found = true;
+  path_.corners = std::move(at);
+  for (const VectorXd& each : q) path_.q.emplace_back(each.data(), each.data() + each.size());
+  for (const EdgeProof& edge : path_.edges) path_.length += edge.length;
+  return true;
 }
 
 // OMPL draws the seeds of all its generators from one sequence, which must not be 0.
@@ -213,21 +152,47 @@ void Seed(std::uint64_t seed) {
   ompl::RNG::setSeed(static_cast<std::uint_fast32_t>(seed % 0xffffffffu + 1));
 }
 
-void CheckEqualities(const Scene& scene) {
-  const mjModel& m = *scene.model();
-  for (int e = 0; e < m.neq; ++e) {
-    if (scene.tables().held_equalities[e] && m.eq_active0[e] && !HoldsAlongStraightMotions(m, e)) {
-      throw Error("the model has an equality constraint that straight motions do not hold: " +
-                  DescribeEquality(m, e));
+void Planning::Connect(const VectorXd& start, const VectorXd& goal) {
+  const Options& options = options_.options;
+  space_ = std::make_shared<ConfigurationSpace>(
+      scene_, MocapPoses{options.mocap_pos, options.mocap_quat}, start, goal);
+  prover_ = std::make_shared<MotionProver>(scene_, options, space_);
+  Seed(options.seed);
+  const Runs runs = Search({.scene = scene_,
+                            .options = options_,
+                            .space = *space_,
+                            .start = start,
+                            .goal = goal,
+                            .clearance = clearance_,
+                            .ended = [this] { return Ended(); }});
+  path_.nodes = runs.nodes;
+  path_.samples = runs.samples;
+  if (runs.path.empty()) {
+    path_.reason = "none was found within the limit";
+  } else {
+    Seed(options.seed);  // how many the search has drawn depends on the threads
+    if (!Keep(Shorten(runs.path)) && !Keep(runs.path)) {
+      path_.reason = "a path was found, but could not be proven free once more";
     }
   }
+  path_.collision_queries += runs.collision_queries + prover_->queries();
+}
+
+Path Planning::Run(const std::vector<double>& start, const std::vector<double>& goal) {
+  const bool from = Repair(start, "start", path_.start), to = Repair(goal, "goal", path_.goal);
+  if (from && to) {
+    const SceneTables& tables = scene_.tables();
+    Connect(Normalized(tables, ToEigen(path_.start.q)), Normalized(tables, ToEigen(path_.goal.q)));
+  }
+  path_.seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
+  return std::move(path_);
 }
 
 }  // namespace
 
 Path Plan(const Scene& scene, const std::vector<double>& start, const std::vector<double>& goal,
           const PlanOptions& options) {
-  CheckEqualities(scene);
+  if (options.threads < 1) throw Error("threads: at least 1");
   const std::vector<std::string> names = PlannerNames();
   if (std::find(names.begin(), names.end(), options.planner) == names.end()) {
     MakePlanner(options.planner, 0.0, {scene, {}, nullptr, nullptr}, nullptr);  // throws
@@ -235,7 +200,6 @@ Path Plan(const Scene& scene, const std::vector<double>& start, const std::vecto
   scene.CheckConfiguration(start);
   scene.CheckConfiguration(goal);
   MotionChecker(scene, options.options).Check(start, goal);  // throws for what is frozen
-  Seed(options.options.seed);
   return Planning(scene, options).Run(start, goal);
 }
 

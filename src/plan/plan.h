@@ -1,7 +1,7 @@
 // A collision-free path between two configurations, its edges proven free.
 //
 // Source: Tang & Kim, Sec. 6.3 and Table IV. The planners are OMPL's or, for the two that retract,
-// built on it. Everything is done by the calling thread.
+// built on it.
 #ifndef MJCF_PDG_SRC_PLAN_PLAN_H_
 #define MJCF_PDG_SRC_PLAN_PLAN_H_
 
@@ -22,8 +22,11 @@ struct PlanOptions {
   Options options = {};
   // The length of a step [m]; 0: a tenth of the largest distance of random configurations.
   double range = 0.0;
-  std::int64_t max_samples = 0;      // ends the search after so many; 0: no bound
-  std::function<bool()> go_on = {};  // asked between samples whether to go on; empty: always
+  std::int64_t max_samples = 0;  // ends the search after so many; 0: no bound
+  // Several are used by planners that retract; the path is the same at any number.
+  int threads = 1;
+  // Asked between samples, by one thread at a time, whether to go on; empty: always.
+  std::function<bool()> go_on = {};
 };
 
 // What the last proof of an edge of a path took.
@@ -37,9 +40,13 @@ struct Path {
   bool found = false;
   // Every edge has been proven free; false if an SDF was near one and it was only sampled.
   bool certified = false;
-  std::vector<std::vector<double>> q;  // from start to goal, nq entries each; empty if not found
-  std::vector<EdgeProof> edges;        // one less than q
-  double length = 0.0;                 // Σ√σ of the edges [m]
+  // From start to goal, nq entries each; empty if not found. Straight motions lead from each to the
+  // next. Where equality constraints are held that straight motions leave, they are short, so that
+  // the constraints hold along them to kEqualityTolerance.
+  std::vector<std::vector<double>> q;
+  std::vector<int> corners;      // of q: both ends, and where the path turns rather than bends
+  std::vector<EdgeProof> edges;  // one less than q
+  double length = 0.0;           // Σ√σ of the edges [m]
   // What became of the ends: free already, repaired, or not to be repaired, and then nothing is
   // planned. They are repaired to the nearest configuration that is free.
   Result start, goal;
@@ -53,8 +60,7 @@ struct Path {
 
 // Plans from `start` to `goal` (nq entries each). The same seed and max_samples give the same path,
 // unless the time limit or `go_on` ends the search. Throws Error for a bad configuration, option or
-// planner's name, or if start and goal differ in a frozen joint; and if the scene holds equality
-// constraints that straight motions do not: others than couplings of first degree.
+// planner's name, or if start and goal differ in a frozen joint.
 Path Plan(const Scene& scene, const std::vector<double>& start, const std::vector<double>& goal,
           const PlanOptions& options);
 

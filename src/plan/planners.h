@@ -14,6 +14,8 @@ namespace mjcf_pdg {
 
 std::vector<std::string> PlannerNames();
 
+bool Retracts(const std::string& planner);  // is one of our two that do
+
 struct NamedPlanner {
   ompl::base::PlannerPtr planner;
   const RetractingRrtConnect* retracting = nullptr;  // the same, if it retracts

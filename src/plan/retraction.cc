@@ -53,11 +53,12 @@ class ContactRetraction : public Retraction {
   // Appends the end of the free part of the motion if that is progress. Returns whether all is
   // free.
   bool Advance(const VectorXd& from, const VectorXd& to, double least) {
-    const Motion& motion = input_.prover->Move(from, to);
-    const bool all = motion.outcome == MotionOutcome::kFree;
-    input_.space->Interpolate(from, to, all ? 1.0 : kUpToContact * motion.t, end_);
-    if (input_.space->Distance(end_, from) >= least) chain_.push_back(end_);
-    return all;
+    const MotionProver::FreePart free = input_.prover->Move(from, to);
+    input_.space->Interpolate(from, to, free.all ? 1.0 : kUpToContact * free.t, end_);
+    const bool proven = free.all || input_.space->straight() ||
+                        input_.prover->Move(from, end_).all;  // bends otherwise than the whole
+    if (proven && input_.space->Distance(end_, from) >= least) chain_.push_back(end_);
+    return free.all;
   }
 
   // The nearest configuration to `to` that keeps the clearance of the contacts as they are

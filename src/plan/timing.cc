@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <ruckig/ruckig.hpp>
+#include <span>
 #include <sstream>
 #include <string>
 
@@ -35,65 +37,140 @@ double Longest(const SceneTables& tables, const std::vector<JointRate>& rates, c
   return longest;
 }
 
+// The way between two corners. s is the time that it would take at full speed [s], 0 at the first:
+// in that unit the largest ds/dt is 1, so that Ruckig's tolerances fit ways of any length.
+struct Way {
+  struct Piece {
+    VectorXd from, rate;  // nq; n, dq/ds
+    double s;             // where it begins
+  };
+  std::vector<Piece> pieces;
+  double length = 0.0;  // s of the second corner
+};
+
 class PathTimer {
  public:
   PathTimer(const SceneTables& tables, const TimingLimits& limits)
       : tables_(tables), limits_(limits), ruckig_(limits.step) {}
 
-  TimedPath Run(const std::vector<std::vector<double>>& path) {
+  TimedPath Run(const std::vector<std::vector<double>>& path, const std::vector<int>& corners) {
     Rest(path.front());
-    for (std::size_t k = 1; k < path.size(); ++k) {
-      Edge(path[k - 1], path[k]);
-      Rest(path[k]);
+    for (std::size_t k = 1; k < corners.size(); ++k) {
+      const auto first = path.begin() + corners[k - 1], last = path.begin() + corners[k];
+      Go({first, last + 1});
+      Rest(*last);
     }
     return std::move(timed_);
   }
 
  private:
-  // The next sample is a configuration of the path.
+  // The next sample is a corner of the path.
   void Rest(const std::vector<double>& q) {
     Append(ToEigen(q), VectorXd::Zero(tables_.n));
     timed_.samples.back().q = q;
     timed_.times.push_back(timed_.samples.back().time);
   }
 
-  // The samples between two configurations of the path.
-  void Edge(const std::vector<double>& from, const std::vector<double>& to) {
-    const VectorXd q_from = ToEigen(from);
-    VectorXd dq(tables_.n), q;
-    Difference(tables_, q_from, ToEigen(to), dq);
-    const double seconds = Longest(tables_, limits_.speed, dq, true);
-    if (seconds == 0.0) return;
-    const ruckig::Trajectory<1> way = Profile(seconds, dq);
-    const double steps = std::round(way.get_duration() / limits_.step);
-    if (static_cast<double>(timed_.samples.size()) + steps > kMaxSamples) {
-      throw Error("the path takes more than a million steps of the trajectory");
+  // The samples between two corners, and the times of configurations between them.
+  void Go(std::span<const std::vector<double>> path) {
+    const double begin = timed_.samples.back().time;
+    const Way way = MakeWay(path);
+    ruckig::Trajectory<1> s_of_time;
+    if (way.length > 0.0) {
+      s_of_time = Profile(way);
+      Sample(way, s_of_time);
     }
-    for (int k = 1; k < static_cast<int>(steps); ++k) {
-      double at, rate, acceleration;
-      way.at_time(k * limits_.step, at, rate, acceleration);
-      Integrate(tables_, q_from, std::clamp(at / seconds, 0.0, 1.0) * dq, q);
-      Append(q, rate / seconds * dq);
+    for (std::size_t k = 1; k < way.pieces.size(); ++k) {
+      timed_.times.push_back(begin + (way.length > 0.0 ? TimeOf(s_of_time, way.pieces[k].s) : 0.0));
     }
   }
 
-  // The way along an edge, in seconds that it takes at full speed, as a function of the time. In
-  // that unit the largest speed is 1, so that Ruckig's tolerances fit edges of any length.
-  ruckig::Trajectory<1> Profile(double seconds, const VectorXd& dq) {
+  // When s(t) is s, by halving: it never falls.
+  static double TimeOf(const ruckig::Trajectory<1>& s_of_time, double s) {
+    double early = 0.0, late = s_of_time.get_duration();
+    for (;;) {
+      const double time = std::midpoint(early, late);
+      if (time <= early || time >= late) return late;
+      double at, rate, acceleration;
+      s_of_time.at_time(time, at, rate, acceleration);
+      (at < s ? early : late) = time;
+    }
+  }
+
+  Way MakeWay(std::span<const std::vector<double>> path) const {
+    Way way;
+    VectorXd dq(tables_.n);
+    for (std::size_t k = 1; k < path.size(); ++k) {
+      const VectorXd from = ToEigen(path[k - 1]);
+      Difference(tables_, from, ToEigen(path[k]), dq);
+      const double seconds = Longest(tables_, limits_.speed, dq, true);
+      way.pieces.push_back({from, seconds > 0.0 ? VectorXd(dq / seconds) : dq, way.length});
+      way.length += seconds;
+    }
+    return way;
+  }
+
+  // s as a function of the time.
+  ruckig::Trajectory<1> Profile(const Way& way) {
     ruckig::InputParameter<1> input;
     input.current_position = {0.0};
-    input.target_position = {seconds};
-    input.max_velocity = {1.0};
-    const double squared = Longest(tables_, limits_.acceleration, dq, false);
-    if (squared > 0.0) input.max_acceleration = {seconds / squared};
+    input.target_position = {way.length};
+    double bends = 0.0,
+           along = 0.0;  // accelerations of joints over their limits, by (ds/dt)², d²s/dt²
+    for (std::size_t k = 0; k < way.pieces.size(); ++k) {
+      const Way::Piece& piece = way.pieces[k];
+      along = std::max(along, Longest(tables_, limits_.acceleration, piece.rate, false));
+      if (k == 0) continue;
+      const Way::Piece& before = way.pieces[k - 1];
+      const double end = k + 1 < way.pieces.size() ? way.pieces[k + 1].s : way.length;
+      const double between = 0.5 * (end - before.s);
+      if (between == 0.0) continue;
+      const VectorXd bend = (piece.rate - before.rate) / between;
+      bends = std::max(bends, Longest(tables_, limits_.acceleration, bend, false));
+    }
+    const double share = bends > 0.0 ? 0.5 : 1.0;
+    input.max_velocity = {std::min(1.0, std::sqrt(share / bends))};
+    if (along > 0.0) input.max_acceleration = {share / along};
     input.duration_discretization = ruckig::DurationDiscretization::Discrete;
-    ruckig::Trajectory<1> way;
-    const ruckig::Result result = ruckig_.calculate(input, way);
-    if (result == ruckig::Result::Working) return way;
+    ruckig::Trajectory<1> s_of_time;
+    const ruckig::Result result = ruckig_.calculate(input, s_of_time);
+    if (result == ruckig::Result::Working) return s_of_time;
     std::ostringstream words;
-    words << "no times for an edge that takes " << seconds
+    words << "no times for an edge that takes " << way.length
           << " s at full speed (Ruckig: " << static_cast<int>(result) << ")";
     throw Error(words.str());
+  }
+
+  void Sample(const Way& way, const ruckig::Trajectory<1>& s_of_time) {
+    const double steps = std::round(s_of_time.get_duration() / limits_.step);
+    if (static_cast<double>(timed_.samples.size()) + steps > kMaxSamples) {
+      throw Error("the path takes more than a million steps of the trajectory");
+    }
+    VectorXd q;
+    std::size_t piece = 0;
+    for (int k = 1; k < static_cast<int>(steps); ++k) {
+      double s, rate, acceleration;
+      s_of_time.at_time(k * limits_.step, s, rate, acceleration);
+      s = std::clamp(s, 0.0, way.length);
+      while (piece + 1 < way.pieces.size() && way.pieces[piece + 1].s <= s) ++piece;
+      const Way::Piece& at = way.pieces[piece];
+      Integrate(tables_, at.from, (s - at.s) * at.rate, q);
+      Append(q, rate * Tangent(way, piece, s));
+    }
+  }
+
+  // dq/ds at s, on the way's piece `k`: that of a piece in its middle, and between those of
+  // neighbours a mean, since edges are chords of what bends.
+  static VectorXd Tangent(const Way& way, std::size_t k, double s) {
+    const auto middle = [&way](std::size_t i) {
+      const double end = i + 1 < way.pieces.size() ? way.pieces[i + 1].s : way.length;
+      return 0.5 * (way.pieces[i].s + end);
+    };
+    const bool before = s < middle(k);
+    if (before ? k == 0 : k + 1 == way.pieces.size()) return way.pieces[k].rate;
+    const std::size_t first = before ? k - 1 : k;
+    const double t = (s - middle(first)) / (middle(first + 1) - middle(first));
+    return (1.0 - t) * way.pieces[first].rate + t * way.pieces[first + 1].rate;
   }
 
   void Append(const VectorXd& q, const VectorXd& rates) {
@@ -116,8 +193,8 @@ class PathTimer {
 }  // namespace
 
 TimedPath TimePath(const Scene& scene, const std::vector<std::vector<double>>& path,
-                   const TimingLimits& limits) {
-  return PathTimer(scene.tables(), limits).Run(path);
+                   const std::vector<int>& corners, const TimingLimits& limits) {
+  return PathTimer(scene.tables(), limits).Run(path, corners);
 }
 
 }  // namespace mjcf_pdg

@@ -164,6 +164,7 @@ TEST_F(CliPlanTest, BadInputIsOneLineAndNothingIsWritten) {
         {Ends("start", ""), "--goal"},
         {Ends("start", "goal", {"--planner", "astar"}), "birrt-pdg"},
         {Ends("start", "goal", {"--time-limit", "0"}), "--time-limit"},
+        {Ends("start", "goal", {"--threads", "0"}), "--threads"},
         {Ends("start", "goal", {"--out-qpos", "p.doc"}), "--out-qpos"},
         {Ends("start", "goal", {"--as-the-crow-flies"}), "--as-the-crow-flies"},
         {Arguments{"plan", "gap.xml", "--start", "start"}, "--goal"},
