@@ -9,6 +9,7 @@
 #include <ctime>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -32,7 +33,7 @@ struct Runs {
   int first_seed = 0, seeds = 5;
   double seconds = 60.0, resolution = kUsualResolution;
   std::int64_t samples = 0;
-  bool gaps = false, each = false;
+  bool gaps = false, each = false, all = false;
 };
 
 // A run: the path, and the deepest overlap that MuJoCo finds along it [m].
@@ -100,7 +101,7 @@ void PrintRow(const std::string& task, const std::string& planner,
   std::fflush(stdout);
 }
 
-void RunAll(const Task& task, const std::string& planner, const Runs& runs) {
+std::vector<Checked> RunAll(const Task& task, const std::string& planner, const Runs& runs) {
   std::vector<Checked> checked;
   for (int seed = runs.first_seed; seed < runs.first_seed + runs.seeds; ++seed) {
     PlanOptions options;
@@ -119,6 +120,7 @@ void RunAll(const Task& task, const std::string& planner, const Runs& runs) {
     if (runs.each) PrintRow(task.name + " " + std::to_string(seed), planner, {checked.back()});
   }
   PrintRow(task.name, planner, checked);
+  return checked;
 }
 
 void Run(const Runs& runs) {
@@ -131,10 +133,16 @@ void Run(const Runs& runs) {
   } else {
     for (const std::string& scene : runs.scenes) tasks.push_back(FromModel(scene));
   }
+  std::map<std::string, std::vector<Checked>> all;
   for (const Task& task : tasks) {
-    for (const std::string& planner : runs.planners) RunAll(task, planner, runs);
+    for (const std::string& planner : runs.planners) {
+      for (Checked& run : RunAll(task, planner, runs)) all[planner].push_back(std::move(run));
+    }
   }
-  if (!runs.gaps) {
+  if (runs.all) {
+    for (const std::string& planner : runs.planners) PrintRow("all", planner, all[planner]);
+  }
+  if (!runs.gaps && !runs.all) {
     std::printf(
         "paper, Table IV, ten runs each, mean s: placement 172.8, 154.2, 85.3; bridge 78.3 "
         "and 42.1 as far as legible\n");
@@ -159,6 +167,7 @@ int main(int argc, char** argv) {
                  "birrt-sampled: between the configurations it looks at, a share of the extent");
   app.add_flag("--gaps", runs.gaps, "the disc and the gap instead of the scenes");
   app.add_flag("--each", runs.each, "print each run, too");
+  app.add_flag("--all", runs.all, "a row for all scenes together, too");
   CLI11_PARSE(app, argc, argv);
   mjcf_pdg::bench::Run(runs);
   return 0;
