@@ -1,6 +1,7 @@
 // The planners beside each other, as in Table IV of Tang & Kim: Placement and Bridge, and a disc
-// and a gap that becomes narrower. Several seeds each; a run that ends at the time limit counts as
-// that long.
+// and a gap that becomes narrower; and beside them OMPL with MuJoCo's yes or no (birrt-sampled,
+// peers/sampled_plan.h). Several seeds each; a run that ends at the time limit counts as that long.
+// Every path is looked at again, densely, by MuJoCo.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdint>
@@ -8,13 +9,17 @@
 #include <ctime>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
+#include "peers/sampled_plan.h"
 #include "plan/plan.h"
 
 namespace mjcf_pdg::bench {
 namespace {
+
+constexpr const char* kSampled = "birrt-sampled";
 
 struct Task {
   std::string name;
@@ -23,12 +28,18 @@ struct Task {
 };
 
 struct Runs {
-  std::vector<std::string> planners = {"birrt", "birrt-r", "birrt-pdg"};
+  std::vector<std::string> planners = {kSampled, "birrt", "birrt-r", "birrt-pdg"};
   std::vector<std::string> scenes = {"placement", "bridge"};
   int first_seed = 0, seeds = 5, threads = 1;
-  double seconds = 60.0;
+  double seconds = 60.0, resolution = kUsualResolution;
   std::int64_t samples = 0;
-  bool gaps = false, each = false;
+  bool gaps = false, each = false, all = false;
+};
+
+// A run: the path, and the deepest overlap that MuJoCo finds along it [m].
+struct Checked {
+  Path path;
+  double overlap = 0.0;
 };
 
 // The least, the middle and the largest of a number that each run has.
@@ -67,26 +78,31 @@ Task DiscAndGap(double slack) {
           {1.0, -0.7}};
 }
 
-void PrintRow(const std::string& task, const std::string& planner, const std::vector<Path>& paths) {
-  const auto spread = [&paths](const std::function<double(const Path&)>& number) {
+void PrintRow(const std::string& task, const std::string& planner,
+              const std::vector<Checked>& runs) {
+  const auto spread = [&runs](const std::function<double(const Path&)>& number) {
     std::vector<double> values;
-    for (const Path& path : paths) values.push_back(number(path));
+    for (const Checked& run : runs) values.push_back(number(run.path));
     return Spread(values);
   };
-  const auto found =
-      std::count_if(paths.begin(), paths.end(), [](const Path& path) { return path.found; });
+  int found = 0, not_free = 0;
+  double overlap = 0.0;
+  for (const Checked& run : runs) {
+    found += run.path.found;
+    not_free += run.overlap > 0.0;
+    overlap = std::max(overlap, run.overlap);
+  }
   const Spread seconds = spread([](const Path& path) { return path.seconds; });
-  std::printf("%-10s %-10s %2d/%-2d %8.3f %8.3f %8.3f %8.0f %9.0f %8.3f\n", task.c_str(),
-              planner.c_str(), static_cast<int>(found), static_cast<int>(paths.size()),
-              seconds.middle, seconds.low, seconds.high,
-              spread([](const Path& path) { return path.nodes; }).middle,
+  std::printf("%-10s %-13s %2d/%-2d %8.3f %8.3f %8.3f %8.0f %9.0f %8.3f %8d %8.3f\n", task.c_str(),
+              planner.c_str(), found, static_cast<int>(runs.size()), seconds.middle, seconds.low,
+              seconds.high, spread([](const Path& path) { return path.nodes; }).middle,
               spread([](const Path& path) { return double(path.collision_queries); }).middle,
-              spread([](const Path& path) { return path.length; }).middle);
+              spread([](const Path& path) { return path.length; }).middle, not_free, 1e3 * overlap);
   std::fflush(stdout);
 }
 
-void RunAll(const Task& task, const std::string& planner, const Runs& runs) {
-  std::vector<Path> paths;
+std::vector<Checked> RunAll(const Task& task, const std::string& planner, const Runs& runs) {
+  std::vector<Checked> checked;
   for (int seed = runs.first_seed; seed < runs.first_seed + runs.seeds; ++seed) {
     PlanOptions options;
     options.planner = planner;
@@ -95,28 +111,40 @@ void RunAll(const Task& task, const std::string& planner, const Runs& runs) {
     options.max_samples = runs.samples;
     options.threads = runs.threads;
     const std::clock_t begin = std::clock();
-    paths.push_back(Plan(task.scene, task.start, task.goal, options));
+    Path path = planner == kSampled
+                    ? SampledPlan(task.scene, task.start, task.goal, options, runs.resolution)
+                    : Plan(task.scene, task.start, task.goal, options);
     if (runs.threads == 1) {  // of the processor, so that other programs do not count
-      paths.back().seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+      path.seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
     }
-    if (runs.each) PrintRow(task.name + " " + std::to_string(seed), planner, {paths.back()});
+    const double overlap = DeepestOverlap(task.scene, path, options.options);
+    checked.push_back({std::move(path), overlap});
+    if (runs.each) PrintRow(task.name + " " + std::to_string(seed), planner, {checked.back()});
   }
-  PrintRow(task.name, planner, paths);
+  PrintRow(task.name, planner, checked);
+  return checked;
 }
 
 void Run(const Runs& runs) {
-  std::printf("%-10s %-10s %5s %8s %8s %8s %8s %9s %8s\n", "scene", "planner", "found", "s median",
-              "s least", "s most", "nodes", "queries", "length m");
+  std::printf("%-10s %-13s %5s %8s %8s %8s %8s %9s %8s %8s %8s\n", "scene", "planner", "found",
+              "s median", "s least", "s most", "nodes", "queries", "length m", "not free",
+              "mm deep");
   std::vector<Task> tasks;
   if (runs.gaps) {
     for (const double slack : {0.2, 0.1, 0.03, 0.01}) tasks.push_back(DiscAndGap(slack));
   } else {
     for (const std::string& scene : runs.scenes) tasks.push_back(FromModel(scene));
   }
+  std::map<std::string, std::vector<Checked>> all;
   for (const Task& task : tasks) {
-    for (const std::string& planner : runs.planners) RunAll(task, planner, runs);
+    for (const std::string& planner : runs.planners) {
+      for (Checked& run : RunAll(task, planner, runs)) all[planner].push_back(std::move(run));
+    }
   }
-  if (!runs.gaps) {
+  if (runs.all) {
+    for (const std::string& planner : runs.planners) PrintRow("all", planner, all[planner]);
+  }
+  if (!runs.gaps && !runs.all) {
     std::printf(
         "paper, Table IV, ten runs each, mean s: placement 172.8, 154.2, 85.3; bridge 78.3 "
         "and 42.1 as far as legible\n");
@@ -139,8 +167,11 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 1024));
   app.add_option("--seconds", runs.seconds, "time limit of a run");
   app.add_option("--samples", runs.samples, "ends a run, too; 0: no bound");
+  app.add_option("--resolution", runs.resolution,
+                 "birrt-sampled: between the configurations it looks at, a share of the extent");
   app.add_flag("--gaps", runs.gaps, "the disc and the gap instead of the scenes");
   app.add_flag("--each", runs.each, "print each run, too");
+  app.add_flag("--all", runs.all, "a row for all scenes together, too");
   CLI11_PARSE(app, argc, argv);
   mjcf_pdg::bench::Run(runs);
   return 0;

@@ -181,6 +181,7 @@ if(MJCF_PDG_BUILD_BENCH AND bench_programs)
   endforeach()
 
   if(plan)
+    target_sources(plan_bench PRIVATE bench/peers/sampled_plan.cc)
     target_link_libraries(plan_bench PRIVATE mjcf_pdg_plan)
   endif()
 
