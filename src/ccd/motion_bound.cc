@@ -14,7 +14,8 @@ Vector3d Across(const Vector3d& v, const Vector3d& unit) { return v - unit.dot(v
 
 }  // namespace
 
-MotionBound::MotionBound(const SceneTables& tables) : tables_(tables) {
+MotionBound::MotionBound(const SceneTables& tables)
+    : tables_(tables), bodies_(tables.model->nbody), geoms_(tables.model->ngeom) {
   const mjModel& m = *tables.model;
   motions_of_body_.resize(m.nbody);
   for (int body = 0; body < m.nbody; ++body) {
@@ -86,11 +87,25 @@ void MotionBound::SetPath(const VectorXd& dq) {
     }
     active_[p].end = static_cast<int>(active_chains_.size());
   }
+  int turning = 0;
+  for (Motion& motion : motions_) {
+    if (motion.rotates && motion.speed > 0.0) motion.turning = turning++;
+  }
+  bodies_.SetTurning(turning);
+  geoms_.SetTurning(turning);
   path_ = dq;
+  ++pose_;
+}
+
+void MotionBound::Shapes::SetTurning(int motions) {
+  const std::size_t row = static_cast<std::size_t>(motions);
+  if (far_.size() < shapes_.size() * row) far_.resize(shapes_.size() * row);
+  for (std::size_t k = 0; k < shapes_.size(); ++k) shapes_[k].far = far_.data() + k * row;
 }
 
 void MotionBound::SetPose(const PosedModel& posed) {
   const mjData& d = *posed.data();
+  ++pose_;
   for (Motion& motion : motions_) {
     if (motion.speed <= 0.0) continue;
     const JointEntry& joint = tables_.joints[motion.joint];
@@ -120,23 +135,28 @@ double MotionBound::Extent::FarFromAxis(const Vector3d& p_W, const Vector3d& uni
                   Across(box_center_W - p_W, unit_W).norm() + std::min(across, half.norm()));
 }
 
-MotionBound::Extent MotionBound::BodyExtent(const SceneTables& tables, const PosedModel& posed,
-                                            int body) {
+MotionBound::Shape& MotionBound::Body(const PosedModel& posed, int body) {
+  Shape& shape = bodies_[body];
+  if (shape.pose == pose_) return shape;
+  shape.pose = pose_;
   const mjData& d = *posed.data();
-  const BoundingSphere& sphere = tables.body_spheres[body];
-  Extent extent;
-  extent.center_W = AsVector(d.xpos + 3 * body) + AsMatrix(d.xmat + 9 * body) * sphere.center_B;
-  extent.radius = sphere.radius;
-  return extent;
+  const BoundingSphere& sphere = tables_.body_spheres[body];
+  shape.extent.center_W =
+      AsVector(d.xpos + 3 * body) + AsMatrix(d.xmat + 9 * body) * sphere.center_B;
+  shape.extent.radius = sphere.radius;
+  return shape;
 }
 
-MotionBound::Extent MotionBound::GeomExtent(const PosedModel& posed, int geom) {
+MotionBound::Shape& MotionBound::Geom(const PosedModel& posed, int geom) {
+  Shape& shape = geoms_[geom];
+  if (shape.pose == pose_) return shape;
+  shape.pose = pose_;
   const mjModel& m = *posed.model();
   const mjData& d = *posed.data();
-  Extent extent;
+  Extent& extent = shape.extent;
   extent.center_W = AsVector(d.geom_xpos + 3 * geom);
   extent.radius = kInfinity;
-  if (m.geom_type[geom] == mjGEOM_PLANE) return extent;
+  if (m.geom_type[geom] == mjGEOM_PLANE) return shape;
   const double core = CoreRadius(m, geom);
   if (m.geom_rbound[geom] > 0.0) extent.radius = m.geom_rbound[geom] - core;
   extent.half = AsVector(m.geom_aabb + 6 * geom + 3);
@@ -146,10 +166,10 @@ MotionBound::Extent MotionBound::GeomExtent(const PosedModel& posed, int geom) {
     extent.R = AsMatrix(d.geom_xmat + 9 * geom);
     extent.box_center_W = extent.center_W + extent.R * AsVector(m.geom_aabb + 6 * geom);
   }
-  return extent;
+  return shape;
 }
 
-void MotionBound::FillMomentArms(Range range, bool from_first, const Extent& extent, double horizon,
+void MotionBound::FillMomentArms(Range range, bool from_first, Shape& shape, double horizon,
                                  std::vector<double>& arms, std::vector<double>& travels) const {
   const int count = range.end - range.begin;
   double travel = 0.0;   // of the shape by the motions already walked past
@@ -164,14 +184,17 @@ void MotionBound::FillMomentArms(Range range, bool from_first, const Extent& ext
       travels[k] = motion.speed;
       stretch += motion.speed * horizon;
     } else {
-      arms[k] = extent.FarFrom(motion.anchor_W) + horizon * travel;
+      Far& far = shape.far[motion.turning];
+      if (far.pose != pose_) {
+        far = {pose_, shape.extent.FarFrom(motion.anchor_W),
+               shape.extent.FarFromAxis(motion.anchor_W, motion.rate_W / motion.speed)};
+      }
+      arms[k] = far.anchor + horizon * travel;
       if (previous) {
         const double chain = (motion.anchor_W - previous->anchor_W).norm() + stretch;
         arms[k] = std::min(arms[k], chain + previous_arm);
       }
-      const double across =
-          extent.FarFromAxis(motion.anchor_W, motion.rate_W / motion.speed) + horizon * travel;
-      travels[k] = motion.speed * std::min(arms[k], across);
+      travels[k] = motion.speed * std::min(arms[k], far.axis + horizon * travel);
       previous = &motion;
       previous_arm = arms[k];
       stretch = 0.0;
@@ -213,9 +236,9 @@ double MotionBound::BodiesClosing(const PosedModel& posed, int body_pair, double
                                   double& distance) {
   const BodyPair& bodies = tables_.body_pairs[body_pair];
   const Range range = active_[body_pair];
-  const Extent first = BodyExtent(tables_, posed, bodies.body1);
-  const Extent second = BodyExtent(tables_, posed, bodies.body2);
-  distance = (first.center_W - second.center_W).norm() - first.radius - second.radius;
+  Shape &first = Body(posed, bodies.body1), &second = Body(posed, bodies.body2);
+  distance = (first.extent.center_W - second.extent.center_W).norm() - first.extent.radius -
+             second.extent.radius;
   FillMomentArms(range, true, first, horizon, arms1_, travels1_);
   FillMomentArms(range, false, second, horizon, arms2_, travels2_);
   return Closing(range);
@@ -226,8 +249,8 @@ RelativeMotion MotionBound::Geoms(const PosedModel& posed, int body_pair, int pa
   const Range range = active_[body_pair];
   int geom1 = tables_.pairs[pair].geom1, geom2 = tables_.pairs[pair].geom2;
   const bool swapped = posed.model()->geom_bodyid[geom1] != tables_.body_pairs[body_pair].body1;
-  const Extent first = GeomExtent(posed, swapped ? geom2 : geom1);
-  const Extent second = GeomExtent(posed, swapped ? geom1 : geom2);
+  Shape& first = Geom(posed, swapped ? geom2 : geom1);
+  Shape& second = Geom(posed, swapped ? geom1 : geom2);
   FillMomentArms(range, true, first, horizon, arms1_, travels1_);
   FillMomentArms(range, false, second, horizon, arms2_, travels2_);
   RelativeMotion motion;

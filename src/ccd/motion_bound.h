@@ -15,6 +15,7 @@
 #ifndef MJCF_PDG_SRC_CCD_MOTION_BOUND_H_
 #define MJCF_PDG_SRC_CCD_MOTION_BOUND_H_
 
+#include <cstdint>
 #include <vector>
 
 #include "collide/convex/support_points.h"
@@ -57,6 +58,7 @@ class MotionBound {
     int joint = 0;  // index into SceneTables::joints
     bool rotates = false;
     double speed = 0.0;         // rad or m per unit s
+    int turning = 0;            // its number among those that turn, if it does
     Vector3d anchor_W, rate_W;  // at the pose; rate_W of length `speed`
   };
   // A motion between two bodies; sign -1 when it carries body 2.
@@ -78,12 +80,32 @@ class MotionBound {
     double FarFrom(const Vector3d& p_W) const;
     double FarFromAxis(const Vector3d& p_W, const Vector3d& unit_W) const;
   };
+  // The same shape is in many pairs, so what is asked of it is kept for the pose.
+  struct Far {
+    std::int64_t pose = 0;            // that it is of
+    double anchor = 0.0, axis = 0.0;  // farthest point from the two of a motion that turns [m]
+  };
+  struct Shape {
+    std::int64_t pose = 0;
+    Extent extent;
+    Far* far = nullptr;  // by Motion::turning
+  };
+  class Shapes {
+   public:
+    explicit Shapes(int count) : shapes_(static_cast<std::size_t>(count)) {}
+    void SetTurning(int motions);
+    Shape& operator[](int shape) { return shapes_[static_cast<std::size_t>(shape)]; }
+
+   private:
+    std::vector<Shape> shapes_;
+    std::vector<Far> far_;
+  };
 
   void AppendMotions(int body, double sign, bool upwards);
-  static Extent BodyExtent(const SceneTables& tables, const PosedModel& posed, int body);
-  static Extent GeomExtent(const PosedModel& posed, int geom);
+  Shape& Body(const PosedModel& posed, int body);
+  Shape& Geom(const PosedModel& posed, int geom);
   // arms_ and travels of the links in `range`, walked away from the shape.
-  void FillMomentArms(Range range, bool from_first, const Extent& extent, double horizon,
+  void FillMomentArms(Range range, bool from_first, Shape& shape, double horizon,
                       std::vector<double>& arms, std::vector<double>& travels) const;
   double Closing(Range range) const;
   double Acceleration(Range range, bool of_first, const std::vector<double>& arms,
@@ -95,8 +117,10 @@ class MotionBound {
   std::vector<Range> motions_of_body_;        // nbody
   std::vector<Link> chains_, active_chains_;  // body 1 up to the common ancestor, down to body 2
   std::vector<Range> chain_, active_;         // per body pair, into the two above
-  std::vector<double> arms1_, arms2_;         // farthest point from the anchor [m], by link
-  std::vector<double> travels1_, travels2_;   // fastest point by this motion alone [m per unit s]
+  Shapes bodies_, geoms_;
+  std::int64_t pose_ = 0;                    // counts SetPath and SetPose
+  std::vector<double> arms1_, arms2_;        // farthest point from the anchor [m], by link
+  std::vector<double> travels1_, travels2_;  // fastest point by this motion alone [m per unit s]
 };
 
 }  // namespace mjcf_pdg
