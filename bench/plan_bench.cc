@@ -53,12 +53,16 @@ struct Spread {
   double low, middle, high;
 };
 
-// A folder of models/, or a file.
+// A folder of models/, or a file. What the model marks as exact meshes is that.
 Task FromModel(const std::string& name) {
   const std::filesystem::path path = name;
-  const bool file = path.extension() == ".xml";
-  const Scene scene = Scene::FromFile(
-      file ? name : std::string(MJCF_PDG_MODEL_DIR) + "/" + name + "/" + name + ".xml");
+  const std::string file = path.extension() == ".xml"
+                               ? name
+                               : std::string(MJCF_PDG_MODEL_DIR) + "/" + name + "/" + name + ".xml";
+  Scene scene = Scene::FromFile(file);
+  if (mj_name2id(scene.model(), mjOBJ_TEXT, "mjcf_pdg.exact_mesh") >= 0) {
+    scene = Scene::FromFile(file, {.exact_mesh = true});
+  }
   return {path.stem(), scene, scene.KeyQpos(0), scene.KeyQpos(1)};
 }
 

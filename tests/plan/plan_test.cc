@@ -363,6 +363,19 @@ TEST(PlanTest, TheBridgeIsPassedWhateverTheSeed) {
   }
 }
 
+TEST(PlanTest, NarrowPassagesOfKnownWidthArePassed) {
+  for (const auto& [name, seed] : {std::pair{"gap", 1}, {"slot", 12}, {"piano", 1}}) {
+    SCOPED_TRACE(name);
+    const Scene scene =
+        Scene::FromFile(std::string(MJCF_PDG_MODEL_DIR) + "/passages/" + name + ".xml",
+                        {.exact_mesh = std::string(name) == "piano"});
+    ExpectFree(scene,
+               Plan(scene, scene.KeyQpos(0), scene.KeyQpos(1),
+                    With("birrt-pdg", static_cast<std::uint64_t>(seed))),
+               scene.KeyQpos(0), scene.KeyQpos(1));
+  }
+}
+
 TEST(PlanTest, TheFigurePutsTheToolIntoTheShelf) {
   const Scene scene = Scene::FromFile(std::string(MJCF_PDG_MODEL_DIR) + "/placement/placement.xml");
   ExpectFree(scene, Plan(scene, scene.KeyQpos(0), scene.KeyQpos(1), With("birrt-pdg")),
