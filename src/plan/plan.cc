@@ -34,7 +34,7 @@ class Planning {
   void Straighten(std::vector<VectorXd>& corners);
   bool Keep(const std::vector<VectorXd>& corners);
   bool Prove(const std::vector<VectorXd>& path);
-  bool Ended() const;
+  bool Ended();
 
   const Scene scene_;
   const PlanOptions options_;
@@ -42,6 +42,7 @@ class Planning {
   double clearance_;  // of contact samples [m]
   std::shared_ptr<ConfigurationSpace> space_;
   std::shared_ptr<MotionProver> prover_;
+  bool stopped_ = false;  // by go_on
   Path path_;
 };
 
@@ -50,9 +51,10 @@ Planning::Planning(const Scene& scene, const PlanOptions& options)
       options_(options),
       clearance_(options.options.clearance + kContactClearance * scene.tables().size) {}
 
-bool Planning::Ended() const {
+bool Planning::Ended() {
+  if (options_.go_on && !options_.go_on()) stopped_ = true;
   const std::chrono::duration<double> gone = Clock::now() - begin_;
-  return gone.count() > options_.options.time_limit || (options_.go_on && !options_.go_on());
+  return stopped_ || gone.count() > options_.options.time_limit;
 }
 
 // Moves an end out of collision, so far that motions can begin there, or, where that is not to be
@@ -168,7 +170,8 @@ void Planning::Connect(const VectorXd& start, const VectorXd& goal) {
   path_.nodes = runs.nodes;
   path_.samples = runs.samples;
   if (runs.path.empty()) {
-    path_.reason = "none was found within the limit";
+    path_.reason = stopped_ ? "the search was stopped before one was found"
+                            : "none was found within the limit";
   } else {
     Seed(options.seed);  // how many the search has drawn depends on the threads
     if (!Keep(Shorten(runs.path)) && !Keep(runs.path)) {

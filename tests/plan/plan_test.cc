@@ -468,7 +468,9 @@ TEST(PlanTest, EndsWhenAsked) {
   options.max_samples = 0;
   int asked = 0;
   options.go_on = [&asked] { return ++asked < 100; };
-  EXPECT_FALSE(Plan(scene, {-1.0, 0.7}, {1.0, -0.7}, options).found);
+  const Path path = Plan(scene, {-1.0, 0.7}, {1.0, -0.7}, options);
+  EXPECT_FALSE(path.found);
+  EXPECT_THAT(path.reason, testing::HasSubstr("stopped"));
   EXPECT_GE(asked, 100);
   EXPECT_LT(asked, 110);
 }
