@@ -47,7 +47,8 @@ class UniformSampler : public ob::StateSampler {
 };
 
 // For planners that keep a grid: how far a configuration is from a fixed one along two random
-// directions.
+// directions. OMPL would find the cells' sizes with configurations of its own sampler, which are
+// dear where they are brought onto constraints, and would be counted.
 class TwoDirections : public ob::ProjectionEvaluator {
  public:
   TwoDirections(const ConfigurationSpace* space, VectorXd origin)
@@ -62,6 +63,17 @@ class TwoDirections : public ob::ProjectionEvaluator {
     VectorXd dq(tables_.n);
     Difference(tables_, origin_, ConfigurationSpace::Q(state), dq);
     projection = directions_ * dq;
+  }
+  // A twentieth of what all `examples` take, as OMPL has it.
+  void FindCellSizes(const std::vector<VectorXd>& examples) {
+    MatrixXd seen(2, static_cast<Eigen::Index>(examples.size()));
+    VectorXd dq(tables_.n);
+    for (Eigen::Index k = 0; k < seen.cols(); ++k) {
+      Difference(tables_, origin_, examples[static_cast<std::size_t>(k)], dq);
+      seen.col(k) = directions_ * dq;
+    }
+    const VectorXd wide = seen.rowwise().maxCoeff() - seen.rowwise().minCoeff();
+    cellSizes_ = {std::max(wide[0] / 20.0, 1e-9), std::max(wide[1] / 20.0, 1e-9)};
   }
 
  private:
@@ -296,7 +308,12 @@ void ConfigurationSpace::freeState(ob::State* state) const {
 }
 
 void ConfigurationSpace::registerProjections() {
-  registerDefaultProjection(std::make_shared<TwoDirections>(this, base_));
+  const auto projection = std::make_shared<TwoDirections>(this, base_);
+  ompl::RNG rng(1);
+  std::vector<VectorXd> examples(100);
+  for (VectorXd& q : examples) Draw(rng, q);
+  projection->FindCellSizes(examples);
+  registerDefaultProjection(projection);
 }
 
 std::vector<VectorXd> Configurations(const ompl::geometric::PathGeometric& path) {

