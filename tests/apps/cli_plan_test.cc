@@ -135,7 +135,8 @@ TEST_F(CliPlanTest, AnInterruptEndsTheSearchAndWritesWhatThereIs) {
     EXPECT_TRUE(asked);
     EXPECT_TRUE(WIFEXITED(status)) << said;
     EXPECT_EQ(WEXITSTATUS(status), code) << said;
-    EXPECT_NE(said.find("no path: the search was stopped before one was found"), std::string::npos) << said;
+    EXPECT_NE(said.find("no path: the search was stopped before one was found"), std::string::npos)
+        << said;
     EXPECT_NE(said.find("warning: interrupted before a path was found"), std::string::npos) << said;
     const Json json = Json::parse(Read("p.json"));
     EXPECT_EQ(json["found"], false);

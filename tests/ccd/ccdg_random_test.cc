@@ -7,6 +7,7 @@
 
 #include "ccd/ccdg.h"
 #include "tests/support/test_support.h"
+#include "tests/support/trials.h"
 #include "verify/verifier.h"
 
 namespace mjcf_pdg::test {
@@ -196,9 +197,9 @@ void ExpectGood(const Tally& tally, double poses) {
 }
 
 TEST_F(CcdgRandomTest, NoneOf20000MotionsOfTwoGeomsEndsLate) {
-  const Tally tally = RandomMotions(741, 12);
+  const Tally tally = RandomMotions(Trials(744), 12);
   ExpectGood(tally, 2.8);
-  EXPECT_GE(tally.motions, 20000);
+  EXPECT_GE(tally.motions, Trials(20000));
 }
 
 TEST_F(CcdgRandomTest, NoneOf2000MotionsOfTwoGeomsEndsLateWhenHalved) {

@@ -13,6 +13,7 @@
 #include "plan/configuration_space.h"
 #include "plan/planners.h"
 #include "tests/support/test_support.h"
+#include "tests/support/trials.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -361,8 +362,8 @@ TEST(PlanTest, ScenesAreAsInThePaper) {
 // Without beginning anew, three of eight searches found nothing in more samples.
 TEST(PlanTest, TheBridgeIsPassedWhateverTheSeed) {
   const Scene scene = Scene::FromFile(std::string(MJCF_PDG_MODEL_DIR) + "/bridge/bridge.xml");
-  for (std::uint64_t seed = 0; seed < 8; ++seed) {
-    PlanOptions options = With("birrt-pdg", seed);
+  for (int seed = 0; seed < test::Trials(8); ++seed) {
+    PlanOptions options = With("birrt-pdg", static_cast<std::uint64_t>(seed));
     options.max_samples = 5000;
     EXPECT_TRUE(Plan(scene, scene.KeyQpos(0), scene.KeyQpos(1), options).found) << seed;
   }

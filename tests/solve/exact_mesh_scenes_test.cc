@@ -6,6 +6,7 @@
 #include "tests/support/mesh_shapes.h"
 #include "tests/support/oracle_check.h"
 #include "tests/support/test_support.h"
+#include "tests/support/trials.h"
 
 namespace mjcf_pdg::test {
 namespace {
@@ -221,7 +222,7 @@ TEST_F(ExactMeshScenesTest, ATiltedNutStaysOnItsBolt) {
   const std::vector<double> home = scene.KeyQpos(mj_name2id(scene.model(), mjOBJ_KEY, "home"));
   Random rng(54);
   int stays = 0;
-  for (int i = 0; i < 10; ++i) {
+  for (int i = 0; i < Trials(10); ++i) {
     std::vector<double> q = home;
     const Vector3d shift = 1e-3 * rng.Normals(3);
     for (int k = 0; k < 3; ++k) q[k] += shift[k];
@@ -233,7 +234,7 @@ TEST_F(ExactMeshScenesTest, ATiltedNutStaysOnItsBolt) {
     EXPECT_TRUE(FreeByBoth(scene, result.q)) << i;
     stays += result.sigma < ObjectNorm(scene, Metric::kSequential, q).Sigma(home);
   }
-  EXPECT_GE(stays, 8);
+  EXPECT_GE(stays, Trials(8));
 }
 
 // ---- A splined shaft in its bore ----
@@ -262,7 +263,7 @@ TEST_F(ExactMeshScenesTest, AShaftStaysInItsBore) {
   ASSERT_TRUE(FreeByBoth(scene, home));
   Random rng(5);
   int overlapping = 0;
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; i < Trials(12); ++i) {
     const Vector3d shift = 8e-4 * rng.Normals(3);
     const std::vector<double> q =
         FreePose(shift, Quaterniond(Eigen::AngleAxisd(0.08, rng.UnitVector())));
@@ -275,7 +276,7 @@ TEST_F(ExactMeshScenesTest, AShaftStaysInItsBore) {
     EXPECT_TRUE(FreeByBoth(scene, result.q)) << i;
     EXPECT_LE(result.sigma, ObjectNorm(scene, Metric::kSequential, q).Sigma(home)) << i;
   }
-  EXPECT_GE(overlapping, 10);
+  EXPECT_GE(overlapping, Trials(10));
 }
 
 // The hint overlaps by 6e-8 m, which the verifier accepts.

@@ -7,6 +7,7 @@
 #include "tests/support/mesh_shapes.h"
 #include "tests/support/oracle_check.h"
 #include "tests/support/test_support.h"
+#include "tests/support/trials.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -273,7 +274,7 @@ TEST_F(ExactMeshSolveTest, NoDescentEndsInACrossing) {
   Workspace work(scene.tables(), options);
   LocalOptimization local(work);
   std::map<Depths, int> free;
-  for (double t = 0.3; t < 0.55; t += 0.001) {
+  for (double t = 0.3; t < 0.55; t += 0.001 * test::kFewer) {
     const Eigen::Quaterniond turn(
         Eigen::AngleAxisd(2.0 * M_PI * t, Vector3d(1, 1, 2).normalized()));
     const std::vector<double> q =
@@ -286,8 +287,8 @@ TEST_F(ExactMeshSolveTest, NoDescentEndsInACrossing) {
       EXPECT_TRUE(work.Free(result.q)) << t;
     }
   }
-  EXPECT_GT(free[Depths::kMeasured], 2);
-  EXPECT_GT(free[Depths::kSearched], 125);
+  EXPECT_GT(free[Depths::kMeasured], test::Trials(2));
+  EXPECT_GT(free[Depths::kSearched], test::Trials(125));
 }
 
 // An answer touches. From there to the next frame's, steps along what curves end in overlaps,

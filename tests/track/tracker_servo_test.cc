@@ -9,6 +9,7 @@
 #include "model/kinematics.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/test_support.h"
+#include "tests/support/trials.h"
 
 namespace mjcf_pdg::test {
 namespace {
@@ -44,7 +45,7 @@ TEST_F(TrackerServoTest, ServoingIntoCollisionAndOutAgainDoesNotJump) {
   const Scene scene = Scene::FromString(kArmAtWall);
   Random rng(3027);
   int held = 0, pressed = 0;
-  for (int jog = 0; jog < 12; ++jog) {
+  for (int jog = 0; jog < Trials(12); ++jog) {
     const double speed = 0.5e-3;  // [rad] a tick, 0.5 rad/s
     Q home = {1.57, 0.0};         // in the wall
     while (!Verify(scene, home).free) home = {rng.Uniform(-0.2, 0.5), rng.Uniform(-1.0, 1.0)};
@@ -75,8 +76,8 @@ TEST_F(TrackerServoTest, ServoingIntoCollisionAndOutAgainDoesNotJump) {
     }
     EXPECT_LE(Step(result.q, home), 1e-9) << "back where it came from";
   }
-  EXPECT_GT(pressed, 5000);
-  EXPECT_GT(held, 1000);
+  EXPECT_GT(pressed, Trials(5000));
+  EXPECT_GT(held, Trials(1000));
 }
 
 // Between two ticks the blade turns by 40 to 130 degrees; every command is free by itself.
