@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
+#include <span>
 
 #include "plan/configuration_space.h"
 
@@ -124,7 +126,16 @@ Path SampledPlan(const Scene& scene, const std::vector<double>& start,
 double DeepestOverlap(const Scene& scene, const Path& path, const Options& options) {
   if (!path.found) return 0.0;
   const auto space = SpaceOf(scene, path.q.front(), path.q.back(), options);
+  // MuJoCo fills the hulls of exact meshes: of those our own verifier is asked.
+  const std::vector<char>& exact = scene.tables().exact;
+  const bool filled = std::find(exact.begin(), exact.end(), 1) == exact.end();
   MujocoCheck check(scene, options.tolerance);
+  Solver verifier(scene, options);
+  const auto overlap = [&](const VectorXd& q) {
+    if (filled) return check.Overlap(q.data());
+    const std::span<const double> row(q.data(), static_cast<std::size_t>(q.size()));
+    return verifier.IsFree(row) ? 0.0 : std::numeric_limits<double>::infinity();
+  };
   const double step = kDense * space->getMaximumExtent();
   double deepest = 0.0;
   VectorXd q;
@@ -133,7 +144,7 @@ double DeepestOverlap(const Scene& scene, const Path& path, const Options& optio
     const int poses = 1 + static_cast<int>(std::ceil(space->Distance(from, to) / step));
     for (int i = 0; i <= poses; ++i) {
       space->Interpolate(from, to, static_cast<double>(i) / poses, q);
-      deepest = std::max(deepest, check.Overlap(q.data()));
+      deepest = std::max(deepest, overlap(q));
     }
   }
   return deepest;

@@ -39,7 +39,8 @@ Path SampledPlan(const Scene& scene, const std::vector<double>& start,
                  const std::vector<double>& goal, const PlanOptions& options, double resolution);
 
 // The deepest overlap that MuJoCo finds along the path [m], at configurations that are a hundred
-// times closer to each other than is usual.
+// times closer to each other than is usual; infinite if our verifier finds one where there are
+// exact meshes, which MuJoCo does not have.
 double DeepestOverlap(const Scene& scene, const Path& path, const Options& options);
 
 }  // namespace mjcf_pdg::bench
