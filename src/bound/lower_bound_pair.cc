@@ -35,8 +35,9 @@ double MomentArmSquared(Chain chain, const ConvexGeom& geom, double enough) {
 }
 
 // At least the largest eigenvalue of the quadratic form that holds what (2) leaves out, for point x
-// and the unit vectors within eps of n; n points the way in which x is to move.
-double Kappa(Chain chain, const Vector3d& x, const Vector3d& n, double eps) {
+// and the unit vectors within eps of n; n points the way in which x is to move. Below `enough` it
+// need not be as small as it could.
+double Kappa(Chain chain, const Vector3d& x, const Vector3d& n, double eps, double enough) {
   const int k = static_cast<int>(chain.size());
   if (k == 0) return 0.0;
   constexpr int kStack = 64;
@@ -65,7 +66,7 @@ double Kappa(Chain chain, const Vector3d& x, const Vector3d& n, double eps) {
     const Column Ky = K.lazyProduct(y);
     const double bound = (Ky.array() / y.array()).maxCoeff();
     best = std::min(best, bound);
-    if (bound <= 0.0) break;
+    if (bound <= 0.0 || best <= enough) break;
     y = (Ky / bound + 0.2 * y).cwiseMax(1e-6);
   }
   return best;
@@ -82,7 +83,8 @@ double PairProblem::MomentArmS(double floor) const {
 }
 
 double PairProblem::RootAt(const Vector3d& a, const Vector3d& b, const Vector3d& n, double eps,
-                           double floor) const {
+                           const Wanted& wanted) const {
+  const double floor = wanted.floor;
   const Vector3d v = a - b;
   const double along = n.dot(v), across = (v - along * n).norm();
   const double t = required + std::min(along, along * std::cos(eps)) - across * std::sin(eps);
@@ -93,7 +95,10 @@ double PairProblem::RootAt(const Vector3d& a, const Vector3d& b, const Vector3d&
   double gamma = std::sqrt(std::max(0.0, n.dot(G * n)));
   if (eps > 0.0) gamma += std::sin(eps) * std::sqrt(LambdaMax(G));
   if (t <= floor * gamma) return floor;
-  const double kappa = std::max(Kappa(ChainOf(0), a, -n, eps), Kappa(ChainOf(1), b, n, eps));
+  // With this κ, or a smaller one, the root is as large as is asked for.
+  const double enough = (t / wanted.enough - gamma) / wanted.enough;
+  const double kappa =
+      std::max(Kappa(ChainOf(0), a, -n, eps, enough), Kappa(ChainOf(1), b, n, eps, enough));
   const double divisor = gamma + std::sqrt(gamma * gamma + 4.0 * kappa * t);
   if (!(divisor > 0.0)) return kInfinity;  // nothing moves it that way
   return std::max(floor, 2.0 * t / divisor);
@@ -101,7 +106,7 @@ double PairProblem::RootAt(const Vector3d& a, const Vector3d& b, const Vector3d&
 
 // For a cap, points whose overlap holds all over it are sought by a few Frank-Wolfe steps from the
 // farthest ones along n.
-double PairProblem::RootFor(const Vector3d& n, double eps, double floor) const {
+double PairProblem::RootFor(const Vector3d& n, double eps, const Wanted& wanted) const {
   Vector3d a = geom[0].Support(n), b = geom[1].Support(-n);
   auto held = [&](const Vector3d& v) {
     const double along = n.dot(v);
@@ -124,14 +129,19 @@ double PairProblem::RootFor(const Vector3d& n, double eps, double floor) const {
     a += share * (a2 - a);
     b += share * (b2 - b);
   }
-  return RootAt(a, b, n, eps, floor);
+  return RootAt(a, b, n, eps, wanted);
+}
+
+double PairProblem::RootIfPlane(const Vector3d& n, double depth) const {
+  const Vector3d b = geom[1].Support(-n);
+  return RootAt(b + (depth - required) * n, b, n, 0.0, {});
 }
 
 double PairProblem::RootForPlane(const BudgetMeter* budget) const {
   const Vector3d n = geom[0].R.col(2);
   double best = 0.0;
   auto look_at = [&](const Vector3d& b) {
-    const double at = RootAt(b + n.dot(geom[0].center - b) * n, b, n, 0.0, best);
+    const double at = RootAt(b + n.dot(geom[0].center - b) * n, b, n, 0.0, {.floor = best});
     if (std::isfinite(at)) best = at;  // else there is no way out: no number is a bound
   };
   look_at(geom[1].Support(-n));
@@ -166,8 +176,8 @@ double SearchDirections(const PairProblem& pair, double floor, const BudgetMeter
   double reachable = pair.hope;  // nothing above this will be proven
   auto push = [&](DirectionCell cell) {
     const Vector3d n = cell.Direction(0, 0);
-    cell.root = pair.RootFor(n, cell.Radius(n), cell.root);
-    reachable = std::min(reachable, pair.RootFor(n, 0.0));
+    reachable = std::min(reachable, pair.RootFor(n, 0.0, {.enough = reachable}));
+    cell.root = pair.RootFor(n, cell.Radius(n), {.floor = cell.root, .enough = reachable});
     heap.push_back(cell);
     std::push_heap(heap.begin(), heap.end());
     --cells_left;

@@ -87,9 +87,9 @@ TEST_F(LowerBoundPairContractTest, AFloorIsReturnedIfItIsMore) {
     EXPECT_EQ(S > 0.0, parting.pair.needed > 0.0);
     const double floor = rng.Uniform(0.5, 1.5);
     (floor > 1.0 ? more : less) += root > 0.0;
-    EXPECT_DOUBLE_EQ(parting.pair.RootFor(n, eps, floor * root), std::max(floor, 1.0) * root);
+    EXPECT_DOUBLE_EQ(parting.pair.RootFor(n, eps, {.floor = floor * root}), std::max(floor, 1.0) * root);
     EXPECT_DOUBLE_EQ(parting.pair.MomentArmS(floor * S), std::max(floor, 1.0) * S);
-    EXPECT_GE(parting.pair.RootFor(n, eps, 1e9), 1e9);
+    EXPECT_GE(parting.pair.RootFor(n, eps, {.floor = 1e9}), 1e9);
     EXPECT_EQ(parting.pair.MomentArmS(1e300), 1e300);
   }
   EXPECT_GT(more, 50);
