@@ -8,6 +8,17 @@ namespace mjcf_pdg {
 
 namespace tune = tuning::stopping;
 
+namespace {
+
+double NearProven(const SceneTables& tables, const std::vector<NearPair>& overlaps) {
+  const bool on_terrain = std::any_of(overlaps.begin(), overlaps.end(), [&](const NearPair& near) {
+    return near.kind == PairKind::kTerrain && tables.pairs[near.pair].moves;
+  });
+  return on_terrain ? tune::kNearProvenOnTerrain : tune::kNearProven;
+}
+
+}  // namespace
+
 void StoppingRule::Begin(const EffortPlan& plan, const StrategyInput& input, double depth,
                          bool meshes_overlap) {
   plan_ = plan;
@@ -15,6 +26,7 @@ void StoppingRule::Begin(const EffortPlan& plan, const StrategyInput& input, dou
   distances_at_input_ = input.distances_at_input;
   depth_ = depth;
   meshes_overlap_ = meshes_overlap;
+  near_proven_ = NearProven(work_.problem().tables, input.overlaps);
   agreeing_ = 0;
   RenewQueries();
   first_box_test_ = work_.finder.box_tests();
@@ -41,7 +53,7 @@ void StoppingRule::Count(const LocalResult& result, Component start, double best
 
 bool StoppingRule::Done(double best_sigma, std::int64_t lcp_steps) const {
   if (best_sigma <= tune::kSameAnswer * sigma_lower_bound_) return true;  // the nearest: proven
-  const bool near_proven = best_sigma <= tune::kNearProven * sigma_lower_bound_;
+  const bool near_proven = best_sigma <= near_proven_ * sigma_lower_bound_;
   if (agreeing_ >= (near_proven ? plan_.agree_near_proven : plan_.agree)) return true;
   const std::int64_t queries = work_.finder.queries() - first_query_;
   if (!meshes_overlap_)

@@ -50,6 +50,7 @@ class StoppingRule {
   const Workspace& work_;
   EffortPlan plan_;
   double sigma_lower_bound_ = 0.0;  // [m²]
+  double near_proven_ = 0.0;        // σ at which few starts need to agree [sigma_lower_bound_]
   int distances_at_input_ = 0;
   double depth_ = 0.0;  // [m]
   bool meshes_overlap_ = false;
