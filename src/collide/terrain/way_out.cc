@@ -79,14 +79,15 @@ Way WayOut::Find(const OnTerrain& on, Effort effort, std::vector<NearPrism>& nea
   accuracy_ = effort == Effort::kShortest ? Accuracy{kLengthShare, kLengthGap}
                                           : Accuracy{kRoughShare, kRoughGap};
   // Straight up it meets only what it overlaps, unless it comes from below.
-  if (on.core_box().min().z() < on.FieldBox().min().z()) collect(on.radius() + best.length);
-  Shorten(on, Vector3d::UnitZ(), near, best);
+  const bool from_below = on.core_box().min().z() < on.FieldBox().min().z();
+  if (from_below) collect(on.radius() + best.length);
+  Shorten(on, Vector3d::UnitZ(), from_below ? kInfinity : on.radius(), near, best);
   CollectNormals(effort, near);
   const bool shortest = effort == Effort::kShortest;
   if (shortest || !normals_.empty()) collect(best.length + on.radius());
-  for (const Vector3d& n : normals_) Shorten(on, n, near, best);
+  for (const Vector3d& n : normals_) Shorten(on, n, kInfinity, near, best);
   for (int turn = 0; shortest && turn < kMostTurns; ++turn) {
-    if (!Shorten(on, Vector3d(best.n), near, best)) break;
+    if (!Shorten(on, Vector3d(best.n), kInfinity, near, best)) break;
   }
   return best;
 }
@@ -112,42 +113,44 @@ void WayOut::CollectNormals(Effort effort, const std::vector<NearPrism>& near) {
 }
 
 // Replaces `best` by the way along the unit vector u, if that is shorter; returns whether it is.
-// `near` must be all prisms that the geom can meet on it.
-bool WayOut::Shorten(const OnTerrain& on, const Vector3d& u, std::vector<NearPrism>& near,
-                     Way& best) {
+// `near` must be all prisms that the geom can meet on it; those farther than `met` it does not.
+bool WayOut::Shorten(const OnTerrain& on, const Vector3d& u, double met,
+                     std::vector<NearPrism>& near, Way& best) {
   const double limit = best.length * (1.0 - kShorter);
   const double begin = on.Support(-u).dot(u) - on.radius();
   NearPrism* deepest = nullptr;
   for (NearPrism& one : near) {
-    one.exit = one.prism.Farthest(u) - begin;
+    one.exit = one.at_least > met ? -kInfinity : one.prism.Farthest(u) - begin;
     one.asked = one.passed = false;
     if (!deepest || one.at_least < deepest->at_least) deepest = &one;
   }
   Way way{u, 0.0, u};
   if (deepest) LeaveIfMet(on, *deepest, near, way);
-  while (NearPrism* last = LeftLast(near)) {
+  while (NearPrism* last = LeftLast(on, u, (1.0 + accuracy_.share) * way.length, near)) {
     if (last->exit <= (1.0 + accuracy_.share) * way.length) {
       way.length = std::max(way.length, last->exit);
       break;
     }
     if (way.length >= limit) return false;
-    if (last->asked) {
-      LeaveIfMet(on, *last, near, way);
-    } else {
-      last->exit = std::min(last->exit, on.ExitBound(last->prism, u));
-      last->asked = true;  // another one may be left later now
-    }
+    LeaveIfMet(on, *last, near, way);
   }
   if (way.length >= limit) return false;
   best = way;
   return true;
 }
 
+// The one that seems to be left last, by all planes that are known if that is later than `enough`.
 // Null if the way leads past all of them.
-NearPrism* WayOut::LeftLast(std::vector<NearPrism>& near) {
+NearPrism* WayOut::LeftLast(const OnTerrain& on, const Vector3d& u, double enough,
+                            std::vector<NearPrism>& near) {
   NearPrism* last = nullptr;
   for (NearPrism& one : near) {
-    if (!one.passed && (!last || one.exit > last->exit)) last = &one;
+    if (one.passed || (last && one.exit <= last->exit)) continue;
+    if (one.exit > enough && !one.asked) {
+      one.exit = std::min(one.exit, on.ExitBound(one.prism, u));
+      one.asked = true;
+    }
+    if (!last || one.exit > last->exit) last = &one;
   }
   return last;
 }
