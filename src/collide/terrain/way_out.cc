@@ -23,6 +23,8 @@ constexpr double kShorter = 1e-6;
 // ground, and a tenth takes a third less than a millionth; the length is as exact as it ends apart.
 constexpr double kLengthShare = 1e-6, kLengthGap = 1e-9;
 constexpr double kRoughShare = 0.1, kRoughGap = 1.1e-4;
+// A rough way that is longer than this by planes alone is taken as so long [scene's size].
+constexpr double kRoughFar = 0.2;
 constexpr int kMostPlanes = 30;
 // Where the search for that begins beyond the last touch, so that there is a normal [scene's size].
 constexpr double kAside = 1e-4;
@@ -76,8 +78,8 @@ Way WayOut::Find(const OnTerrain& on, Effort effort, std::vector<NearPrism>& nea
     on.CollectPrisms(on.CellsNear(Vector3d::Zero(), reach), Vector3d::Zero(), reach, near);
   };
   Way best = LeaveBox(on);
-  accuracy_ = effort == Effort::kShortest ? Accuracy{kLengthShare, kLengthGap}
-                                          : Accuracy{kRoughShare, kRoughGap};
+  accuracy_ = effort == Effort::kShortest ? Accuracy{kLengthShare, kLengthGap, kInfinity}
+                                          : Accuracy{kRoughShare, kRoughGap, kRoughFar};
   // Straight up it meets only what it overlaps, unless it comes from below.
   const bool from_below = on.core_box().min().z() < on.FieldBox().min().z();
   if (from_below) collect(on.radius() + best.length);
@@ -118,20 +120,21 @@ bool WayOut::Shorten(const OnTerrain& on, const Vector3d& u, double met,
                      std::vector<NearPrism>& near, Way& best) {
   const double limit = best.length * (1.0 - kShorter);
   const double begin = on.Support(-u).dot(u) - on.radius();
-  NearPrism* deepest = nullptr;
   for (NearPrism& one : near) {
     one.exit = one.at_least > met ? -kInfinity : one.prism.Farthest(u) - begin;
     one.asked = one.passed = false;
-    if (!deepest || one.at_least < deepest->at_least) deepest = &one;
   }
   Way way{u, 0.0, u};
-  if (deepest) LeaveIfMet(on, *deepest, near, way);
   while (NearPrism* last = LeftLast(on, u, (1.0 + accuracy_.share) * way.length, near)) {
     if (last->exit <= (1.0 + accuracy_.share) * way.length) {
       way.length = std::max(way.length, last->exit);
       break;
     }
     if (way.length >= limit) return false;
+    if (last->exit > accuracy_.far * on.size()) {
+      way.length = last->exit;
+      break;
+    }
     LeaveIfMet(on, *last, near, way);
   }
   if (way.length >= limit) return false;

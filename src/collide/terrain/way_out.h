@@ -28,9 +28,10 @@ class WayOut {
  public:
   // kRough: a few contacts will be measured where the way ends. kShortest: its length counts.
   enum class Effort { kRough, kShortest };
-  // How exactly the way out of one prism is found [1, scene's size].
+  // How exactly the way out of one prism is found [1, scene's size], and how long a way is not
+  // measured but bounded [scene's size].
   struct Accuracy {
-    double share = 0.0, gap = 0.0;
+    double share = 0.0, gap = 0.0, far = 0.0;
   };
   // The geom should overlap the field; the length is 0 if it does not. `near` holds all prisms
   // within on.radius() of the core; what else is needed is added.
