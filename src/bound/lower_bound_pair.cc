@@ -13,6 +13,8 @@ constexpr double kGoodEnough = 0.97;  // stop when within this factor of what ca
 // A vector whose part across another is no larger than this has no direction across it [its
 // length].
 constexpr double kAligned = 1e-9;
+// All points of a geom of no more points than this are looked at before directions are searched.
+constexpr int kFewPoints = 24;
 
 // At least the largest eigenvalue of a symmetric 3 × 3 matrix: mean + √2 standard deviation.
 double LambdaMax(const Matrix3d& A) {
@@ -30,6 +32,32 @@ double MomentArmSquared(Chain chain, const ConvexGeom& geom, double enough) {
     for (const Mover& mover : chain) sum += ReachSquared(mover, p, geom.radius);
     most = std::max(most, sum);
     if (most > enough) break;
+  }
+  return most;
+}
+
+// κ is nowhere larger, for any point of the geom and unit vectors within a right angle of any n:
+// the largest row sum of a matrix whose entries are nowhere smaller.
+double KappaAnywhere(Chain chain, const ConvexGeom& geom) {
+  constexpr double kMostEps = 0.5 * mjPI;
+  double before = 0.0, after = 0.0,
+         most = 0.0;  // turns of the movers before, reaches of those after
+  for (const Mover& mover : chain) before += mover.turn;
+  for (std::size_t j = chain.size(); j-- > 0;) {
+    const Mover& mover = chain[j];
+    double arm = 0.0, reach_squared = 0.0;
+    for (int k = 0; k < geom.num_points(); ++k) {
+      const Vector3d r = geom.Point(k) - mover.anchor;
+      arm = std::max(arm, mover.hinge ? mover.axis.cross(r).norm() : r.norm());
+      reach_squared = std::max(reach_squared, ReachSquared(mover, geom.Point(k), geom.radius));
+    }
+    arm += geom.radius;
+    const double part = mover.hinge ? 0.5 * (1.0 + kMostEps) : 0.25 * (2.0 + kMostEps);
+    const double reach = std::sqrt(reach_squared);
+    before = std::max(0.0, before - mover.turn);
+    most = std::max(
+        most, part * mover.turn * mover.turn * arm + 0.5 * (before * reach + mover.turn * after));
+    after += reach;
   }
   return most;
 }
@@ -82,13 +110,18 @@ double PairProblem::MomentArmS(double floor) const {
   return g > 0.0 ? std::max(floor, needed * needed / g) : floor;
 }
 
+// t of (2), the least in all directions within eps of n.
+double PairProblem::Overlap(const Vector3d& v, const Vector3d& n, double eps) const {
+  const double along = n.dot(v), across = (v - along * n).norm();
+  return required + std::min(along, along * std::cos(eps)) - across * std::sin(eps);
+}
+
 double PairProblem::RootAt(const Vector3d& a, const Vector3d& b, const Vector3d& n, double eps,
                            const Wanted& wanted) const {
   const double floor = wanted.floor;
-  const Vector3d v = a - b;
-  const double along = n.dot(v), across = (v - along * n).norm();
-  const double t = required + std::min(along, along * std::cos(eps)) - across * std::sin(eps);
+  const double t = Overlap(a - b, n, eps);
   if (!(t > 0.0)) return floor;
+  if (t >= wanted.overlap) return std::max(floor, wanted.enough);
   Matrix3d G = Matrix3d::Zero();
   for (const Mover& mover : ChainOf(0)) G += mover.T + TurnCompliance(mover, a);
   for (const Mover& mover : ChainOf(1)) G += mover.T + TurnCompliance(mover, b);
@@ -106,6 +139,21 @@ double PairProblem::RootAt(const Vector3d& a, const Vector3d& b, const Vector3d&
 
 // For a cap, points whose overlap holds all over it are sought by a few Frank-Wolfe steps from the
 // farthest ones along n.
+double PairProblem::EnoughOverlap(const Ease& ease, double root) {
+  return (ease.gamma + ease.kappa * root) * root;
+}
+
+PairProblem::Ease PairProblem::MostEase() const {
+  Ease ease;
+  for (int i = 0; i < 2; ++i) {
+    if (geom[i].num_points() > kFewPoints) return {kInfinity, kInfinity};
+    ease.gamma += MomentArmSquared(ChainOf(i), geom[i], kInfinity);
+    ease.kappa = std::max(ease.kappa, KappaAnywhere(ChainOf(i), geom[i]));
+  }
+  ease.gamma = std::sqrt(ease.gamma);
+  return ease;
+}
+
 double PairProblem::RootFor(const Vector3d& n, double eps, const Wanted& wanted) const {
   Vector3d a = geom[0].Support(n), b = geom[1].Support(-n);
   auto held = [&](const Vector3d& v) {
@@ -113,7 +161,9 @@ double PairProblem::RootFor(const Vector3d& n, double eps, const Wanted& wanted)
     return std::cos(eps) * along - std::sin(eps) * (v - along * n).norm();
   };
   for (int step = 0; eps > 0.0 && step < 3; ++step) {
-    const Vector3d v = a - b, across = v - n.dot(v) * n;
+    const Vector3d v = a - b;
+    if (Overlap(v, n, eps) >= wanted.overlap) break;
+    const Vector3d across = v - n.dot(v) * n;
     if (across.norm() <= kAligned * v.norm()) break;
     const Vector3d gradient = std::cos(eps) * n - std::sin(eps) * across.normalized();
     const Vector3d a2 = geom[0].Support(gradient), b2 = geom[1].Support(-gradient);
@@ -174,10 +224,14 @@ double SearchDirections(const PairProblem& pair, double floor, const BudgetMeter
                         int& cells_left, std::vector<DirectionCell>& heap) {
   heap.clear();
   double reachable = pair.hope;  // nothing above this will be proven
+  const PairProblem::Ease ease = pair.MostEase();
   auto push = [&](DirectionCell cell) {
     const Vector3d n = cell.Direction(0, 0);
-    reachable = std::min(reachable, pair.RootFor(n, 0.0, {.enough = reachable}));
-    cell.root = pair.RootFor(n, cell.Radius(n), {.floor = cell.root, .enough = reachable});
+    PairProblem::Wanted wanted{.enough = reachable,
+                               .overlap = PairProblem::EnoughOverlap(ease, reachable)};
+    reachable = std::min(reachable, pair.RootFor(n, 0.0, wanted));
+    wanted.floor = cell.root;
+    cell.root = pair.RootFor(n, cell.Radius(n), wanted);
     heap.push_back(cell);
     std::push_heap(heap.begin(), heap.end());
     --cells_left;
