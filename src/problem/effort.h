@@ -15,7 +15,8 @@ struct EffortPlan {
   // number holds where that is near the lower bound of σ (search/stopping_rule.h).
   int agree_near_proven = 3, agree = 6;
   // The second number where something is in a height field: with 4 for 6, 720 problems of
-  // bench/terrain_bench have the same p95 of σ over the best, and take up to a quarter fewer queries.
+  // bench/terrain_bench have the same p95 of σ over the best, and take up to a quarter fewer
+  // queries.
   int agree_on_terrain = 4;
   int queries = 800;  // collision queries after which no further start is made
   // Exact meshes: tests of bounding boxes per degree of freedom after which no further start is

@@ -4,10 +4,10 @@
 // A search ends when its best answer is proven to be the nearest (σ within 1 % of the lower bound),
 // or when enough independent starts have ended at that answer. Fewer need to agree where σ is close
 // to the lower bound: then contacts hardly interact, and there are few other optima. In a height
-// field the bound is lower and the descents are dearer: fewer agree there. Without agreement it ends
-// when it has used its collision queries or its estimated time, both from problem/effort.h. Time is
-// estimated from counts instead of read from a clock, so that answers repeat. The numbers were
-// chosen on 7700 random problems of nine robots (bench/README.md, Agreement).
+// field the bound is lower and the descents are dearer: fewer agree there. Without agreement it
+// ends when it has used its collision queries or its estimated time, both from problem/effort.h.
+// Time is estimated from counts instead of read from a clock, so that answers repeat. The numbers
+// were chosen on 7700 random problems of nine robots (bench/README.md, Agreement).
 #ifndef MJCF_PDG_SRC_SEARCH_STOPPING_RULE_H_
 #define MJCF_PDG_SRC_SEARCH_STOPPING_RULE_H_
 
