@@ -261,6 +261,9 @@ inline constexpr double kSameAnswer = 1.01;  // two answers are the same up to t
 // Few starts need to agree where σ is at most this many times its lower bound [1]. Chosen with the
 // numbers of effort.h: bench/README.md, Agreement.
 inline constexpr double kNearProven = 5.0;
+// The same where something is in a height field, whose bound is that of a solid inside the field:
+// on waves, stairs and noise √bound/√σ is 0.43 to 0.5 where it is 0.69 on a plane.
+inline constexpr double kNearProvenOnTerrain = 10.0;
 // Estimated time of a query, of a pair distance and of an LCP step per degree of freedom, the
 // latter two over the distances at q_in but no fewer than kFewDistances [evaluations]: a regression
 // over the solves of nine robots on one machine. It only bounds a search that found no agreement.

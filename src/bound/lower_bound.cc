@@ -38,6 +38,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace mjcf_pdg {
@@ -128,30 +129,39 @@ void LowerBound::AddOverlap(const LowerBoundInput& in, const NearPair& near) {
   }
   added.movers.end = static_cast<int>(concerned_.size());
   pair.geom[1].Fill(in.posed, *in.tables.support, kept.geom2);
-  if (terrain) return ChooseInscribed(in, near, pair);
+  if (terrain) {
+    added.on_terrain = &near;
+    pair.hope = pair.RootIfPlane(near.n_W, pair.needed);
+    pair.needed = 0.0;  // how deep the geom is in a solid inside the field is not known
+    return;
+  }
   pair.geom[0].Fill(in.posed, *in.tables.support, kept.geom1);
   pair.hope = pair.plane ? pair.RootForPlane(in.budget) : pair.RootFor(near.n_W, 0.0);
 }
 
 // Of the convex solids inside the height field, the one that promises most, by the directions in
 // which it might be left for least: those of its top, of the contact, of its sides, and between.
-// Nothing is claimed by moment arms, since how deep the geom is in that solid is not known.
+// Nothing is claimed by moment arms.
 void LowerBound::ChooseInscribed(const LowerBoundInput& in, const NearPair& near,
                                  PairProblem& pair) {
   const int field = in.tables.pairs[near.pair].geom1;
   const Matrix3d R = AsMatrix(in.posed.data()->geom_xmat + 9 * field);
-  FindInscribed(in.posed, field, near, pair.needed, inscribed_);
-  pair.needed = pair.hope = 0.0;
+  FindInscribed(in.posed, field, near, pair.required - near.distance, inscribed_);
+  pair.hope = 0.0;
   const InscribedSolid* best = nullptr;
   for (const InscribedSolid& solid : inscribed_) {
     pair.geom[0].Fill(solid.corners_W);
-    double hope = std::min(pair.RootFor(solid.up_W, 0.0), pair.RootFor(near.n_W, 0.0));
-    for (int side = 0; side < 4 && hope > pair.hope; ++side) {
+    double hope = std::numeric_limits<double>::infinity();
+    const auto look = [&](const Vector3d& n) {
+      hope = std::min(hope, pair.RootFor(n, 0.0, {.enough = hope}));
+      return hope > pair.hope;
+    };
+    bool promises = look(solid.up_W) && look(near.n_W);
+    for (int side = 0; side < 4 && promises; ++side) {
       const Vector3d out = (side & 1 ? 1.0 : -1.0) * R.col(side / 2);
-      hope = std::min(hope, pair.RootFor(out, 0.0));
-      hope = std::min(hope, pair.RootFor((out + R.col(2)).normalized(), 0.0));
+      promises = look(out) && look((out + R.col(2)).normalized());
     }
-    if (!(hope > pair.hope)) continue;
+    if (!promises) continue;
     pair.hope = hope;
     best = &solid;
   }
@@ -175,8 +185,13 @@ void LowerBound::ClaimOverlaps(const LowerBoundInput& in) {
   double floor = 0.0;  // √S
   int cells_left = in.max_cells;
   for (const int k : order_) {
-    const auto& [pair, movers] = overlaps_[k];
-    if (pair.hope <= floor && Share(In(movers), In(overlaps_[order_[0]].movers))) continue;
+    auto& [pair, movers, on_terrain] = overlaps_[k];
+    const auto passed_over = [&] {
+      return pair.hope <= floor && Share(In(movers), In(overlaps_[order_[0]].movers));
+    };
+    if (passed_over()) continue;
+    if (on_terrain) ChooseInscribed(in, *on_terrain, pair);
+    if (passed_over()) continue;
     double root = pair.plane ? pair.hope : 0.0;
     if (!pair.plane && pair.hope > floor && cells_left > 0) {
       root = SearchDirections(pair, floor, in.budget, cells_left, heap_);

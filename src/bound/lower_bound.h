@@ -39,6 +39,8 @@ class LowerBound {
   struct Overlap {
     PairProblem problem;
     Range movers;  // of both chains
+    // Of a height field; then `hope` is that of a plane until a solid inside the field is chosen.
+    const NearPair* on_terrain = nullptr;
   };
   // What is proven of one pair or joint, and the movers it concerns.
   struct Claim {

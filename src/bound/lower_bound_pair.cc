@@ -13,6 +13,8 @@ constexpr double kGoodEnough = 0.97;  // stop when within this factor of what ca
 // A vector whose part across another is no larger than this has no direction across it [its
 // length].
 constexpr double kAligned = 1e-9;
+// All points of a geom of no more points than this are looked at before directions are searched.
+constexpr int kFewPoints = 24;
 
 // At least the largest eigenvalue of a symmetric 3 × 3 matrix: mean + √2 standard deviation.
 double LambdaMax(const Matrix3d& A) {
@@ -34,9 +36,36 @@ double MomentArmSquared(Chain chain, const ConvexGeom& geom, double enough) {
   return most;
 }
 
+// κ is nowhere larger, for any point of the geom and unit vectors within a right angle of any n:
+// the largest row sum of a matrix whose entries are nowhere smaller.
+double KappaAnywhere(Chain chain, const ConvexGeom& geom) {
+  constexpr double kMostEps = 0.5 * mjPI;
+  double before = 0.0, after = 0.0,
+         most = 0.0;  // turns of the movers before, reaches of those after
+  for (const Mover& mover : chain) before += mover.turn;
+  for (std::size_t j = chain.size(); j-- > 0;) {
+    const Mover& mover = chain[j];
+    double arm = 0.0, reach_squared = 0.0;
+    for (int k = 0; k < geom.num_points(); ++k) {
+      const Vector3d r = geom.Point(k) - mover.anchor;
+      arm = std::max(arm, mover.hinge ? mover.axis.cross(r).norm() : r.norm());
+      reach_squared = std::max(reach_squared, ReachSquared(mover, geom.Point(k), geom.radius));
+    }
+    arm += geom.radius;
+    const double part = mover.hinge ? 0.5 * (1.0 + kMostEps) : 0.25 * (2.0 + kMostEps);
+    const double reach = std::sqrt(reach_squared);
+    before = std::max(0.0, before - mover.turn);
+    most = std::max(
+        most, part * mover.turn * mover.turn * arm + 0.5 * (before * reach + mover.turn * after));
+    after += reach;
+  }
+  return most;
+}
+
 // At least the largest eigenvalue of the quadratic form that holds what (2) leaves out, for point x
-// and the unit vectors within eps of n; n points the way in which x is to move.
-double Kappa(Chain chain, const Vector3d& x, const Vector3d& n, double eps) {
+// and the unit vectors within eps of n; n points the way in which x is to move. Below `enough` it
+// need not be as small as it could.
+double Kappa(Chain chain, const Vector3d& x, const Vector3d& n, double eps, double enough) {
   const int k = static_cast<int>(chain.size());
   if (k == 0) return 0.0;
   constexpr int kStack = 64;
@@ -65,7 +94,7 @@ double Kappa(Chain chain, const Vector3d& x, const Vector3d& n, double eps) {
     const Column Ky = K.lazyProduct(y);
     const double bound = (Ky.array() / y.array()).maxCoeff();
     best = std::min(best, bound);
-    if (bound <= 0.0) break;
+    if (bound <= 0.0 || best <= enough) break;
     y = (Ky / bound + 0.2 * y).cwiseMax(1e-6);
   }
   return best;
@@ -81,19 +110,28 @@ double PairProblem::MomentArmS(double floor) const {
   return g > 0.0 ? std::max(floor, needed * needed / g) : floor;
 }
 
-double PairProblem::RootAt(const Vector3d& a, const Vector3d& b, const Vector3d& n, double eps,
-                           double floor) const {
-  const Vector3d v = a - b;
+// t of (2), the least in all directions within eps of n.
+double PairProblem::Overlap(const Vector3d& v, const Vector3d& n, double eps) const {
   const double along = n.dot(v), across = (v - along * n).norm();
-  const double t = required + std::min(along, along * std::cos(eps)) - across * std::sin(eps);
+  return required + std::min(along, along * std::cos(eps)) - across * std::sin(eps);
+}
+
+double PairProblem::RootAt(const Vector3d& a, const Vector3d& b, const Vector3d& n, double eps,
+                           const Wanted& wanted) const {
+  const double floor = wanted.floor;
+  const double t = Overlap(a - b, n, eps);
   if (!(t > 0.0)) return floor;
+  if (t >= wanted.overlap) return std::max(floor, wanted.enough);
   Matrix3d G = Matrix3d::Zero();
   for (const Mover& mover : ChainOf(0)) G += mover.T + TurnCompliance(mover, a);
   for (const Mover& mover : ChainOf(1)) G += mover.T + TurnCompliance(mover, b);
   double gamma = std::sqrt(std::max(0.0, n.dot(G * n)));
   if (eps > 0.0) gamma += std::sin(eps) * std::sqrt(LambdaMax(G));
   if (t <= floor * gamma) return floor;
-  const double kappa = std::max(Kappa(ChainOf(0), a, -n, eps), Kappa(ChainOf(1), b, n, eps));
+  // With this κ, or a smaller one, the root is as large as is asked for.
+  const double enough = (t / wanted.enough - gamma) / wanted.enough;
+  const double kappa =
+      std::max(Kappa(ChainOf(0), a, -n, eps, enough), Kappa(ChainOf(1), b, n, eps, enough));
   const double divisor = gamma + std::sqrt(gamma * gamma + 4.0 * kappa * t);
   if (!(divisor > 0.0)) return kInfinity;  // nothing moves it that way
   return std::max(floor, 2.0 * t / divisor);
@@ -101,14 +139,31 @@ double PairProblem::RootAt(const Vector3d& a, const Vector3d& b, const Vector3d&
 
 // For a cap, points whose overlap holds all over it are sought by a few Frank-Wolfe steps from the
 // farthest ones along n.
-double PairProblem::RootFor(const Vector3d& n, double eps, double floor) const {
+double PairProblem::EnoughOverlap(const Ease& ease, double root) {
+  return (ease.gamma + ease.kappa * root) * root;
+}
+
+PairProblem::Ease PairProblem::MostEase() const {
+  Ease ease;
+  for (int i = 0; i < 2; ++i) {
+    if (geom[i].num_points() > kFewPoints) return {kInfinity, kInfinity};
+    ease.gamma += MomentArmSquared(ChainOf(i), geom[i], kInfinity);
+    ease.kappa = std::max(ease.kappa, KappaAnywhere(ChainOf(i), geom[i]));
+  }
+  ease.gamma = std::sqrt(ease.gamma);
+  return ease;
+}
+
+double PairProblem::RootFor(const Vector3d& n, double eps, const Wanted& wanted) const {
   Vector3d a = geom[0].Support(n), b = geom[1].Support(-n);
   auto held = [&](const Vector3d& v) {
     const double along = n.dot(v);
     return std::cos(eps) * along - std::sin(eps) * (v - along * n).norm();
   };
   for (int step = 0; eps > 0.0 && step < 3; ++step) {
-    const Vector3d v = a - b, across = v - n.dot(v) * n;
+    const Vector3d v = a - b;
+    if (Overlap(v, n, eps) >= wanted.overlap) break;
+    const Vector3d across = v - n.dot(v) * n;
     if (across.norm() <= kAligned * v.norm()) break;
     const Vector3d gradient = std::cos(eps) * n - std::sin(eps) * across.normalized();
     const Vector3d a2 = geom[0].Support(gradient), b2 = geom[1].Support(-gradient);
@@ -124,14 +179,19 @@ double PairProblem::RootFor(const Vector3d& n, double eps, double floor) const {
     a += share * (a2 - a);
     b += share * (b2 - b);
   }
-  return RootAt(a, b, n, eps, floor);
+  return RootAt(a, b, n, eps, wanted);
+}
+
+double PairProblem::RootIfPlane(const Vector3d& n, double depth) const {
+  const Vector3d b = geom[1].Support(-n);
+  return RootAt(b + (depth - required) * n, b, n, 0.0, {});
 }
 
 double PairProblem::RootForPlane(const BudgetMeter* budget) const {
   const Vector3d n = geom[0].R.col(2);
   double best = 0.0;
   auto look_at = [&](const Vector3d& b) {
-    const double at = RootAt(b + n.dot(geom[0].center - b) * n, b, n, 0.0, best);
+    const double at = RootAt(b + n.dot(geom[0].center - b) * n, b, n, 0.0, {.floor = best});
     if (std::isfinite(at)) best = at;  // else there is no way out: no number is a bound
   };
   look_at(geom[1].Support(-n));
@@ -164,10 +224,14 @@ double SearchDirections(const PairProblem& pair, double floor, const BudgetMeter
                         int& cells_left, std::vector<DirectionCell>& heap) {
   heap.clear();
   double reachable = pair.hope;  // nothing above this will be proven
+  const PairProblem::Ease ease = pair.MostEase();
   auto push = [&](DirectionCell cell) {
     const Vector3d n = cell.Direction(0, 0);
-    cell.root = pair.RootFor(n, cell.Radius(n), cell.root);
-    reachable = std::min(reachable, pair.RootFor(n, 0.0));
+    PairProblem::Wanted wanted{.enough = reachable,
+                               .overlap = PairProblem::EnoughOverlap(ease, reachable)};
+    reachable = std::min(reachable, pair.RootFor(n, 0.0, wanted));
+    wanted.floor = cell.root;
+    cell.root = pair.RootFor(n, cell.Radius(n), wanted);
     heap.push_back(cell);
     std::push_heap(heap.begin(), heap.end());
     --cells_left;

@@ -5,6 +5,7 @@
 #define MJCF_PDG_SRC_BOUND_LOWER_BOUND_PAIR_H_
 
 #include <array>
+#include <limits>
 #include <vector>
 
 #include "base/tuning.h"
@@ -37,16 +38,33 @@ struct PairProblem {
 
   // By moment arms, S; `floor` if that is more.
   double MomentArmS(double floor) const;
-  // √S for all unit vectors within eps, at most a right angle, of n: the best of the points tried,
-  // or `floor` if that is more. Infinite if nothing moves the geoms that way.
-  double RootFor(const Vector3d& n, double eps, double floor = 0.0) const;
+  // What is asked of a √S: not less than `floor` is told, and above `enough` it need not be as
+  // large as can be proven. Where two points overlap by `overlap` [m], `enough` is proven.
+  struct Wanted {
+    double floor = 0.0, enough = std::numeric_limits<double>::infinity();
+    double overlap = std::numeric_limits<double>::infinity();
+  };
+  // What γ and κ are nowhere larger than, for any points of the geoms and any direction.
+  struct Ease {
+    double gamma = 0.0, kappa = 0.0;
+  };
+  Ease MostEase() const;
+  // The overlap t along a direction [m] with which (2) proves this √S.
+  static double EnoughOverlap(const Ease& ease, double root);
+  // √S for all unit vectors within eps, at most a right angle, of n: the best of the points tried.
+  // Infinite if nothing moves the geoms that way.
+  double RootFor(const Vector3d& n, double eps, const Wanted& wanted) const;
+  double RootFor(const Vector3d& n, double eps) const { return RootFor(n, eps, Wanted{}); }
+  // √S if geom 1 were the half-space below a plane of normal n in which geom 2 is `depth` [m] deep.
+  double RootIfPlane(const Vector3d& n, double depth) const;
   // √S if geom 1 is a plane: a half-space is left along its normal only.
   double RootForPlane(const BudgetMeter* budget) const;
 
  private:
+  double Overlap(const Vector3d& v, const Vector3d& n, double eps) const;
   // √S by (2) for the points a and b and all unit vectors within eps of n.
   double RootAt(const Vector3d& a, const Vector3d& b, const Vector3d& n, double eps,
-                double floor) const;
+                const Wanted& wanted) const;
 };
 
 // A piece of a cube's face seen from its centre, as a part of the sphere of directions.

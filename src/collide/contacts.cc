@@ -155,7 +155,9 @@ bool ContactFinder::BoxesNear(int geom1, int geom2, double margin) const {
 }
 
 bool ContactFinder::BoundsNear(const KeptPair& kept, double margin) const {
-  return model_.geom_type[kept.geom1] == mjGEOM_PLANE || BoxesNear(kept.geom1, kept.geom2, margin);
+  // TerrainContacts looks at the ground below the geom first, which is lower than the field's box.
+  return model_.geom_type[kept.geom1] == mjGEOM_PLANE || kept.kind == PairKind::kTerrain ||
+         BoxesNear(kept.geom1, kept.geom2, margin);
 }
 
 bool ContactFinder::Distance(int pair, double cutoff, NearPair& near) {

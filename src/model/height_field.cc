@@ -49,6 +49,19 @@ Eigen::Vector3d HeightField::Corner(int row, int col) const {
           Height(row, col)};
 }
 
+double HeightField::Highest(const CellRange& cells) const {
+  float even = 0.0F, odd = 0.0F;  // two, so that one comparison need not wait for the other
+  for (int row = cells.row_begin; row <= cells.row_end; ++row) {
+    const float* heights = heights_ + row * cols_;
+    for (int col = cells.col_begin; col < cells.col_end; col += 2) {
+      even = std::max(even, heights[col]);
+      odd = std::max(odd, heights[col + 1]);
+    }
+    even = std::max(even, heights[cells.col_end]);
+  }
+  return half_size_and_heights_[2] * std::max(even, odd);
+}
+
 std::array<Eigen::Vector3d, 3> HeightField::Triangle(int row, int col, int triangle) const {
   const Eigen::Vector3d low = Corner(row, col), high = Corner(row + 1, col + 1);
   if (triangle == 0) return {low, Corner(row, col + 1), high};

@@ -35,6 +35,8 @@ class HeightField {
   CellRange CellsUnder(const Eigen::AlignedBox2d& xy) const;
   // A point of the surface, a corner of cells.
   Eigen::Vector3d Corner(int row, int col) const;
+  // z of the highest corner of these cells, of which there must be some.
+  double Highest(const CellRange& cells) const;
   double base() const { return -half_size_and_heights_[3]; }  // z of the base
   // The three corners of a cell's triangle, 0 or 1, counter-clockwise seen from above.
   std::array<Eigen::Vector3d, 3> Triangle(int row, int col, int triangle) const;

@@ -8,6 +8,16 @@ namespace mjcf_pdg {
 
 namespace tune = tuning::stopping;
 
+namespace {
+
+bool IsOnTerrain(const SceneTables& tables, const std::vector<NearPair>& overlaps) {
+  return std::any_of(overlaps.begin(), overlaps.end(), [&](const NearPair& near) {
+    return near.kind == PairKind::kTerrain && tables.pairs[near.pair].moves;
+  });
+}
+
+}  // namespace
+
 void StoppingRule::Begin(const EffortPlan& plan, const StrategyInput& input, double depth,
                          bool meshes_overlap) {
   plan_ = plan;
@@ -15,6 +25,7 @@ void StoppingRule::Begin(const EffortPlan& plan, const StrategyInput& input, dou
   distances_at_input_ = input.distances_at_input;
   depth_ = depth;
   meshes_overlap_ = meshes_overlap;
+  on_terrain_ = IsOnTerrain(work_.problem().tables, input.overlaps);
   agreeing_ = 0;
   RenewQueries();
   first_box_test_ = work_.finder.box_tests();
@@ -41,8 +52,10 @@ void StoppingRule::Count(const LocalResult& result, Component start, double best
 
 bool StoppingRule::Done(double best_sigma, std::int64_t lcp_steps) const {
   if (best_sigma <= tune::kSameAnswer * sigma_lower_bound_) return true;  // the nearest: proven
-  const bool near_proven = best_sigma <= tune::kNearProven * sigma_lower_bound_;
-  if (agreeing_ >= (near_proven ? plan_.agree_near_proven : plan_.agree)) return true;
+  const double near = on_terrain_ ? tune::kNearProvenOnTerrain : tune::kNearProven;
+  const int far_from_proven = on_terrain_ ? plan_.agree_on_terrain : plan_.agree;
+  const bool near_proven = best_sigma <= near * sigma_lower_bound_;
+  if (agreeing_ >= (near_proven ? plan_.agree_near_proven : far_from_proven)) return true;
   const std::int64_t queries = work_.finder.queries() - first_query_;
   if (!meshes_overlap_)
     return Evaluations(lcp_steps) >= plan_.evaluations || queries >= plan_.queries;

@@ -58,6 +58,33 @@ TEST_F(LowerBoundPairContractTest, NoMotionPartsThePairAcrossADirectionOfACapFor
   EXPECT_GT(*std::max_element(wide.begin(), wide.end()), 0.6);
 }
 
+// Where the overlap alone is said to prove a root, the points themselves prove it, too.
+TEST_F(LowerBoundPairContractTest, AnOverlapThatIsEnoughProvesTheRoot) {
+  Random rng(12);
+  int settled = 0;
+  std::vector<double> of_root;
+  for (int trial = 0; trial < 1200; ++trial) {
+    const Parting parting = RandomParting(kAllMoves, rng);
+    if (!parting.overlaps()) continue;
+    const Vector3d n = trial % 3 ? rng.UnitVector() : parting.n_W;
+    const double root = parting.pair.RootFor(n, 0.0);
+    if (!(root > 0.0) || !std::isfinite(root)) continue;
+    const PairProblem::Ease ease = parting.pair.MostEase();
+    const double enough = root * std::pow(10.0, rng.Uniform(-2.0, 0.5));
+    const double overlap = PairProblem::EnoughOverlap(ease, enough);
+    const std::array<ConvexGeom, 2>& geom = parting.pair.geom;
+    const double t =
+        parting.pair.required + n.dot(geom[0].Support(n) - geom[1].Support(Vector3d(-n)));
+    if (t < overlap) continue;
+    ++settled;
+    of_root.push_back(enough / root);
+    EXPECT_LE(enough, root * (1.0 + 1e-9)) << "trial " << trial;
+    EXPECT_GE(parting.pair.RootFor(n, 0.0, {.enough = enough, .overlap = overlap}), enough);
+  }
+  EXPECT_GT(settled, 100);
+  EXPECT_GT(*std::max_element(of_root.begin(), of_root.end()), 0.5);
+}
+
 // Slides alone: the pair is parted across n by what its overlap along n is, √S = t / √(nᵀTn).
 TEST_F(LowerBoundPairContractTest, WhatSlidesPartAcrossOneDirectionIsBoundExactly) {
   Random rng(2);
@@ -87,9 +114,10 @@ TEST_F(LowerBoundPairContractTest, AFloorIsReturnedIfItIsMore) {
     EXPECT_EQ(S > 0.0, parting.pair.needed > 0.0);
     const double floor = rng.Uniform(0.5, 1.5);
     (floor > 1.0 ? more : less) += root > 0.0;
-    EXPECT_DOUBLE_EQ(parting.pair.RootFor(n, eps, floor * root), std::max(floor, 1.0) * root);
+    EXPECT_DOUBLE_EQ(parting.pair.RootFor(n, eps, {.floor = floor * root}),
+                     std::max(floor, 1.0) * root);
     EXPECT_DOUBLE_EQ(parting.pair.MomentArmS(floor * S), std::max(floor, 1.0) * S);
-    EXPECT_GE(parting.pair.RootFor(n, eps, 1e9), 1e9);
+    EXPECT_GE(parting.pair.RootFor(n, eps, {.floor = 1e9}), 1e9);
     EXPECT_EQ(parting.pair.MomentArmS(1e300), 1e300);
   }
   EXPECT_GT(more, 50);

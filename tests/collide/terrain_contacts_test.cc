@@ -214,6 +214,25 @@ TEST_F(TerrainContactsTest, ASphereInAValleyRestsOnBothSides) {
   EXPECT_NEAR(right, -std::sqrt(0.5), 1e-6);
 }
 
+// The diagonal of a cell is the floor of a valley: with a row of only the nearer wall, descents go
+// from one wall to the other and back.
+TEST_F(TerrainContactsTest, ASphereInAValleyInsideOneCellHasARowOfBothWalls) {
+  const Field field = MakeField(2, 2, 1, 1, [](double x, double y) { return x * y < 0; });
+  const Scene scene = Scene::FromString(FieldXml(field, {mjGEOM_SPHERE, {0.1, 0, 0}}));
+  ContactFinder finder(scene.tables());
+  const double slant = std::sqrt(1.5);  // of the walls' normals, (∓½, ±½, 1)
+  for (const double gap : {0.005, -0.005}) {
+    finder.Pose(PoseOf({0.001, 0, (0.1 + gap) * slant}));
+    double left = 0, right = 0;
+    for (const NearPair& near : finder.Find(0.02)) {
+      EXPECT_NEAR(near.distance, gap, 1e-3);
+      (near.n_W.x() < 0 ? right : left) = near.n_W.x();
+    }
+    EXPECT_NEAR(left, 0.5 / slant, 1e-6) << gap;
+    EXPECT_NEAR(right, -0.5 / slant, 1e-6) << gap;
+  }
+}
+
 // ---- Degenerate places ----
 
 TEST_F(TerrainContactsTest, EdgesCornersAndTheBaseAreThoseOfASolid) {

@@ -30,7 +30,7 @@ struct Asked {
   }
   void Begin(double bound, double depth, bool meshes, int distances = 10) {
     rule.Begin(plan,
-               {.overlaps = none, .distances_at_input = distances, .sigma_lower_bound = bound},
+               {.overlaps = overlaps, .distances_at_input = distances, .sigma_lower_bound = bound},
                depth, meshes);
   }
   void Query(int count) {
@@ -43,7 +43,7 @@ struct Asked {
   Workspace work;
   StoppingRule rule;
   EffortPlan plan;
-  std::vector<NearPair> none;
+  std::vector<NearPair> overlaps;
 };
 
 LocalResult Ended(bool free, double sigma, bool known = false) {
@@ -108,6 +108,29 @@ TEST_F(StoppingRuleTest, ASearchEndsWhenEnoughIndependentStartsAgree) {
   EXPECT_GT(ended, 100);
   EXPECT_GT(ended_early, 50);
   EXPECT_GT(waited, 50);
+}
+
+// In a height field four starts need to agree instead of six, and three up to ten times the bound.
+TEST_F(StoppingRuleTest, FewerStartsNeedToAgreeOnTerrain) {
+  Asked p(NeverByCounts());
+  const auto needed = [&](double best) {
+    p.Begin(1.0, 0.1, false);
+    int agree = 0;
+    for (double before = kInfinity; !p.rule.Done(best, 0); before = best, ++agree) {
+      p.rule.Count(Ended(true, best), Component::kNoise, before);
+    }
+    return agree;
+  };
+  EXPECT_EQ(needed(4.9), 3);
+  EXPECT_EQ(needed(5.1), 6);
+  p.overlaps.resize(1);  // of the first pair, which moves
+  p.overlaps[0].kind = PairKind::kTerrain;
+  ASSERT_TRUE(p.scene.tables().pairs[0].moves);
+  EXPECT_EQ(needed(5.1), 3);
+  EXPECT_EQ(needed(9.9), 3);
+  EXPECT_EQ(needed(10.1), 4);
+  p.plan = PlanFor(Effort::kMax);
+  EXPECT_EQ(needed(10.1), 12);
 }
 
 TEST_F(StoppingRuleTest, QueriesCountFromTheBeginOfTheSearchOrItsRenewal) {
@@ -255,7 +278,7 @@ TEST_F(StoppingRuleTest, WithoutBudgetATrialIsMadeOnlyIfThereIsNone) {
   for (const bool needed : {true, false}) {
     Asked p({});
     Trials trials(p.work);
-    trials.Begin({}, {.overlaps = p.none}, 0.1, false);
+    trials.Begin({}, {.overlaps = p.overlaps}, 0.1, false);
     if (!needed) trials.NeedNoStart();
     p.work.budget.Begin({.queries = 1}, BudgetMeter::Clock::now(), p.work.finder.queries());
     p.Query(1);
@@ -264,7 +287,7 @@ TEST_F(StoppingRuleTest, WithoutBudgetATrialIsMadeOnlyIfThereIsNone) {
     EXPECT_EQ(trials.outcome().starts, needed ? 1 : 0);
     EXPECT_FALSE(trials.Try(p.work.problem().q_in, Component::kNoise, {}));
     EXPECT_EQ(trials.outcome().starts, needed ? 1 : 0);
-    trials.Begin({}, {.overlaps = p.none}, 0.1, false);
+    trials.Begin({}, {.overlaps = p.overlaps}, 0.1, false);
     EXPECT_TRUE(trials.Try(p.work.problem().q_in, Component::kNoise, {})) << "a search of its own";
   }
 }
@@ -278,7 +301,7 @@ TEST_F(StoppingRuleTest, TrialsEndWhenStartsAgreeOrTheTimeSinceTheFirstFreeIsSpe
              .evaluations = evaluations});
     p.Query(200);
     Trials trials(p.work);
-    trials.Begin(p.plan, {.overlaps = p.none, .distances_at_input = 10}, 0.1, false);
+    trials.Begin(p.plan, {.overlaps = p.overlaps, .distances_at_input = 10}, 0.1, false);
     int starts = 0;
     for (; !trials.Done() && starts < 50; ++starts) {
       trials.Try(p.work.problem().q_in, Component::kNoise, {});

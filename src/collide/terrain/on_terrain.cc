@@ -88,6 +88,16 @@ Vector3d Prism::Support(const Vector3d& n) const {
 
 Vector3d Prism::Cross() const { return (top[1] - top[0]).cross(top[2] - top[0]); }
 
+Vector3d OnTerrain::Support(const Vector3d& n) const {
+  if (core_ == Core::kOther) return R_ * support_.Support(geom_, R_.transpose() * n);
+  Vector3d p = center_;
+  for (int axis = core_ == Core::kBox ? 0 : 2; axis < 3; ++axis) {
+    const Vector3d half = half_edges_.col(axis);
+    p += half.dot(n) < 0.0 ? Vector3d(-half) : half;
+  }
+  return p;
+}
+
 OnTerrain::OnTerrain(const SceneTables& tables, const PosedModel& posed, const KeptPair& pair)
     : support_(*tables.support),
       field_(*posed.model(), pair.geom1),
@@ -122,40 +132,35 @@ void OnTerrain::CollectPrisms(const CellRange& cells, const Vector3d& shift, dou
                               std::vector<NearPrism>& near) const {
   near.clear();
   if (cells.empty()) return;
-  CellBound bound(field_, core_box_.min() + shift, core_box_.max() + shift, axes_, center_ + shift,
-                  half_edges_);
-  const Vector3d first = field_.Corner(cells.row_begin, cells.col_begin) - origin_;
-  NearPrism added;
-  added.prism.base = field_.base() - origin_.z();
-  for (added.row = cells.row_begin; added.row < cells.row_end; ++added.row) {
-    bound.SetRow(first.y() + (added.row - cells.row_begin) * field_.dy());
-    const auto top_of = [&](int col) {
-      return std::max(field_.Height(added.row, col), field_.Height(added.row + 1, col)) -
-             origin_.z();
-    };
-    double top = top_of(cells.col_begin);
-    for (added.col = cells.col_begin; added.col < cells.col_end; ++added.col) {
-      const double next = top_of(added.col + 1);
+  const Vector3d center = center_ + shift, low = core_box_.min() + shift;
+  if (low.z() + origin_.z() - field_.Highest(cells) > reach) return;
+  CellBound bound(field_, low, core_box_.max() + shift, axes_, center, half_edges_);
+  const double dx = field_.dx(), dy = field_.dy();
+  const double base = field_.base() - origin_.z();
+  // The triangle whose normal is along (-x_slope, -y_slope, 1).
+  const auto add = [&](int row, int col, double of_cell, double x_slope, double y_slope,
+                       const Triangle& top) {
+    const Vector3d n(-x_slope, -y_slope, 1.0);
+    const double above = n.dot(center - top[0]) - (n.transpose() * half_edges_).cwiseAbs().sum();
+    const double at_least = std::max(of_cell, above / n.norm());
+    if (at_least <= reach) near.push_back({at_least, {top, base}, row, col});
+  };
+  const auto corner = [&](int row, int col) { return Vector3d(field_.Corner(row, col) - origin_); };
+  for (int row = cells.row_begin; row < cells.row_end; ++row) {
+    Vector3d p00 = corner(row, cells.col_begin), p10 = corner(row + 1, cells.col_begin);
+    bound.SetRow(p00.y());
+    for (int col = cells.col_begin; col < cells.col_end; ++col) {
+      const Vector3d p01 = corner(row, col + 1), p11 = corner(row + 1, col + 1);
       const double of_cell =
-          bound.At(first.x() + (added.col - cells.col_begin) * field_.dx(), std::max(top, next));
-      top = next;
-      if (of_cell > reach) continue;
-      for (int triangle = 0; triangle < 2; ++triangle) {
-        added.prism.top = field_.Triangle(added.row, added.col, triangle);
-        for (Vector3d& corner : added.prism.top) corner -= origin_;
-        added.at_least = std::max(of_cell, AboveTop(added.prism, shift));
-        if (added.at_least <= reach) near.push_back(added);
+          bound.At(p00.x(), std::max(std::max(p00.z(), p10.z()), std::max(p01.z(), p11.z())));
+      if (of_cell <= reach) {
+        add(row, col, of_cell, (p01.z() - p00.z()) / dx, (p11.z() - p01.z()) / dy, {p00, p01, p11});
+        add(row, col, of_cell, (p11.z() - p10.z()) / dx, (p10.z() - p00.z()) / dy, {p00, p11, p10});
       }
+      p00 = p01;
+      p10 = p11;
     }
   }
-}
-
-// How far the core's box, moved by `shift`, is above the plane of the prism's top.
-double OnTerrain::AboveTop(const Prism& prism, const Vector3d& shift) const {
-  const Vector3d n = prism.Cross();
-  const double above =
-      n.dot(center_ + shift - prism.top[0]) - (n.transpose() * half_edges_).cwiseAbs().sum();
-  return above / n.norm();
 }
 
 double OnTerrain::ExitBound(const Prism& prism, const Vector3d& u) const {

@@ -34,11 +34,11 @@ class OnTerrain {
                      std::vector<NearPrism>& near) const;
 
   // A point of the core that is farthest along n.
-  Vector3d Support(const Vector3d& n) const {
-    return R_ * support_.Support(geom_, R_.transpose() * n);
-  }
+  Vector3d Support(const Vector3d& n) const;
   // The field's own bounds, and the core's.
   Eigen::AlignedBox3d FieldBox() const { return field_.Box().translated(-origin_); }
+  double dx() const { return field_.dx(); }
+  double dy() const { return field_.dy(); }
   const Eigen::AlignedBox3d& core_box() const { return core_box_; }
 
   // The prism's distance from the core moved by `shift`; not measured beyond `cutoff`. Body 1 is
@@ -62,7 +62,6 @@ class OnTerrain {
   bool Nearer(const Prism& prism, const Vector3d& shift, double apart) const;
   bool Proves(const NearestPoints& guess, const Prism& prism, const Vector3d& shift, double cutoff,
               const GjkAccuracy& accuracy, GjkNearest& found, GjkEnding& ending) const;
-  double AboveTop(const Prism& prism, const Vector3d& shift) const;
 
   const SupportPoints& support_;
   const HeightField field_;

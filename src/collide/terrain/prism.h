@@ -37,9 +37,12 @@ struct NearPrism {
   double at_least = 0.0;
   Prism prism;
   int row = 0, col = 0;  // of its cell
-  // Of the search that goes through them: an upper bound of the way out of it [m]; asked already.
+  // Of the search for a way out: an upper bound of the way out of this one [m]; whether all planes
+  // that are known have been asked for it; whether the way leads past it.
   double exit = 0.0;
-  bool asked = false;
+  bool asked = false, passed = false;
+  // Of the search for the nearest ones: which of the answers is this one's, -1: not measured.
+  int answer = -1;
 };
 
 }  // namespace mjcf_pdg

@@ -7,13 +7,15 @@ namespace mjcf_pdg {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// The cells near a geom are divided into so many blocks: two along each side.
-constexpr int kBlocks = 4;
 // How far a geom is moved beyond its way out, so that contact normals exist [scene's size], and how
 // exactly distances are measured: the angle by which a normal errs is about the square root of
 // twice the share [rad].
 constexpr double kAside = 1e-4;
 constexpr double kMeet = 1e-8, kMeetShare = 1e-7, kLastShare = 1e-4;
+// A prism that reaches above the plane of a known contact by no more than this gets no contact of
+// its own [margin]: what it adds is seen when steps, and the margin with them, have become short.
+// With 0 descents on waves take half as many steps again.
+constexpr double kAbovePlane = 0.5;
 
 // The way itself as a feature: the geom's farthest point against it.
 SignedGap AlongWay(const OnTerrain& on, const Way& way) {
@@ -27,10 +29,10 @@ void TerrainContacts::Features(const PosedModel& posed, int pair, double margin,
                                std::vector<SignedGap>& out) {
   const OnTerrain on(tables_, posed, tables_.pairs[pair]);
   scratch_.clear();
-  if (!AppendApart(on, Vector3d::Zero(), margin, kBlocks)) {
+  if (!AppendApart(on, Vector3d::Zero(), margin, Blocks::kFour)) {
     const Way way = way_out_.Find(on, WayOut::Effort::kRough, near_);
     scratch_.clear();
-    AppendApart(on, (way.length + kAside * on.size()) * way.u, margin, kBlocks);
+    AppendApart(on, (way.length + kAside * on.size()) * way.u, margin, Blocks::kFour);
     if (scratch_.empty()) scratch_.push_back(AlongWay(on, way));
   }
   std::sort(scratch_.begin(), scratch_.end(),
@@ -42,7 +44,7 @@ void TerrainContacts::Features(const PosedModel& posed, int pair, double margin,
 bool TerrainContacts::Distance(const PosedModel& posed, int pair, double cutoff, SignedGap& gap) {
   const OnTerrain on(tables_, posed, tables_.pairs[pair]);
   scratch_.clear();
-  const bool apart = AppendApart(on, Vector3d::Zero(), std::max(cutoff, 0.0), 1);
+  const bool apart = AppendApart(on, Vector3d::Zero(), std::max(cutoff, 0.0), Blocks::kOne);
   SignedGap found;
   found.distance = kInfinity;
   if (!apart || (!scratch_.empty() && scratch_.front().distance < 0.0)) {
@@ -56,68 +58,100 @@ bool TerrainContacts::Distance(const PosedModel& posed, int pair, double cutoff,
   return true;
 }
 
-// Appends to scratch_ the nearest feature of each block to the geom moved by `shift`, as it is
-// without the shift, if it is nearer than `margin` then. Returns false if the moved core overlaps
-// the field. near_ are the prisms within the margin.
+// Appends to scratch_ the features of each block of the cells near the geom moved by `shift`, as
+// they are without the shift, if they are nearer than `margin` then; of one block only the nearest.
+// Returns false if the moved core overlaps the field. near_ are the prisms within the margin.
 bool TerrainContacts::AppendApart(const OnTerrain& on, const Vector3d& shift, double margin,
-                                  int blocks) {
+                                  Blocks blocks) {
   const double reach = std::max(margin, 0.0) + kAside * on.size() + on.radius();
   const CellRange cells = on.CellsNear(shift, reach);
   on.CollectPrisms(cells, shift, reach, near_);
+  answers_.clear();
   if (near_.empty()) return true;
   // The one that seems to be overlapped most is likely to be, if any is.
   const NearPrism& most = *std::min_element(
       near_.begin(), near_.end(),
       [](const NearPrism& a, const NearPrism& b) { return a.at_least < b.at_least; });
   if (most.at_least < 0.0 && on.CoreOverlaps(most.prism, shift)) return false;
+  // A core that is shorter than a cell along a side is not divided along it.
   const int row = (cells.row_begin + cells.row_end) / 2;
   const int col = (cells.col_begin + cells.col_end) / 2;
-  const auto block_of = [&](const NearPrism& near) {
-    return blocks == 1 ? 0 : 2 * (near.row >= row) + (near.col >= col);
-  };
-  for (int block = 0; block < blocks; ++block) {
+  const bool by_rows = blocks == Blocks::kFour && on.core_box().sizes().y() > on.dy();
+  const bool by_cols = blocks == Blocks::kFour && on.core_box().sizes().x() > on.dx();
+  for (int block = 0; block < 4; ++block) {
     block_.clear();
     for (NearPrism& near : near_) {
-      if (block_of(near) == block) block_.push_back(&near);
+      const int of = 2 * (by_rows && near.row >= row) + (by_cols && near.col >= col);
+      if (of == block) block_.push_back(&near);
     }
-    GjkNearest found;
-    found.distance = reach;
-    if (!Nearest(on, shift, found)) return false;
-    if (found.distance >= reach) continue;
-    const double distance = found.distance - on.radius() - found.n.dot(shift);
-    if (distance >= margin) continue;
-    const Vector3d p2 = found.corner.p2 - shift - on.radius() * found.n;
-    scratch_.push_back({distance, found.corner.p1, p2, found.n});
+    if (!AppendBlock(on, shift, margin, reach, blocks == Blocks::kOne)) return false;
   }
   return true;
 }
 
-// Lowers `best` to the nearest of the prisms in block_, if one is nearer. The ones with the least
-// bounds are asked first. Returns false if the moved core overlaps one.
-bool TerrainContacts::Nearest(const OnTerrain& on, const Vector3d& shift, GjkNearest& best) {
-  const GjkAccuracy accuracy{
-      .gap = kMeet * on.size(), .share = kMeetShare, .zero = on.radius(), .last = kLastShare};
-  const double slack = kMeet * on.size();  // a prism that is no nearer than this much is not
-  const auto nearer = [](const NearPrism* a, const NearPrism* b) {
-    return a->at_least < b->at_least;
-  };
-  GjkNearest found;
+// The nearest of the prisms in block_; then, unless only that is wanted, the nearest of those that
+// reach above the plane of the first contact; and so on. What is below a plane adds nothing to it.
+// In a valley the walls on both sides have contacts; with the nearest one alone, descents would go
+// from one to the other and back.
+bool TerrainContacts::AppendBlock(const OnTerrain& on, const Vector3d& shift, double margin,
+                                  double reach, bool only_nearest) {
+  const double above = kMeet * on.size() + kAbovePlane * std::max(margin, 0.0);
   while (!block_.empty()) {
-    const auto next = std::min_element(block_.begin(), block_.end(), nearer);
-    if ((*next)->at_least >= best.distance - slack) return true;
-    const GjkEnding ending = on.Ask((*next)->prism, shift, best.distance, accuracy, found);
-    if (ending != GjkEnding::kApart && ending != GjkEnding::kBeyond) return false;
-    if (ending == GjkEnding::kApart && found.distance < best.distance) best = found;
-    *next = block_.back();
-    block_.pop_back();
-    // What parts the core from this prism parts it from most of its neighbours, too.
-    const double begin = found.n.dot(on.Support(-found.n) + shift);
-    std::erase_if(block_, [&](NearPrism* near) {
-      near->at_least = std::max(near->at_least, begin - near->prism.Farthest(found.n));
-      return near->at_least >= best.distance - slack;
+    int nearest = -1;
+    if (!Nearest(on, shift, reach, nearest)) return false;
+    if (nearest < 0) return true;
+    const GjkNearest& found = answers_[nearest];
+    const double distance = found.distance - on.radius() - found.n.dot(shift);
+    if (distance < margin) {
+      const Vector3d p2 = found.corner.p2 - shift - on.radius() * found.n;
+      scratch_.push_back({distance, found.corner.p1, p2, found.n});
+      if (only_nearest) return true;
+    }
+    const double level = found.n.dot(found.corner.p1) + above;
+    std::erase_if(block_, [&](const NearPrism* near) {
+      return near->answer == nearest || near->prism.Farthest(found.n) <= level;
     });
   }
   return true;
+}
+
+// Which of answers_ is that of the nearest of the prisms in block_; stays -1 if none is within
+// reach. The ones with the least bounds are asked first. Returns false if the moved core overlaps
+// one.
+bool TerrainContacts::Nearest(const OnTerrain& on, const Vector3d& shift, double reach,
+                              int& nearest) {
+  const GjkAccuracy accuracy{
+      .gap = kMeet * on.size(), .share = kMeetShare, .zero = on.radius(), .last = kLastShare};
+  const double slack = kMeet * on.size();  // a prism that is no nearer than this much is not
+  for (;;) {
+    NearPrism* next = nullptr;
+    double least = reach, least_measured = reach;
+    for (NearPrism* near : block_) {
+      double& bound = near->answer < 0 ? least : least_measured;
+      if (near->at_least >= bound) continue;
+      bound = near->at_least;
+      if (near->answer < 0) {
+        next = near;
+      } else {
+        nearest = near->answer;
+      }
+    }
+    if (!next || least >= least_measured - slack) return true;
+    GjkNearest found;
+    const GjkEnding ending = on.Ask(next->prism, shift, reach, accuracy, found);
+    if (ending != GjkEnding::kApart && ending != GjkEnding::kBeyond) return false;
+    next->answer = static_cast<int>(answers_.size());
+    next->at_least = ending == GjkEnding::kApart ? found.distance : reach;
+    answers_.push_back(found);
+    // What parts the core from this prism parts it from most of its neighbours, too.
+    const double begin = found.n.dot(on.Support(-found.n) + shift);
+    std::erase_if(block_, [&](NearPrism* near) {
+      if (near->answer < 0) {
+        near->at_least = std::max(near->at_least, begin - near->prism.Farthest(found.n));
+      }
+      return near->at_least >= reach;
+    });
+  }
 }
 
 SignedGap TerrainContacts::ToWorld(const OnTerrain& on, const SignedGap& gap) {

@@ -2,7 +2,8 @@
 // the true surface of a field. ContactFinder (collide/contacts.h) asks it.
 //
 // Where the geom's core is apart from the field, the features are the nearest points to the prisms
-// below it (model/height_field.h), one feature for each block of the cells near the geom. Where the
+// below it (model/height_field.h): of each block of the cells near the geom the nearest, and those
+// that reach above the planes of nearer ones. Where the
 // core overlaps, the geom is moved out first, by the shortest way that WayOut finds, and a little
 // farther, so that contact normals exist. The features there, moved back, are those of the overlap:
 // their distances are negative by what the way out goes along their normals. In contact both agree.
@@ -35,14 +36,18 @@ class TerrainContacts {
   std::int64_t distances() const { return distances_; }
 
  private:
-  bool AppendApart(const OnTerrain& on, const Vector3d& shift, double margin, int blocks);
-  bool Nearest(const OnTerrain& on, const Vector3d& shift, GjkNearest& best);
+  enum class Blocks { kOne, kFour };  // kFour: two along each side
+  bool AppendApart(const OnTerrain& on, const Vector3d& shift, double margin, Blocks blocks);
+  bool AppendBlock(const OnTerrain& on, const Vector3d& shift, double margin, double reach,
+                   bool only_nearest);
+  bool Nearest(const OnTerrain& on, const Vector3d& shift, double reach, int& nearest);
   static SignedGap ToWorld(const OnTerrain& on, const SignedGap& gap);
 
   const SceneTables& tables_;
   WayOut way_out_;
   std::vector<NearPrism> near_;
-  std::vector<NearPrism*> block_;  // those of near_ in one block that may be nearest
+  std::vector<NearPrism*> block_;    // those of near_ in one block that may be nearest
+  std::vector<GjkNearest> answers_;  // of those that were measured
   std::vector<SignedGap> scratch_;
   std::int64_t distances_ = 0;
 };

@@ -1,6 +1,7 @@
 #include "collide/terrain/top_nearest.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace mjcf_pdg {
@@ -54,18 +55,20 @@ bool NearestOfSegment(const Triangle& top, const Vector3d& a, const Vector3d& b,
   const double above_a = n.dot(a - top[0]), above_b = n.dot(b - top[0]);
   if (std::max(above_a, above_b) <= 0.0) return false;
   const Vector3d& lower = above_a < above_b ? a : b;
-  if (std::min(above_a, above_b) > 0.0 && IsOver(top, n, lower)) {
-    nearest = OnFace(top, n, lower);
-    return true;
-  }
+  // If all of the segment is above the plane, an edge that the lower end is not beyond is as far as
+  // another one, at least.
+  const bool all_above = std::min(above_a, above_b) > 0.0;
   double least = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
-    const NearestPoints of_edge = NearestOfEdge(top[k], top[(k + 1) % 3], a, b);
+    const Vector3d &from = top[k], &to = top[(k + 1) % 3];
+    if (all_above && n.dot((to - from).cross(lower - from)) >= 0.0) continue;
+    const NearestPoints of_edge = NearestOfEdge(from, to, a, b);
     const double squared = (of_edge.p2 - of_edge.p1).squaredNorm();
     if (squared >= least) continue;
     least = squared;
     nearest = of_edge;
   }
+  if (std::isinf(least)) nearest = OnFace(top, n, lower);
   return true;
 }
 

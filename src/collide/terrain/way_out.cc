@@ -19,26 +19,29 @@ constexpr double kSteep = 0.7;
 constexpr int kMostTurns = 3;
 constexpr double kShorter = 1e-6;
 // How exactly the way out of one prism is found [share of it, and scene's size], and for a rough
-// way: as exactly as it ends apart.
-constexpr double kLengthShare = 1e-6, kLengthGap = 1e-9, kRoughGap = 1.1e-4;
+// way: a longer one leads only to contacts that are measured from a little farther above the
+// ground, and a tenth takes a third less than a millionth; the length is as exact as it ends apart.
+constexpr double kLengthShare = 1e-6, kLengthGap = 1e-9;
+constexpr double kRoughShare = 0.1, kRoughGap = 1.1e-4;
+// A rough way that is longer than this by planes alone is taken as so long [scene's size].
+constexpr double kRoughFar = 0.2;
 constexpr int kMostPlanes = 30;
 // Where the search for that begins beyond the last touch, so that there is a normal [scene's size].
 constexpr double kAside = 1e-4;
-// A way that leads into other prisms so often is followed no farther.
-constexpr int kMostRounds = 8;
 // A plane whose normal is nearly across a way bounds its length by nothing useful.
 constexpr double kGrazing = 0.05;
 
 // How far the geom must move along u to leave one prism, which is no farther than `exit`. Each
 // plane that parts the two at the present end of the way tells how far the way would have to go to
 // reach it: less far.
-Way LeaveOne(const OnTerrain& on, const Prism& prism, const Vector3d& u, double exit, double gap) {
+Way LeaveOne(const OnTerrain& on, const Prism& prism, const Vector3d& u, double exit,
+             const WayOut::Accuracy& accuracy) {
   Way way{u, exit, u};
   double at = exit + kAside * on.size();
-  const GjkAccuracy accuracy{.share = 0.1 * kLengthShare, .last = 1.0};
+  const GjkAccuracy of_distance{.share = 0.1 * accuracy.share, .last = 1.0};
   GjkNearest found;
   for (int plane = 0; plane < kMostPlanes; ++plane) {
-    if (on.Ask(prism, at * u, kInfinity, accuracy, found) != GjkEnding::kApart) break;
+    if (on.Ask(prism, at * u, kInfinity, of_distance, found) != GjkEnding::kApart) break;
     const double along = found.n.dot(u);
     if (!(along > kLengthShare)) break;
     const double parts = prism.Farthest(found.n) - on.Support(-found.n).dot(found.n);
@@ -47,7 +50,7 @@ Way LeaveOne(const OnTerrain& on, const Prism& prism, const Vector3d& u, double 
     if (needed < way.length || plane == 0) way.n = found.n;
     way.length = std::min(way.length, needed);
     at = std::min(at, needed);
-    if (gained < kLengthShare * std::abs(way.length) + gap * on.size()) break;
+    if (gained < accuracy.share * std::abs(way.length) + accuracy.gap * on.size()) break;
   }
   return way;
 }
@@ -75,17 +78,18 @@ Way WayOut::Find(const OnTerrain& on, Effort effort, std::vector<NearPrism>& nea
     on.CollectPrisms(on.CellsNear(Vector3d::Zero(), reach), Vector3d::Zero(), reach, near);
   };
   Way best = LeaveBox(on);
-  has_last_ = false;
-  gap_ = effort == Effort::kShortest ? kLengthGap : kRoughGap;
+  accuracy_ = effort == Effort::kShortest ? Accuracy{kLengthShare, kLengthGap, kInfinity}
+                                          : Accuracy{kRoughShare, kRoughGap, kRoughFar};
   // Straight up it meets only what it overlaps, unless it comes from below.
-  if (on.core_box().min().z() < on.FieldBox().min().z()) collect(on.radius() + best.length);
-  Shorten(on, Vector3d::UnitZ(), near, best);
+  const bool from_below = on.core_box().min().z() < on.FieldBox().min().z();
+  if (from_below) collect(on.radius() + best.length);
+  Shorten(on, Vector3d::UnitZ(), from_below ? kInfinity : on.radius(), near, best);
   CollectNormals(effort, near);
   const bool shortest = effort == Effort::kShortest;
   if (shortest || !normals_.empty()) collect(best.length + on.radius());
-  for (const Vector3d& n : normals_) Shorten(on, n, near, best);
+  for (const Vector3d& n : normals_) Shorten(on, n, kInfinity, near, best);
   for (int turn = 0; shortest && turn < kMostTurns; ++turn) {
-    if (!Shorten(on, Vector3d(best.n), near, best)) break;
+    if (!Shorten(on, Vector3d(best.n), kInfinity, near, best)) break;
   }
   return best;
 }
@@ -111,61 +115,67 @@ void WayOut::CollectNormals(Effort effort, const std::vector<NearPrism>& near) {
 }
 
 // Replaces `best` by the way along the unit vector u, if that is shorter; returns whether it is.
-// `near` must be all prisms that the geom can meet on it.
-bool WayOut::Shorten(const OnTerrain& on, const Vector3d& u, std::vector<NearPrism>& near,
-                     Way& best) {
+// `near` must be all prisms that the geom can meet on it; those farther than `met` it does not.
+bool WayOut::Shorten(const OnTerrain& on, const Vector3d& u, double met,
+                     std::vector<NearPrism>& near, Way& best) {
   const double limit = best.length * (1.0 - kShorter);
-  Way way{u, 0.0, u};
-  Prism last = last_;
-  bool has_last = has_last_;
-  // Lengthens the way so that it leads out of a prism that the geom overlaps at its end.
-  const auto leave = [&](NearPrism& one) {
-    const Way out = LeaveOne(on, one.prism, u, one.exit, gap_);
-    one.exit = out.length;
-    // The plane at its end tells of the other prisms, too, how far they are left at most.
-    const double along = out.n.dot(u), nearest = on.Support(-out.n).dot(out.n) - on.radius();
-    if (along > kGrazing) {
-      for (NearPrism& other : near) {
-        const double exit = (other.prism.Farthest(out.n) - nearest) / along;
-        other.exit = std::min(other.exit, exit);
-      }
-    }
-    if (out.length <= way.length) return false;
-    way = out;
-    last = one.prism;
-    has_last = true;
-    return true;
-  };
   const double begin = on.Support(-u).dot(u) - on.radius();
-  NearPrism* deepest = nullptr;
   for (NearPrism& one : near) {
-    one.exit = one.prism.Farthest(u) - begin;
-    one.asked = false;  // here: `exit` is the better bound
-    if (!deepest || one.at_least < deepest->at_least) deepest = &one;
+    one.exit = one.at_least > met ? -kInfinity : one.prism.Farthest(u) - begin;
+    one.asked = one.passed = false;
   }
-  // What the best way leaves last is likely to be left late on this one, too.
-  if (deepest) {
-    NearPrism first = has_last_ ? NearPrism{0.0, last_} : *deepest;
-    first.exit = on.ExitBound(first.prism, u);
-    if (on.Overlap(first.prism, Vector3d::Zero())) leave(first);
-  }
-  bool longer = true;
-  for (int round = 0; longer && round < kMostRounds; ++round) {
-    longer = false;
-    for (NearPrism& one : near) {
-      if (way.length >= limit) return false;
-      if (one.exit <= way.length) continue;
-      if (!one.asked) one.exit = std::min(one.exit, on.ExitBound(one.prism, u));
-      one.asked = true;
-      if (one.exit <= way.length || !on.Overlap(one.prism, way.length * u)) continue;
-      if (leave(one)) longer = true;
+  Way way{u, 0.0, u};
+  while (NearPrism* last = LeftLast(on, u, (1.0 + accuracy_.share) * way.length, near)) {
+    if (last->exit <= (1.0 + accuracy_.share) * way.length) {
+      way.length = std::max(way.length, last->exit);
+      break;
     }
+    if (way.length >= limit) return false;
+    if (last->exit > accuracy_.far * on.size()) {
+      way.length = last->exit;
+      break;
+    }
+    LeaveIfMet(on, *last, near, way);
   }
-  if (longer || way.length >= limit) return false;
+  if (way.length >= limit) return false;
   best = way;
-  last_ = last;
-  has_last_ = has_last;
   return true;
+}
+
+// The one that seems to be left last, by all planes that are known if that is later than `enough`.
+// Null if the way leads past all of them.
+NearPrism* WayOut::LeftLast(const OnTerrain& on, const Vector3d& u, double enough,
+                            std::vector<NearPrism>& near) {
+  NearPrism* last = nullptr;
+  for (NearPrism& one : near) {
+    if (one.passed || (last && one.exit <= last->exit)) continue;
+    if (one.exit > enough && !one.asked) {
+      one.exit = std::min(one.exit, on.ExitBound(one.prism, u));
+      one.asked = true;
+    }
+    if (!last || one.exit > last->exit) last = &one;
+  }
+  return last;
+}
+
+// If the geom overlaps `one` at the end of the way, lengthens the way so that it leads out of it.
+void WayOut::LeaveIfMet(const OnTerrain& on, NearPrism& one, std::vector<NearPrism>& near,
+                        Way& way) {
+  one.passed = !on.Overlap(one.prism, way.length * way.u);
+  if (one.passed) return;
+  if (!one.asked) one.exit = std::min(one.exit, on.ExitBound(one.prism, way.u));
+  one.asked = true;
+  const Way out = LeaveOne(on, one.prism, way.u, one.exit, accuracy_);
+  one.exit = out.length;
+  if (out.length <= way.length) return;
+  way = out;
+  // The plane at its end tells of the other prisms, too, how far they are left at most.
+  const double along = out.n.dot(out.u), nearest = on.Support(-out.n).dot(out.n) - on.radius();
+  for (NearPrism& other : near) {
+    other.passed = false;
+    if (!(along > kGrazing)) continue;
+    other.exit = std::min(other.exit, (other.prism.Farthest(out.n) - nearest) / along);
+  }
 }
 
 }  // namespace mjcf_pdg

@@ -28,18 +28,25 @@ class WayOut {
  public:
   // kRough: a few contacts will be measured where the way ends. kShortest: its length counts.
   enum class Effort { kRough, kShortest };
+  // How exactly the way out of one prism is found [1, scene's size], and how long a way is not
+  // measured but bounded [scene's size].
+  struct Accuracy {
+    double share = 0.0, gap = 0.0, far = 0.0;
+  };
   // The geom should overlap the field; the length is 0 if it does not. `near` holds all prisms
   // within on.radius() of the core; what else is needed is added.
   Way Find(const OnTerrain& on, Effort effort, std::vector<NearPrism>& near);
 
  private:
   void CollectNormals(Effort effort, const std::vector<NearPrism>& near);
-  bool Shorten(const OnTerrain& on, const Vector3d& u, std::vector<NearPrism>& near, Way& best);
+  bool Shorten(const OnTerrain& on, const Vector3d& u, double met, std::vector<NearPrism>& near,
+               Way& best);
+  void LeaveIfMet(const OnTerrain& on, NearPrism& one, std::vector<NearPrism>& near, Way& way);
+  static NearPrism* LeftLast(const OnTerrain& on, const Vector3d& u, double enough,
+                             std::vector<NearPrism>& near);
 
   std::vector<Vector3d> normals_;  // of the surface that the geom overlaps, no two alike
-  Prism last_;                     // that the best way leaves last, if has_last_
-  bool has_last_ = false;
-  double gap_ = 0.0;  // how exactly the way out of one prism is found [scene's size]
+  Accuracy accuracy_;
 };
 
 }  // namespace mjcf_pdg
