@@ -214,10 +214,9 @@ TEST_P(EveryPlanner, TheSameSeedGivesTheSamePath) {
 TEST(PlanTest, ThreadsDoNotChangeThePath) {
   const Scene scene = Scene::FromFile(std::string(MJCF_PDG_MODEL_DIR) + "/bridge/bridge.xml");
   int late = 0;  // found by another run than the first
-  for (const auto& [planner, seed] :
-       {std::pair{"birrt-r", 10u}, {"birrt-r", 11u}, {"birrt-pdg", 10u}, {"birrt-pdg", 11u}}) {
+  for (const auto& [planner, seed] : {std::pair{"birrt-r", 10u}, {"birrt-pdg", 11u}}) {
     PlanOptions options = With(planner, seed);
-    options.max_samples = 500;
+    options.max_samples = 300;
     const Path path = Plan(scene, scene.KeyQpos(0), scene.KeyQpos(1), options);
     late += path.found && path.samples > 100;
     for (const int threads : {2, 3}) {
