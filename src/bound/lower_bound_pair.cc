@@ -110,28 +110,29 @@ double PairProblem::MomentArmS(double floor) const {
   return g > 0.0 ? std::max(floor, needed * needed / g) : floor;
 }
 
-// t of (2), the least in all directions within eps of n.
-double PairProblem::Overlap(const Vector3d& v, const Vector3d& n, double eps) const {
-  const double along = n.dot(v), across = (v - along * n).norm();
-  return required + std::min(along, along * std::cos(eps)) - across * std::sin(eps);
+// t of (2), the least in all directions of the cap.
+double PairProblem::Overlap(const Vector3d& v, const Cap& cap) const {
+  const double along = cap.n.dot(v), across = (v - along * cap.n).norm();
+  return required + std::min(along, along * cap.cos) - across * cap.sin;
 }
 
-double PairProblem::RootAt(const Vector3d& a, const Vector3d& b, const Vector3d& n, double eps,
+double PairProblem::RootAt(const Vector3d& a, const Vector3d& b, const Cap& cap,
                            const Wanted& wanted) const {
+  const Vector3d& n = cap.n;
   const double floor = wanted.floor;
-  const double t = Overlap(a - b, n, eps);
+  const double t = Overlap(a - b, cap);
   if (!(t > 0.0)) return floor;
   if (t >= wanted.overlap) return std::max(floor, wanted.enough);
   Matrix3d G = Matrix3d::Zero();
   for (const Mover& mover : ChainOf(0)) G += mover.T + TurnCompliance(mover, a);
   for (const Mover& mover : ChainOf(1)) G += mover.T + TurnCompliance(mover, b);
   double gamma = std::sqrt(std::max(0.0, n.dot(G * n)));
-  if (eps > 0.0) gamma += std::sin(eps) * std::sqrt(LambdaMax(G));
+  if (cap.eps > 0.0) gamma += cap.sin * std::sqrt(LambdaMax(G));
   if (t <= floor * gamma) return floor;
   // With this κ, or a smaller one, the root is as large as is asked for.
   const double enough = (t / wanted.enough - gamma) / wanted.enough;
   const double kappa =
-      std::max(Kappa(ChainOf(0), a, -n, eps, enough), Kappa(ChainOf(1), b, n, eps, enough));
+      std::max(Kappa(ChainOf(0), a, -n, cap.eps, enough), Kappa(ChainOf(1), b, n, cap.eps, enough));
   const double divisor = gamma + std::sqrt(gamma * gamma + 4.0 * kappa * t);
   if (!(divisor > 0.0)) return kInfinity;  // nothing moves it that way
   return std::max(floor, 2.0 * t / divisor);
@@ -155,17 +156,19 @@ PairProblem::Ease PairProblem::MostEase() const {
 }
 
 double PairProblem::RootFor(const Vector3d& n, double eps, const Wanted& wanted) const {
+  Cap cap{n};
+  if (eps > 0.0) cap = {n, eps, std::cos(eps), std::sin(eps)};
   Vector3d a = geom[0].Support(n), b = geom[1].Support(-n);
   auto held = [&](const Vector3d& v) {
     const double along = n.dot(v);
-    return std::cos(eps) * along - std::sin(eps) * (v - along * n).norm();
+    return cap.cos * along - cap.sin * (v - along * n).norm();
   };
   for (int step = 0; eps > 0.0 && step < 3; ++step) {
     const Vector3d v = a - b;
-    if (Overlap(v, n, eps) >= wanted.overlap) break;
+    if (Overlap(v, cap) >= wanted.overlap) break;
     const Vector3d across = v - n.dot(v) * n;
     if (across.norm() <= kAligned * v.norm()) break;
-    const Vector3d gradient = std::cos(eps) * n - std::sin(eps) * across.normalized();
+    const Vector3d gradient = cap.cos * n - cap.sin * across.normalized();
     const Vector3d a2 = geom[0].Support(gradient), b2 = geom[1].Support(-gradient);
     double best = held(v), share = 0.0;
     for (const double s : {0.15, 0.3, 0.5, 0.7, 0.85, 1.0}) {
@@ -179,19 +182,19 @@ double PairProblem::RootFor(const Vector3d& n, double eps, const Wanted& wanted)
     a += share * (a2 - a);
     b += share * (b2 - b);
   }
-  return RootAt(a, b, n, eps, wanted);
+  return RootAt(a, b, cap, wanted);
 }
 
 double PairProblem::RootIfPlane(const Vector3d& n, double depth) const {
   const Vector3d b = geom[1].Support(-n);
-  return RootAt(b + (depth - required) * n, b, n, 0.0, {});
+  return RootAt(b + (depth - required) * n, b, {n}, {});
 }
 
 double PairProblem::RootForPlane(const BudgetMeter* budget) const {
   const Vector3d n = geom[0].R.col(2);
   double best = 0.0;
   auto look_at = [&](const Vector3d& b) {
-    const double at = RootAt(b + n.dot(geom[0].center - b) * n, b, n, 0.0, {.floor = best});
+    const double at = RootAt(b + n.dot(geom[0].center - b) * n, b, {n}, {.floor = best});
     if (std::isfinite(at)) best = at;  // else there is no way out: no number is a bound
   };
   look_at(geom[1].Support(-n));
@@ -220,27 +223,54 @@ double DirectionCell::Radius(const Vector3d& n) const {
   return std::acos(least) + 1e-12;
 }
 
+namespace {
+
+// A cell with which a search begins, its middle and its radius.
+struct FirstCell {
+  DirectionCell cell;
+  Vector3d n;
+  double radius = 0.0;
+};
+
+const std::array<FirstCell, kFirstCells>& FirstCells() {
+  static const std::array<FirstCell, kFirstCells> kCells = [] {
+    std::array<FirstCell, kFirstCells> cells;
+    for (int k = 0; k < kFirstCells; ++k) {
+      FirstCell& first = cells[k];
+      first.cell = {0.0, k / 9, (k / 3 % 3 - 1) * 2.0 / 3.0, (k % 3 - 1) * 2.0 / 3.0, 1.0 / 3.0};
+      first.n = first.cell.Direction(0, 0);
+      first.radius = first.cell.Radius(first.n);
+    }
+    return cells;
+  }();
+  return kCells;
+}
+
+}  // namespace
+
 double SearchDirections(const PairProblem& pair, double floor, const BudgetMeter* budget,
                         int& cells_left, std::vector<DirectionCell>& heap) {
   heap.clear();
   double reachable = pair.hope;  // nothing above this will be proven
   const PairProblem::Ease ease = pair.MostEase();
-  auto push = [&](DirectionCell cell) {
-    const Vector3d n = cell.Direction(0, 0);
-    PairProblem::Wanted wanted{.enough = reachable,
+  auto push = [&](DirectionCell cell, const Vector3d& n, double radius) {
+    PairProblem::Wanted wanted{.floor = cell.root,
+                               .enough = reachable,
                                .overlap = PairProblem::EnoughOverlap(ease, reachable)};
-    reachable = std::min(reachable, pair.RootFor(n, 0.0, wanted));
-    wanted.floor = cell.root;
-    cell.root = pair.RootFor(n, cell.Radius(n), wanted);
+    cell.root = pair.RootFor(n, radius, wanted);
+    // What is proven all over the cell is proven in its middle, too.
+    if (cell.root < reachable) {
+      wanted.floor = 0.0;
+      reachable = std::min(reachable, pair.RootFor(n, 0.0, wanted));
+    }
     heap.push_back(cell);
     std::push_heap(heap.begin(), heap.end());
     --cells_left;
   };
-  for (int face = 0; face < 6; ++face) {
-    for (const int u : {-1, 0, 1}) {
-      if (BoundIsLate(budget)) return 0.0;
-      for (const int v : {-1, 0, 1}) push({0.0, face, u * 2.0 / 3.0, v * 2.0 / 3.0, 1.0 / 3.0});
-    }
+  for (int k = 0; k < kFirstCells; ++k) {
+    if (k % 3 == 0 && BoundIsLate(budget)) return 0.0;
+    const FirstCell& first = FirstCells()[k];
+    push(first.cell, first.n, first.radius);
   }
   while (cells_left > 0 && reachable > floor && heap.front().root < kGoodEnough * reachable) {
     if (BoundIsLate(budget)) break;
@@ -249,8 +279,10 @@ double SearchDirections(const PairProblem& pair, double floor, const BudgetMeter
     heap.pop_back();
     for (const double du : {-0.5, 0.5}) {
       for (const double dv : {-0.5, 0.5}) {
-        push({cell.root, cell.face, cell.u + du * cell.half, cell.v + dv * cell.half,
-              0.5 * cell.half});
+        const DirectionCell part{cell.root, cell.face, cell.u + du * cell.half,
+                                 cell.v + dv * cell.half, 0.5 * cell.half};
+        const Vector3d n = part.Direction(0, 0);
+        push(part, n, part.Radius(n));
       }
     }
   }

@@ -61,10 +61,14 @@ struct PairProblem {
   double RootForPlane(const BudgetMeter* budget) const;
 
  private:
-  double Overlap(const Vector3d& v, const Vector3d& n, double eps) const;
-  // √S by (2) for the points a and b and all unit vectors within eps of n.
-  double RootAt(const Vector3d& a, const Vector3d& b, const Vector3d& n, double eps,
-                const Wanted& wanted) const;
+  // The unit vectors within eps of n.
+  struct Cap {
+    Vector3d n;
+    double eps = 0.0, cos = 1.0, sin = 0.0;
+  };
+  double Overlap(const Vector3d& v, const Cap& cap) const;
+  // √S by (2) for the points a and b and all of the cap.
+  double RootAt(const Vector3d& a, const Vector3d& b, const Cap& cap, const Wanted& wanted) const;
 };
 
 // A piece of a cube's face seen from its centre, as a part of the sphere of directions.

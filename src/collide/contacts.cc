@@ -72,8 +72,9 @@ const std::vector<NearPair>& ContactFinder::Find(double margin, Depths depths) {
   for (const BodyPair& bodies : tables_.body_pairs) {
     if (!BodiesNear(bodies, margin)) continue;
     for (int pair = bodies.begin; pair < bodies.end; ++pair) {
-      if (DistanceBound(pair) > margin) continue;
       const KeptPair& kept = tables_.pairs[pair];
+      // TerrainContacts knows better than by the sphere around a whole field.
+      if (kept.kind != PairKind::kTerrain && DistanceBound(pair) > margin) continue;
       if (kept.kind == PairKind::kSdf) continue;  // FindSdfs
       if (kept.kind == PairKind::kConvex) {
         if (Distance(pair, margin, near)) near_.push_back(near);

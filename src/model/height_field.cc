@@ -44,11 +44,6 @@ CellRange HeightField::CellsUnder(const Eigen::AlignedBox2d& xy) const {
   return {row_begin, row_end, col_begin, col_end};
 }
 
-Eigen::Vector3d HeightField::Corner(int row, int col) const {
-  return {col * dx_ - half_size_and_heights_[0], row * dy_ - half_size_and_heights_[1],
-          Height(row, col)};
-}
-
 double HeightField::Highest(const CellRange& cells) const {
   float even = 0.0F, odd = 0.0F;  // two, so that one comparison need not wait for the other
   for (int row = cells.row_begin; row <= cells.row_end; ++row) {

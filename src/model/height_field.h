@@ -34,7 +34,9 @@ class HeightField {
   // The cells that the rectangle meets, its edges included.
   CellRange CellsUnder(const Eigen::AlignedBox2d& xy) const;
   // A point of the surface, a corner of cells.
-  Eigen::Vector3d Corner(int row, int col) const;
+  Eigen::Vector3d Corner(int row, int col) const { return {X(col), Y(row), Height(row, col)}; }
+  double X(int col) const { return col * dx_ - half_size_and_heights_[0]; }
+  double Y(int row) const { return row * dy_ - half_size_and_heights_[1]; }
   // z of the highest corner of these cells, of which there must be some.
   double Highest(const CellRange& cells) const;
   double base() const { return -half_size_and_heights_[3]; }  // z of the base

@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "collide/contacts.h"
+#include "collide/terrain/highest_blocks.h"
 #include "collide/terrain/on_terrain.h"
 #include "collide/terrain/way_out.h"
 #include "tests/support/brute_distance.h"
@@ -234,6 +236,62 @@ TEST_F(TerrainUnitsContractTest, FramesAreThoseOfTheFieldAndTheGeom) {
       EXPECT_TRUE((farthest.array() <= placed.on->core_box().max().array() + 1e-6).all());
     }
   }
+}
+
+// Above everything a geom has no features, however near the margin comes to it, and below the
+// margin it has them.
+TEST_F(TerrainUnitsContractTest, FeaturesBeginAtTheDistance) {
+  Random rng(7);
+  int apart = 0;
+  for (int trial = 0; trial < 240; ++trial) {
+    const Placed placed(kTypes[trial % 6], rng);
+    ContactFinder finder(placed.scene->tables());
+    finder.Pose(placed.q);
+    NearPair nearest, other;
+    ASSERT_TRUE(finder.Distance(0, 10.0, nearest));
+    if (nearest.distance < 0.02) continue;
+    ++apart;
+    std::vector<NearPair> features;
+    finder.AppendFeatures(0, nearest.distance - 1e-4, Depths::kMeasured, features);
+    EXPECT_TRUE(features.empty());
+    EXPECT_FALSE(finder.Distance(0, nearest.distance - 1e-4, other));
+    finder.AppendFeatures(0, nearest.distance + 1e-4, Depths::kMeasured, features);
+    ASSERT_FALSE(features.empty());
+    EXPECT_NEAR(features.front().distance, nearest.distance, 1e-5);
+    EXPECT_TRUE(finder.Distance(0, nearest.distance + 1e-4, other));
+  }
+  EXPECT_GT(apart, 50);
+}
+
+TEST_F(TerrainUnitsContractTest, BlocksAreAsHighAsTheCellsBelowARectangleAndHardlyHigher) {
+  Random rng(8);
+  int none = 0, tight = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    Field field = NoisyField(2 + rng.Index(14), 2 + rng.Index(14), 0.5, 0.4, 0.25, rng);
+    const ModelPtr model =
+        LoadModel(FieldXml(field, {.size = Vector3d::Constant(0.1), .attributes = "mass='1'"}));
+    const int geom = mj_name2id(model.get(), mjOBJ_GEOM, "field");
+    const HeightField read(*model, geom);
+    const HighestBlocks blocks(*model, geom);
+    const Eigen::Vector2d middle(rng.Uniform(-0.8, 0.8), rng.Uniform(-0.7, 0.7));
+    const Eigen::Vector2d half(rng.Uniform(0.0, 0.4), rng.Uniform(0.0, 0.4));
+    const Eigen::AlignedBox2d xy(middle - half, middle + half);
+    const double highest = blocks.Above(xy);
+    const CellRange cells = read.CellsUnder(xy);
+    if (cells.empty()) {  // the last blocks reach beyond the edge
+      none += std::isinf(highest);
+      continue;
+    }
+    EXPECT_GE(highest, read.Highest(cells));
+    constexpr int kBeyond = 4;  // cells
+    const CellRange around{
+        std::max(cells.row_begin - kBeyond, 0), std::min(cells.row_end + kBeyond, field.rows - 1),
+        std::max(cells.col_begin - kBeyond, 0), std::min(cells.col_end + kBeyond, field.cols - 1)};
+    EXPECT_LE(highest, read.Highest(around));
+    tight += highest < read.Highest({0, field.rows - 1, 0, field.cols - 1});
+  }
+  EXPECT_GT(none, 20);
+  EXPECT_GT(tight, 20);
 }
 
 }  // namespace

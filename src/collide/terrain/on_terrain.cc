@@ -36,11 +36,11 @@ class CellBound {
  public:
   // `low` and `high` bound the box in the axes of the field.
   CellBound(const HeightField& field, const Vector3d& low, const Vector3d& high,
-            const Matrix3d& axes, const Vector3d& center, const Matrix3d& half_edges)
+            const Matrix3d& axes, const Vector3d& center, const Vector3d& half)
       : dx_(field.dx()), dy_(field.dy()), low_(low), high_(high) {
     for (int k = 0; k < 3; ++k) {
       up_[k] = std::copysign(1.0, axes(2, k)) * axes.col(k);
-      below_[k] = up_[k].dot(center) - half_edges.col(k).norm() - std::max(up_[k].x(), 0.0) * dx_ -
+      below_[k] = up_[k].dot(center) - half[k] - std::max(up_[k].x(), 0.0) * dx_ -
                   std::max(up_[k].y(), 0.0) * dy_;
     }
   }
@@ -49,18 +49,17 @@ class CellBound {
     beside_y_ = std::max({low_.y() - (y + dy_), y - high_.y(), 0.0});
     for (int k = 0; k < 3; ++k) below_row_[k] = below_[k] - up_[k].y() * y;
   }
-  double At(double x, double top) const {
+  // Whether the bound is no more than `reach`; then it is filled in.
+  bool Within(double x, double top, double reach, double& at_least) const {
     const double beside_x = std::max({low_.x() - (x + dx_), x - high_.x(), 0.0});
-    const double above = low_.z() - top;
-    const double outside = std::max(above, 0.0);
-    double at_least = std::min(above, 0.0);
-    if (beside_x > 0.0 || beside_y_ > 0.0 || above > 0.0) {
-      at_least = std::sqrt(beside_x * beside_x + beside_y_ * beside_y_ + outside * outside);
-    }
+    const double above = low_.z() - top, outside = std::max(above, 0.0);
+    const double squared = beside_x * beside_x + beside_y_ * beside_y_ + outside * outside;
+    if (squared > reach * reach) return false;
+    at_least = squared > 0.0 ? std::sqrt(squared) : above;
     for (int k = 0; k < 3; ++k) {
       at_least = std::max(at_least, below_row_[k] - up_[k].x() * x - up_[k].z() * top);
     }
-    return at_least;
+    return at_least <= reach;
   }
 
  private:
@@ -134,31 +133,43 @@ void OnTerrain::CollectPrisms(const CellRange& cells, const Vector3d& shift, dou
   if (cells.empty()) return;
   const Vector3d center = center_ + shift, low = core_box_.min() + shift;
   if (low.z() + origin_.z() - field_.Highest(cells) > reach) return;
-  CellBound bound(field_, low, core_box_.max() + shift, axes_, center, half_edges_);
-  const double dx = field_.dx(), dy = field_.dy();
+  CellBound bound(field_, low, core_box_.max() + shift, axes_, center, half_);
   const double base = field_.base() - origin_.z();
+  const int first_edge = core_ == Core::kSegment ? 2 : 0;  // those before have no length
   // The triangle whose normal is along (-x_slope, -y_slope, 1).
-  const auto add = [&](int row, int col, double of_cell, double x_slope, double y_slope,
-                       const Triangle& top) {
+  const auto add = [&](double of_cell, double x_slope, double y_slope, const Vector3d& a,
+                       const Vector3d& b, const Vector3d& c, int row, int col) {
     const Vector3d n(-x_slope, -y_slope, 1.0);
-    const double above = n.dot(center - top[0]) - (n.transpose() * half_edges_).cwiseAbs().sum();
-    const double at_least = std::max(of_cell, above / n.norm());
-    if (at_least <= reach) near.push_back({at_least, {top, base}, row, col});
+    double above = n.dot(center - a);
+    for (int k = first_edge; k < 3; ++k) above -= std::abs(n.dot(half_edges_.col(k)));
+    const double squared = n.squaredNorm();
+    if (above > 0.0 && above * above > reach * reach * squared) return;
+    NearPrism& added = near.emplace_back();
+    added.at_least = std::max(of_cell, above / std::sqrt(squared));
+    added.prism.top = {a, b, c};
+    added.prism.base = base;
+    added.row = row;
+    added.col = col;
   };
-  const auto corner = [&](int row, int col) { return Vector3d(field_.Corner(row, col) - origin_); };
+  const auto height = [&](int row, int col) { return field_.Height(row, col) - origin_.z(); };
+  const double per_dx = 1.0 / field_.dx(), per_dy = 1.0 / field_.dy();
   for (int row = cells.row_begin; row < cells.row_end; ++row) {
-    Vector3d p00 = corner(row, cells.col_begin), p10 = corner(row + 1, cells.col_begin);
-    bound.SetRow(p00.y());
+    const double y0 = field_.Y(row) - origin_.y(), y1 = field_.Y(row + 1) - origin_.y();
+    double x0 = field_.X(cells.col_begin) - origin_.x();
+    double z00 = height(row, cells.col_begin), z10 = height(row + 1, cells.col_begin);
+    bound.SetRow(y0);
     for (int col = cells.col_begin; col < cells.col_end; ++col) {
-      const Vector3d p01 = corner(row, col + 1), p11 = corner(row + 1, col + 1);
-      const double of_cell =
-          bound.At(p00.x(), std::max(std::max(p00.z(), p10.z()), std::max(p01.z(), p11.z())));
-      if (of_cell <= reach) {
-        add(row, col, of_cell, (p01.z() - p00.z()) / dx, (p11.z() - p01.z()) / dy, {p00, p01, p11});
-        add(row, col, of_cell, (p11.z() - p10.z()) / dx, (p10.z() - p00.z()) / dy, {p00, p11, p10});
+      const double z01 = height(row, col + 1), z11 = height(row + 1, col + 1);
+      const double x1 = field_.X(col + 1) - origin_.x();
+      double of_cell = 0.0;
+      if (bound.Within(x0, std::max(std::max(z00, z10), std::max(z01, z11)), reach, of_cell)) {
+        const Vector3d p00(x0, y0, z00), p01(x1, y0, z01), p10(x0, y1, z10), p11(x1, y1, z11);
+        add(of_cell, (z01 - z00) * per_dx, (z11 - z01) * per_dy, p00, p01, p11, row, col);
+        add(of_cell, (z11 - z10) * per_dx, (z10 - z00) * per_dy, p00, p11, p10, row, col);
       }
-      p00 = p01;
-      p10 = p11;
+      x0 = x1;
+      z00 = z01;
+      z10 = z11;
     }
   }
 }

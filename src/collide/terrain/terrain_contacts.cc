@@ -25,8 +25,34 @@ SignedGap AlongWay(const OnTerrain& on, const Way& way) {
 
 }  // namespace
 
+TerrainContacts::TerrainContacts(const SceneTables& tables) : tables_(tables) {
+  for (const KeptPair& pair : tables.pairs) {
+    if (pair.kind != PairKind::kTerrain || blocks_.count(pair.geom1)) continue;
+    blocks_.emplace(pair.geom1, HighestBlocks(tables.query_model, pair.geom1));
+  }
+}
+
+// Whether the geom is farther than `margin` above all of the field that is so near in level
+// directions. Most geoms of a robot are: three of four on bench/terrain_bench.
+bool TerrainContacts::IsAbove(const PosedModel& posed, const KeptPair& pair, double margin) const {
+  const mjModel& m = *posed.model();
+  const mjData& d = *posed.data();
+  const Matrix3d R = AsMatrix(d.geom_xmat + 9 * pair.geom1);
+  const Vector3d at = R.transpose() * (AsVector(d.geom_xpos + 3 * pair.geom2) -
+                                       AsVector(d.geom_xpos + 3 * pair.geom1));
+  const Vector3d up = AsMatrix(d.geom_xmat + 9 * pair.geom2).transpose() * R.col(2);
+  const double radius = CoreRadius(m, pair.geom2), apart = std::max(margin, 0.0);
+  const Vector3d half = (AsVector(m.geom_aabb + 6 * pair.geom2 + 3).array() - radius).cwiseMax(0.0);
+  const double lowest =
+      at.z() + up.dot(AsVector(m.geom_aabb + 6 * pair.geom2)) - up.cwiseAbs().dot(half) - radius;
+  const Eigen::Vector2d around = Eigen::Vector2d::Constant(m.geom_rbound[pair.geom2] + apart);
+  const Eigen::Vector2d level = at.head<2>();
+  return lowest - blocks_.at(pair.geom1).Above({level - around, level + around}) > apart;
+}
+
 void TerrainContacts::Features(const PosedModel& posed, int pair, double margin,
                                std::vector<SignedGap>& out) {
+  if (IsAbove(posed, tables_.pairs[pair], margin)) return;
   const OnTerrain on(tables_, posed, tables_.pairs[pair]);
   scratch_.clear();
   if (!AppendApart(on, Vector3d::Zero(), margin, Blocks::kFour)) {
@@ -42,6 +68,7 @@ void TerrainContacts::Features(const PosedModel& posed, int pair, double margin,
 }
 
 bool TerrainContacts::Distance(const PosedModel& posed, int pair, double cutoff, SignedGap& gap) {
+  if (IsAbove(posed, tables_.pairs[pair], cutoff)) return false;
   const OnTerrain on(tables_, posed, tables_.pairs[pair]);
   scratch_.clear();
   const bool apart = AppendApart(on, Vector3d::Zero(), std::max(cutoff, 0.0), Blocks::kOne);

@@ -11,9 +11,11 @@
 #define MJCF_PDG_SRC_COLLIDE_TERRAIN_TERRAIN_CONTACTS_H_
 
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "base/signed_gap.h"
+#include "collide/terrain/highest_blocks.h"
 #include "collide/terrain/way_out.h"
 
 namespace mjcf_pdg {
@@ -22,7 +24,7 @@ namespace mjcf_pdg {
 class TerrainContacts {
  public:
   // `tables` must outlive this object.
-  explicit TerrainContacts(const SceneTables& tables) : tables_(tables) {}
+  explicit TerrainContacts(const SceneTables& tables);
 
   // Appends the features of SceneTables::pairs[pair], whose geom 1 is a height field, that are
   // nearer than `margin` [m], in the world frame W, the deepest or nearest first.
@@ -36,6 +38,7 @@ class TerrainContacts {
   std::int64_t distances() const { return distances_; }
 
  private:
+  bool IsAbove(const PosedModel& posed, const KeptPair& pair, double margin) const;
   enum class Blocks { kOne, kFour };  // kFour: two along each side
   bool AppendApart(const OnTerrain& on, const Vector3d& shift, double margin, Blocks blocks);
   bool AppendBlock(const OnTerrain& on, const Vector3d& shift, double margin, double reach,
@@ -44,6 +47,7 @@ class TerrainContacts {
   static SignedGap ToWorld(const OnTerrain& on, const SignedGap& gap);
 
   const SceneTables& tables_;
+  std::map<int, HighestBlocks> blocks_;  // of the height fields, by geom
   WayOut way_out_;
   std::vector<NearPrism> near_;
   std::vector<NearPrism*> block_;    // those of near_ in one block that may be nearest
