@@ -68,7 +68,7 @@ double PrintBoxes(int count, double alone) {
   Solver solver(scene);
   std::vector<double> first, later, queries, ratio;
   int solved = 0, bystanders = 0;
-  constexpr int kPairs = 9, kRepeats = 4;
+  const int kPairs = 9, kRepeats = getenv("REP") ? atoi(getenv("REP")) : 4;
   for (int k = 0; k < kPairs; ++k) {
     const int moved = count == 2 ? 1 : 1 + 2 * (k * (count - 1) / (2 * kPairs));
     const std::vector<double> q = Grid(count, moved);

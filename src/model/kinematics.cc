@@ -123,28 +123,34 @@ void Unwind(const SceneTables& tables, const VectorXd& q_in, VectorXd& q) {
 PosedModel::PosedModel(const mjModel* model, const std::vector<char>& moving_trees)
     : model_(model), data_(mj_makeData(model)), of_island_(!moving_trees.empty()) {
   if (!data_) throw Error("MuJoCo could not allocate its data for this model");
-  if (of_island_) LetOthersSleep(moving_trees);
+  if (of_island_) LetOthersStay(moving_trees);
 }
 
 // MuJoCo poses only what is awake (mjENBL_SLEEP, which Pose sets). It keeps lists of that, which
-// its simulation updates; here they are written once.
-void PosedModel::LetOthersSleep(const std::vector<char>& moving_trees) {
+// its simulation updates; here they are written once. What stays counts as static, which spares
+// MuJoCo the look at its joints, and bodies that carry the island are listed for their subtree_com.
+// ntree_awake must stay as it is: if some trees are asleep, a pose of the whole model wakes them and
+// writes the lists anew.
+void PosedModel::LetOthersStay(const std::vector<char>& moving_trees) {
+  const mjModel& m = *model_;
   mjData& d = *data_;
-  d.ntree_awake = d.nbody_awake = d.nparent_awake = d.nv_awake = 0;
-  for (int tree = 0; tree < model_->ntree; ++tree) {
-    d.tree_awake[tree] = moving_trees[tree];
-    d.ntree_awake += moving_trees[tree];
+  std::vector<char> listed(m.nbody, 0);
+  for (int body = m.nbody - 1; body > 0; --body) {
+    const int tree = m.body_treeid[body];
+    const bool moves = tree >= 0 && moving_trees[tree];
+    d.body_awake[body] = moves ? mjS_AWAKE : mjS_STATIC;
+    listed[body] |= moves;
+    listed[m.body_parentid[body]] |= listed[body];
   }
-  for (int body = 0; body < model_->nbody; ++body) {
-    const int tree = model_->body_treeid[body];
-    const bool awake = tree >= 0 && moving_trees[tree];
-    d.body_awake[body] = tree < 0 ? mjS_STATIC : awake ? mjS_AWAKE : mjS_ASLEEP;
-    if (!awake) continue;
-    d.body_awake_ind[d.nbody_awake++] = body;
-    d.parent_awake_ind[d.nparent_awake++] = body;
+  d.body_awake[0] = mjS_STATIC;
+  d.nbody_awake = d.nv_awake = 0;
+  for (int body = 0; body < m.nbody; ++body) {
+    if (listed[body]) d.body_awake_ind[d.nbody_awake++] = body;
   }
-  for (int dof = 0; dof < model_->nv; ++dof) {
-    if (moving_trees[model_->dof_treeid[dof]]) d.dof_awake_ind[d.nv_awake++] = dof;
+  d.nparent_awake = d.nbody_awake;
+  std::copy_n(d.body_awake_ind, d.nbody_awake, d.parent_awake_ind);
+  for (int dof = 0; dof < m.nv; ++dof) {
+    if (moving_trees[m.dof_treeid[dof]]) d.dof_awake_ind[d.nv_awake++] = dof;
   }
 }
 

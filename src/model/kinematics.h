@@ -94,7 +94,7 @@ class PosedModel {
   struct Deleter {
     void operator()(mjData* d) const { mj_deleteData(d); }
   };
-  void LetOthersSleep(const std::vector<char>& moving_trees);
+  void LetOthersStay(const std::vector<char>& moving_trees);
 
   const mjModel* model_;
   std::unique_ptr<mjData, Deleter> data_;
