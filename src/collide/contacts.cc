@@ -45,10 +45,11 @@ NearPair ToNearPair(int pair, const SignedGap& gap, const KeptPair& kept) {
 
 }  // namespace
 
-ContactFinder::ContactFinder(const SceneTables& tables, double clearance)
+ContactFinder::ContactFinder(const SceneTables& tables, double clearance,
+                             std::shared_ptr<mjData> data)
     : tables_(tables),
       model_(tables.query_model),
-      posed_(&model_, tables.moving_trees),
+      posed_(&model_, tables.moving_trees, std::move(data)),
       exact_(tables, clearance),
       terrain_(std::make_unique<TerrainContacts>(tables)),
       sdf_(std::make_unique<SdfContacts>(tables)),

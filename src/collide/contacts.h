@@ -49,7 +49,9 @@ class ContactFinder {
  public:
   // `tables` must outlive this object. `clearance` is the distance that pairs shall keep [m];
   // whether it is 0 decides how exactly ExactContacts looks for the nearest triangles.
-  explicit ContactFinder(const SceneTables& tables, double clearance = 0.0);
+  // `data`: to be posed in turn with another finder of the same model (PosedModel::shared_data).
+  explicit ContactFinder(const SceneTables& tables, double clearance = 0.0,
+                         std::shared_ptr<mjData> data = nullptr);
   ~ContactFinder();
 
   void SetMocap(const MocapPoses& poses) { posed_.SetMocap(poses); }

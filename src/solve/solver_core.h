@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -68,6 +69,7 @@ struct SolverCore {
   VectorXd at_rest_;          // per kept pair, see DistancesAtRest
   VectorXd q_hint_;           // the hint with what is frozen as in q_in
   std::vector<double> q_;     // the answer
+  std::optional<double> sigma_;  // of the answer, if it is known [m²]
   std::vector<double> left_;  // the answer without what need not have moved
   Component start_ = Component::kNone;
   Outcome* outcome_ = nullptr;  // null: nothing was searched

@@ -87,7 +87,6 @@ Item& Next(std::vector<Item>& items, int& used) {
 
 }  // namespace
 
-// Rooms for the largest of everything, so that no later call needs more.
 StartSelection::StartSelection(Workspace& work) : problem_(work.problem()), work_(work) {
   const SceneTables& tables = problem_.tables;
   int slides = 0;
@@ -99,12 +98,7 @@ StartSelection::StartSelection(Workspace& work) : problem_(work.problem()), work
       ++slides;
     }
   }
-  const VectorXd q(tables.model->nq);
-  translations_.assign(1 + 2 * slides, q);
-  found_.assign(translations_.size(), {q});
-  rays_.assign(translations_.size(), VectorXd(tables.n));
-  open_.reserve(translations_.size());
-  trial_ = q;
+  open_.reserve(1 + 2 * slides);
   for (VectorXd* per_dof : {&dq_, &hopped_, &scaled_, &steps_}) per_dof->resize(tables.n);
   r_.resize(work.norm.rows());
   J_.resize(work.norm.rows(), tables.n);
