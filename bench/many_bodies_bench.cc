@@ -22,7 +22,7 @@ namespace mjcf_pdg::bench {
 namespace {
 
 constexpr double kHalf = 0.05, kApart = 0.2, kDepth = 0.01;  // of the boxes [m]
-constexpr double kShift = 0.003;  // of all, from solve to solve [m]
+constexpr double kShift = 0.003;                             // of all, from solve to solve [m]
 
 std::string Body(const std::string& geom) {
   return "<body><freejoint/><geom " + geom + "/></body>";
@@ -42,7 +42,8 @@ std::vector<double> Grid(int count, int moved, double begin = 0.0) {
   for (int k = 0; k < count; ++k) {
     const int cell = k == moved ? k - 1 : k;
     const double shift = k == moved ? 2.0 * kHalf - kDepth : 0.0;
-    q.insert(q.end(), {begin + kApart * (cell % side) + shift, kApart * (cell / side), kHalf, 1, 0, 0, 0});
+    q.insert(q.end(),
+             {begin + kApart * (cell % side) + shift, kApart * (cell / side), kHalf, 1, 0, 0, 0});
   }
   return q;
 }
@@ -70,7 +71,7 @@ double PrintBoxes(int count, double alone) {
   Solver solver(scene);
   std::vector<double> first, later, queries, ratio;
   int solved = 0, bystanders = 0;
-  const int kPairs = 9, kRepeats = getenv("REP") ? atoi(getenv("REP")) : 4;
+  constexpr int kPairs = 9, kRepeats = 4;
   for (int k = 0; k < kPairs; ++k) {
     const int moved = count == 2 ? 1 : 1 + 2 * (k * (count - 1) / (2 * kPairs));
     for (int repeat = 0; repeat < kRepeats; ++repeat) {

@@ -1,5 +1,5 @@
-// The first broad phase of ContactFinder: which bodies may be near each other, by the spheres around
-// their geoms.
+// The first broad phase of ContactFinder: which bodies may be near each other, by the spheres
+// around their geoms.
 //
 // Of many pairs a list is kept of those that are near, with some distance to spare, and searched
 // instead of all until a body has moved too far for that. It is made by a sweep over the spheres

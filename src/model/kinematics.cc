@@ -143,8 +143,8 @@ PosedModel::PosedModel(const mjModel* model, const std::vector<char>& moving_tre
 
 // MuJoCo poses only what is awake (mjENBL_SLEEP, which Pose sets), by lists of that, which its
 // simulation updates. What stays counts as static, which spares MuJoCo the look at its joints; the
-// bodies that carry the island are listed for their subtree_com. ntree_awake stays as it is: if some
-// trees are asleep, a pose of the whole model wakes them and writes the lists anew.
+// bodies that carry the island are listed for their subtree_com. ntree_awake stays as it is: if
+// some trees are asleep, a pose of the whole model wakes them and writes the lists anew.
 void PosedModel::LetOthersStay() {
   mjData& d = *data_;
   std::fill_n(d.body_awake, model_->nbody, static_cast<int>(mjS_STATIC));

@@ -53,9 +53,7 @@ struct NormEvaluator::Piece {
 };
 
 NormEvaluator::NormEvaluator(const SceneTables& tables, Metric metric)
-    : tables_(tables),
-      metric_(metric),
-      all_moving_(Moving(tables.body_moves)) {
+    : tables_(tables), metric_(metric), all_moving_(Moving(tables.body_moves)) {
   for (const int body : all_moving_) total_mass_ += tables.model->body_mass[body];
   total_mass_ += tables.outside_mass;
   scale_ = 1.0 / std::sqrt(total_mass_);
@@ -177,8 +175,7 @@ NormTerm NormEvaluator::JointTerm(const mjData& d, int joint_index,
 }
 
 // The term of bodies that the pose of `body` carries as one rigid piece (Eq. 1).
-NormTerm NormEvaluator::PoseTerm(const mjData& d, int body,
-                                 const std::vector<int>& bodies) const {
+NormTerm NormEvaluator::PoseTerm(const mjData& d, int body, const std::vector<int>& bodies) const {
   const Piece piece = RigidPiece(d, bodies);
   NormTerm term;
   term.kind = Kind::kBodyPose;

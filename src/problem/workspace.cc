@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include "base/tuning.h"
@@ -19,9 +18,9 @@ Tolerances::Tolerances(double tolerance, double scene_size)
       mesh_gap(tune::kMeshGap * scene_size) {}
 
 Workspace::Workspace(const SceneTables& tables, const Options& options,
-                     std::shared_ptr<mjData> data)
+                     const std::shared_ptr<mjData>& data)
     : norm(tables, options.metric),
-      finder(tables, std::max(options.clearance, tables.largest_kept), std::move(data)),
+      finder(tables, std::max(options.clearance, tables.largest_kept), data),
       equality(tables),
       problem_{.tables = tables,
                .options = options,
@@ -33,7 +32,7 @@ Workspace::Workspace(const SceneTables& tables, const Options& options,
   farthest_ = usual_.size() > 0 ? std::max(problem_.clearance, usual_.maxCoeff()) : 0.0;
   overlaps_.reserve(tables.pairs.size());
   const Eigen::Map<const VectorXd> qpos0(tables.model->qpos0, tables.model->nq);
-  finder.Pose(qpos0);
+  if (!data) finder.Pose(qpos0);
   norm.SetReference(qpos0, {}, finder.posed());
 }
 

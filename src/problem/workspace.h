@@ -18,12 +18,13 @@ namespace mjcf_pdg {
 // One per thread. Neither copyable nor movable: stages keep references into it.
 class Workspace {
  public:
-  // Keeps references to both arguments. Until Begin the norm's reference is qpos0, so that stages
-  // can size their memory. Throws Error for unknown names in options.without.
+  // Keeps references to both arguments. Until Begin the norm's reference is qpos0, or what `data`
+  // is posed at, so that stages can size their memory. Throws Error for unknown names in
+  // options.without.
   // `data`: to be posed in turn with another workspace of the same model
   // (PosedModel::shared_data); Begin takes it over.
   Workspace(const SceneTables& tables, const Options& options,
-            std::shared_ptr<mjData> data = nullptr);
+            const std::shared_ptr<mjData>& data = nullptr);
   Workspace(const Workspace&) = delete;
   Workspace& operator=(const Workspace&) = delete;
 
@@ -32,8 +33,8 @@ class Workspace {
   // distance that it may keep, infinite for a pair that may not overlap at all [m]; null: none may.
   void Begin(const Eigen::Ref<const VectorXd>& q_in, const MocapPoses& mocap = {},
              const VectorXd* rest = nullptr);
-  // The same but for the norm's reference, which looks at every body, and which ReferNorm sets if it
-  // is not set yet.
+  // The same but for the norm's reference, which looks at every body, and which ReferNorm sets if
+  // it is not set yet.
   void BeginWithoutNorm(const Eigen::Ref<const VectorXd>& q_in, const MocapPoses& mocap = {},
                         const VectorXd* rest = nullptr);
   void ReferNorm();
@@ -70,10 +71,10 @@ class Workspace {
   VectorXd RequiredDistances() const;
 
   Problem problem_;
-  VectorXd usual_;         // Problem::required where nothing rests
-  double farthest_ = 0.0;  // the largest of them: what may overlap is no farther apart [m]
+  VectorXd usual_;           // Problem::required where nothing rests
+  double farthest_ = 0.0;    // the largest of them: what may overlap is no farther apart [m]
   bool norm_refers_ = true;  // to q_in
-  bool rested_ = false;    // something may rest in the present problem
+  bool rested_ = false;      // something may rest in the present problem
   std::vector<NearPair> overlaps_;
 };
 
