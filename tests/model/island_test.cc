@@ -112,10 +112,13 @@ TEST_F(IslandTest, LeavesOtherTreesUnposed) {
       part.PoseAllNext();
       part.Pose(RandomConfiguration(scene_, rng_));
       const mjModel& m = *scene_.model();
-      const std::vector<double> before(part.data()->xpos, part.data()->xpos + 3 * m.nbody);
+      const mjData& d = *part.data();
+      const std::vector<double> before(d.xpos, d.xpos + 3 * m.nbody);
+      const std::vector<double> turned(d.xmat, d.xmat + 9 * m.nbody);
       part.Pose(RandomConfiguration(scene_, rng_));  // of all trees
       for (int body = 1; body < m.nbody; ++body) {
-        const bool same = AsVector(part.data()->xpos + 3 * body) == AsVector(&before[3 * body]);
+        const bool same = AsVector(d.xpos + 3 * body) == AsVector(&before[3 * body]) &&
+                          AsMatrix(d.xmat + 9 * body) == AsMatrix(&turned[9 * body]);
         EXPECT_EQ(same, !island.tables.body_moves[body]);
         left += same;
       }
