@@ -8,7 +8,7 @@
 namespace mjcf_pdg {
 namespace {
 
-// So few pairs of bodies are all looked at: that takes half a microsecond.
+// So few pairs of bodies are all looked at: robots have no more, and take as long as before.
 constexpr std::size_t kFew = 256;
 // A sweep is made where there are so many pairs of a body; an island of a few trees has two to
 // four.
