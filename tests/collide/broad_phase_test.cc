@@ -53,8 +53,8 @@ class BroadPhaseTest : public MujocoTest {
       // Mostly small steps, by which lists last a while; sometimes all begins anew.
       Move(tables, k % 40 == 20 ? 0.0 : k % 3 == 0 ? 0.05 : 0.002, q);
       const double margin = k % 5 == 0 ? 0.1 : 1e-6;
-      const bool all = k % 51 == 0 || tables.moving_trees.empty();
-      if (k % 51 == 0) {
+      const bool all = k % 52 == 0 || tables.moving_trees.empty();
+      if (k % 52 == 0) {
         const VectorXd before = q;  // what does not move with the island may stand elsewhere
         Move(scene.tables(), 0.2, q);
         if (!tables.moving_trees.empty()) SetMovable(tables, before, q);
