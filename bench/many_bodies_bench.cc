@@ -22,6 +22,7 @@ namespace mjcf_pdg::bench {
 namespace {
 
 constexpr double kHalf = 0.05, kApart = 0.2, kDepth = 0.01;  // of the boxes [m]
+constexpr double kShift = 0.003;                             // of all, from solve to solve [m]
 
 std::string Body(const std::string& geom) {
   return "<body><freejoint/><geom " + geom + "/></body>";
@@ -33,14 +34,16 @@ Scene Boxes(int count) {
   return Scene::FromString(xml + "</worldbody></mujoco>");
 }
 
-// Boxes in a square grid; box `moved` stands kDepth deep in the one before it.
-std::vector<double> Grid(int count, int moved) {
+// Boxes in a square grid that begins at x = `begin`; box `moved` stands kDepth deep in the one
+// before it.
+std::vector<double> Grid(int count, int moved, double begin = 0.0) {
   const int side = static_cast<int>(std::ceil(std::sqrt(count)));
   std::vector<double> q;
   for (int k = 0; k < count; ++k) {
     const int cell = k == moved ? k - 1 : k;
     const double shift = k == moved ? 2.0 * kHalf - kDepth : 0.0;
-    q.insert(q.end(), {kApart * (cell % side) + shift, kApart * (cell / side), kHalf, 1, 0, 0, 0});
+    q.insert(q.end(),
+             {begin + kApart * (cell % side) + shift, kApart * (cell / side), kHalf, 1, 0, 0, 0});
   }
   return q;
 }
@@ -71,8 +74,8 @@ double PrintBoxes(int count, double alone) {
   constexpr int kPairs = 9, kRepeats = 4;
   for (int k = 0; k < kPairs; ++k) {
     const int moved = count == 2 ? 1 : 1 + 2 * (k * (count - 1) / (2 * kPairs));
-    const std::vector<double> q = Grid(count, moved);
     for (int repeat = 0; repeat < kRepeats; ++repeat) {
+      const std::vector<double> q = Grid(count, moved, kShift * repeat);
       const double begin = CpuSeconds();
       const Result result = solver.Solve(q);
       (repeat == 0 ? first : later).push_back(CpuSeconds() - begin);

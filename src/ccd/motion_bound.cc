@@ -31,10 +31,12 @@ MotionBound::MotionBound(const SceneTables& tables)
     }
     motions_of_body_[body].end = static_cast<int>(motions_.size());
   }
+  chain_.reserve(tables.body_pairs.size());
+  std::vector<int> descent;
   for (const BodyPair& bodies : tables.body_pairs) {
     Range range{static_cast<int>(chains_.size()), 0};
     int up = bodies.body1, down = bodies.body2;
-    std::vector<int> descent;
+    descent.clear();
     while (up != down) {  // parents have smaller ids
       if (up > down) {
         AppendMotions(up, 1.0, true);

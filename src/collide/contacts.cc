@@ -45,19 +45,17 @@ NearPair ToNearPair(int pair, const SignedGap& gap, const KeptPair& kept) {
 
 }  // namespace
 
-ContactFinder::ContactFinder(const SceneTables& tables, double clearance)
+ContactFinder::ContactFinder(const SceneTables& tables, double clearance,
+                             std::shared_ptr<mjData> data)
     : tables_(tables),
       model_(tables.query_model),
-      posed_(&model_, tables.moving_trees),
+      posed_(&model_, tables.moving_trees, std::move(data)),
       exact_(tables, clearance),
       terrain_(std::make_unique<TerrainContacts>(tables)),
       sdf_(std::make_unique<SdfContacts>(tables)),
       convex_(tables),
-      centers_W_(tables.body_spheres.size()) {
+      broad_phase_(tables) {
   near_.reserve(tables.pairs.size());
-  for (int b = 0; b < model_.nbody; ++b) {
-    if (tables.body_moves[b]) moving_bodies_.push_back(b);
-  }
 }
 
 ContactFinder::~ContactFinder() = default;
@@ -67,10 +65,9 @@ std::int64_t ContactFinder::distances() const { return distances_ + terrain_->di
 const std::vector<NearPair>& ContactFinder::Find(double margin, Depths depths) {
   ++queries_;
   near_.clear();
-  MoveCenters();
   NearPair near;
-  for (const BodyPair& bodies : tables_.body_pairs) {
-    if (!BodiesNear(bodies, margin)) continue;
+  for (const int k : broad_phase_.Near(posed_, margin, all_moved_)) {
+    const BodyPair& bodies = tables_.body_pairs[k];
     for (int pair = bodies.begin; pair < bodies.end; ++pair) {
       const KeptPair& kept = tables_.pairs[pair];
       // TerrainContacts knows better than by the sphere around a whole field.
@@ -83,6 +80,7 @@ const std::vector<NearPair>& ContactFinder::Find(double margin, Depths depths) {
       }
     }
   }
+  all_moved_ = false;
   if (tables_.has_sdf_pairs) FindSdfs(margin);
   return near_;
 }
@@ -102,26 +100,6 @@ void ContactFinder::AppendFeatures(int pair, double margin, Depths depths,
     }
   }
   for (const SignedGap& gap : features_) out.push_back(ToNearPair(pair, gap, kept));
-}
-
-void ContactFinder::MoveCenters() {
-  const mjData& d = *posed_.data();
-  const auto move = [this, &d](int b) {
-    centers_W_[b] =
-        AsVector(d.xpos + 3 * b) + AsMatrix(d.xmat + 9 * b) * tables_.body_spheres[b].center_B;
-  };
-  if (all_centers_moved_) {
-    for (int b = 0; b < model_.nbody; ++b) move(b);
-  } else {
-    std::for_each(moving_bodies_.begin(), moving_bodies_.end(), move);
-  }
-  all_centers_moved_ = false;
-}
-
-bool ContactFinder::BodiesNear(const BodyPair& bodies, double margin) const {
-  const double reach = tables_.body_spheres[bodies.body1].radius +
-                       tables_.body_spheres[bodies.body2].radius + margin;
-  return (centers_W_[bodies.body1] - centers_W_[bodies.body2]).squaredNorm() <= reach * reach;
 }
 
 double ContactFinder::DistanceBound(int pair) const {

@@ -17,6 +17,7 @@
 #include <memory>
 #include <vector>
 
+#include "collide/broad_phase.h"
 #include "collide/convex/convex_distance.h"
 #include "collide/exact/exact_contacts.h"
 #include "model/kinematics.h"
@@ -48,13 +49,15 @@ class ContactFinder {
  public:
   // `tables` must outlive this object. `clearance` is the distance that pairs shall keep [m];
   // whether it is 0 decides how exactly ExactContacts looks for the nearest triangles.
-  explicit ContactFinder(const SceneTables& tables, double clearance = 0.0);
+  // `data`: to be posed in turn with another finder of the same model (PosedModel::shared_data).
+  explicit ContactFinder(const SceneTables& tables, double clearance = 0.0,
+                         std::shared_ptr<mjData> data = nullptr);
   ~ContactFinder();
 
   void SetMocap(const MocapPoses& poses) { posed_.SetMocap(poses); }
   // Poses the model at q (nq entries). The queries below refer to this configuration.
   void Pose(const Eigen::Ref<const VectorXd>& q) {
-    all_centers_moved_ |= posed_.PosesAll() || tables_.moving_trees.empty();
+    all_moved_ |= posed_.PosesAll() || tables_.moving_trees.empty();
     posed_.Pose(q);
   }
   const PosedModel& posed() const { return posed_; }
@@ -103,9 +106,6 @@ class ContactFinder {
   // Appends to near_ what is near of pairs with an SDF; the second of one, by its functions.
   void FindSdfs(double margin);
   void AppendSdfFeatures(int pair, double margin);
-  // First broad phase: false if the bodies' bounding spheres prove a distance above `margin` [m].
-  bool BodiesNear(const BodyPair& bodies, double margin) const;
-  void MoveCenters();
   bool BoxesNear(int geom1, int geom2, double margin) const;
 
   const SceneTables& tables_;
@@ -117,9 +117,8 @@ class ContactFinder {
   ConvexDistance convex_;
   std::vector<SignedGap> features_;
   std::vector<NearPair> near_;
-  std::vector<Vector3d> centers_W_;  // of SceneTables::body_spheres, at the posed configuration
-  std::vector<int> moving_bodies_;   // that Pose moves in an island (model/island.h)
-  bool all_centers_moved_ = true;    // since the last MoveCenters
+  BroadPhase broad_phase_;
+  bool all_moved_ = true;  // more than an island was posed since the last Find
   std::int64_t queries_ = 0, distances_ = 0;
 };
 

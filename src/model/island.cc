@@ -50,6 +50,21 @@ std::vector<int> BodiesOfEquality(const mjModel& m, int equality) {
   return bodies;
 }
 
+// Sorts numbers of which each run that ends at one of `ends` is sorted already.
+void SortRuns(std::vector<std::ptrdiff_t> ends, std::vector<int>& numbers) {
+  while (ends.size() > 1) {
+    std::vector<std::ptrdiff_t> merged;
+    std::ptrdiff_t begin = 0;
+    for (std::size_t k = 1; k < ends.size(); k += 2) {
+      std::inplace_merge(numbers.begin() + begin, numbers.begin() + ends[k - 1],
+                         numbers.begin() + ends[k]);
+      merged.push_back(begin = ends[k]);
+    }
+    if (ends.size() % 2 == 1) merged.push_back(ends.back());
+    ends.swap(merged);
+  }
+}
+
 }  // namespace
 
 MovableTrees::MovableTrees(const SceneTables& scene)
@@ -155,12 +170,19 @@ void Island::FillJoints(const SceneTables& scene, const MovableTrees& all) {
 
 void Island::FillPairs(const SceneTables& scene, const MovableTrees& all) {
   std::vector<int> body_pairs;
+  std::vector<std::ptrdiff_t> ends;
+  std::size_t pairs = 0;
   for (const int tree : trees) {
     const std::vector<int>& of_tree = all.BodyPairsOf(tree);
     body_pairs.insert(body_pairs.end(), of_tree.begin(), of_tree.end());
+    ends.push_back(static_cast<std::ptrdiff_t>(body_pairs.size()));
   }
-  std::sort(body_pairs.begin(), body_pairs.end());
+  SortRuns(std::move(ends), body_pairs);
   body_pairs.erase(std::unique(body_pairs.begin(), body_pairs.end()), body_pairs.end());
+  for (const int k : body_pairs) pairs += scene.body_pairs[k].end - scene.body_pairs[k].begin;
+  tables.body_pairs.reserve(body_pairs.size());
+  tables.pairs.reserve(pairs);
+  scene_pairs.reserve(pairs);
   for (const int k : body_pairs) {
     BodyPair bodies = scene.body_pairs[k];
     const bool both = Has(all.OfBody(bodies.body1)) && Has(all.OfBody(bodies.body2));

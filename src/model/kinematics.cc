@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "mjcf_pdg/types.h"
 
@@ -120,32 +121,37 @@ void Unwind(const SceneTables& tables, const VectorXd& q_in, VectorXd& q) {
   }
 }
 
-PosedModel::PosedModel(const mjModel* model, const std::vector<char>& moving_trees)
-    : model_(model), data_(mj_makeData(model)), of_island_(!moving_trees.empty()) {
+PosedModel::PosedModel(const mjModel* model, const std::vector<char>& moving_trees,
+                       std::shared_ptr<mjData> data)
+    : model_(model), data_(std::move(data)), of_island_(!moving_trees.empty()) {
+  if (!data_) data_ = {mj_makeData(model), mj_deleteData};
   if (!data_) throw Error("MuJoCo could not allocate its data for this model");
-  if (of_island_) LetOthersSleep(moving_trees);
+  if (!of_island_) return;
+  std::vector<char> listed(model->nbody, 0);
+  for (int body = model->nbody - 1; body > 0; --body) {
+    const int tree = model->body_treeid[body];
+    if (tree >= 0 && moving_trees[tree]) {
+      moving_.push_back(body);
+      listed[body] = 1;
+    }
+    listed[model->body_parentid[body]] |= listed[body];
+  }
+  for (int body = 0; body < model->nbody; ++body) {
+    if (listed[body]) listed_.push_back(body);
+  }
 }
 
-// MuJoCo poses only what is awake (mjENBL_SLEEP, which Pose sets). It keeps lists of that, which
-// its simulation updates; here they are written once.
-void PosedModel::LetOthersSleep(const std::vector<char>& moving_trees) {
+// MuJoCo poses only what is awake (mjENBL_SLEEP, which Pose sets), by lists of that, which its
+// simulation updates. What stays counts as static, which spares MuJoCo the look at its joints; the
+// bodies that carry the island are listed for their subtree_com. ntree_awake stays as it is: if
+// some trees are asleep, a pose of the whole model wakes them and writes the lists anew.
+void PosedModel::LetOthersStay() {
   mjData& d = *data_;
-  d.ntree_awake = d.nbody_awake = d.nparent_awake = d.nv_awake = 0;
-  for (int tree = 0; tree < model_->ntree; ++tree) {
-    d.tree_awake[tree] = moving_trees[tree];
-    d.ntree_awake += moving_trees[tree];
-  }
-  for (int body = 0; body < model_->nbody; ++body) {
-    const int tree = model_->body_treeid[body];
-    const bool awake = tree >= 0 && moving_trees[tree];
-    d.body_awake[body] = tree < 0 ? mjS_STATIC : awake ? mjS_AWAKE : mjS_ASLEEP;
-    if (!awake) continue;
-    d.body_awake_ind[d.nbody_awake++] = body;
-    d.parent_awake_ind[d.nparent_awake++] = body;
-  }
-  for (int dof = 0; dof < model_->nv; ++dof) {
-    if (moving_trees[model_->dof_treeid[dof]]) d.dof_awake_ind[d.nv_awake++] = dof;
-  }
+  std::fill_n(d.body_awake, model_->nbody, static_cast<int>(mjS_STATIC));
+  for (const int body : moving_) d.body_awake[body] = mjS_AWAKE;
+  d.nbody_awake = d.nparent_awake = static_cast<int>(listed_.size());
+  std::copy(listed_.begin(), listed_.end(), d.body_awake_ind);
+  std::copy(listed_.begin(), listed_.end(), d.parent_awake_ind);
 }
 
 void PosedModel::SetMocap(const MocapPoses& poses) {
@@ -174,6 +180,7 @@ void PosedModel::Pose(const Eigen::Ref<const VectorXd>& q) {
   if (!poses_all_) model.opt.enableflags |= mjENBL_SLEEP;
   mj_kinematics(&model, data_.get());
   mj_comPos(&model, data_.get());
+  if (poses_all_) LetOthersStay();
   poses_all_ = false;
 }
 

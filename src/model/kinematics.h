@@ -71,8 +71,10 @@ struct MocapPoses {
 class PosedModel {
  public:
   // `model` is one of the scene's private copies and must outlive this object. `moving_trees` is
-  // SceneTables::moving_trees. Throws Error if MuJoCo cannot allocate the mjData.
-  explicit PosedModel(const mjModel* model, const std::vector<char>& moving_trees = {});
+  // SceneTables::moving_trees. `data`: of the same model, see shared_data; null: data of its own.
+  // Throws Error if MuJoCo cannot allocate the mjData.
+  explicit PosedModel(const mjModel* model, const std::vector<char>& moving_trees = {},
+                      std::shared_ptr<mjData> data = nullptr);
 
   // Takes effect with the next Pose.
   void SetMocap(const MocapPoses& poses);
@@ -88,16 +90,17 @@ class PosedModel {
 
   const mjModel* model() const { return model_; }
   mjData* data() { return data_.get(); }
+  // For another object that takes turns with this one: who has posed the data keeps the pose until
+  // the other poses it, and an island then must begin with PoseAllNext.
+  const std::shared_ptr<mjData>& shared_data() const { return data_; }
   const mjData* data() const { return data_.get(); }
 
  private:
-  struct Deleter {
-    void operator()(mjData* d) const { mj_deleteData(d); }
-  };
-  void LetOthersSleep(const std::vector<char>& moving_trees);
+  void LetOthersStay();
 
   const mjModel* model_;
-  std::unique_ptr<mjData, Deleter> data_;
+  std::shared_ptr<mjData> data_;
+  std::vector<int> moving_, listed_;  // bodies of an island; those and all that carry them
   bool of_island_ = false;
   bool poses_all_ = true;
 };

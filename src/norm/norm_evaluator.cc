@@ -50,7 +50,7 @@ void NormEvaluator::Linearize(const VectorXd& q, VectorXd& r, MatrixXd& J) {
 
 // Each function below fills a term's rows of r and, unless J is null, of J, which is zero before.
 void NormEvaluator::Fill(const VectorXd& q, VectorXd& r, MatrixXd* J) {
-  if (NeedsPose()) posed_.Pose(q);
+  if (NeedsPose()) own_->Pose(q);
   r.resize(rows_);
   for (const NormTerm& term : terms_) {
     switch (term.kind) {
@@ -127,7 +127,7 @@ void NormEvaluator::FillRotation(const NormTerm& term, const VectorXd& q, Vector
 }
 
 void NormEvaluator::FillBodyPose(const NormTerm& term, VectorXd& r, MatrixXd* J) {
-  const mjData& d = *posed_.data();
+  const mjData& d = *own_->data();
   const Matrix3d R = AsMatrix(d.xmat + 9 * term.body);
   const Eigen::Quaterniond p = Relative(Eigen::Quaterniond(term.R_in), Eigen::Quaterniond(R));
   const Vector3d com_W = AsVector(d.xpos + 3 * term.body) + R * term.com_B;
@@ -135,7 +135,7 @@ void NormEvaluator::FillBodyPose(const NormTerm& term, VectorXd& r, MatrixXd* J)
   r.segment<3>(term.row) = weight * (com_W - term.com_W);
   r.segment<3>(term.row + 3) = scale_ * 2.0 * term.sqrt_inertia_W * (term.R_in * p.vec());
   if (!J) return;
-  jacobians_.Fill(tables_, posed_, term.body, com_W);
+  jacobians_.Fill(tables_, *own_, term.body, com_W);
   // jacobians_.rotation gives ω in W; QuatVectorJacobian takes it in the body's frame: w = Rᵀ ω.
   const Matrix3d dQ = QuatVectorJacobian(term.R_in, p) * R.transpose();
   J->middleRows<3>(term.row) = weight * jacobians_.point;

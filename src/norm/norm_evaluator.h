@@ -10,6 +10,7 @@
 #ifndef MJCF_PDG_SRC_NORM_NORM_EVALUATOR_H_
 #define MJCF_PDG_SRC_NORM_NORM_EVALUATOR_H_
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,9 @@ class NormEvaluator {
   // Sets q_in, poses the model there, and computes the terms: masses, inertias and moment arms.
   // Removes what AddPull has added.
   void SetReference(const VectorXd& q_in, const MocapPoses& mocap = {});
+  // The same, with a model that is posed at q_in already, which spares memory where r does not
+  // depend on the poses of bodies.
+  void SetReference(const VectorXd& q_in, const MocapPoses& mocap, const PosedModel& at_q_in);
   // Adds ‖B X(to, q)‖² to σ: a pull of q towards another configuration `to` (nq) that is weighted
   // by BᵀB, such as H at some configuration. X is Change (norm/change.h). B has n columns, and for
   // a sequential metric without another root link it is block-diagonal, as J is.
@@ -102,10 +106,12 @@ class NormEvaluator {
   void ListWithRoot(int root_body);
   void ListDisplacements();
   void ListArmature();
+  PosedModel& Own();
+  void SetTerms(const VectorXd& q_in, const mjData& at_q_in);
   void AddTerm(NormTerm term);
-  NormTerm JointTerm(int joint_index, const std::vector<int>& bodies) const;
-  NormTerm PoseTerm(int body, const std::vector<int>& bodies) const;
-  Piece RigidPiece(const std::vector<int>& bodies) const;
+  NormTerm JointTerm(const mjData& d, int joint_index, const std::vector<int>& bodies) const;
+  NormTerm PoseTerm(const mjData& d, int body, const std::vector<int>& bodies) const;
+  Piece RigidPiece(const mjData& d, const std::vector<int>& bodies) const;
   // nbody entries: 1 for `body` and all bodies of its subtree.
   std::vector<char> Outboard(int body) const;
   std::vector<int> Moving(const std::vector<char>& marked) const;
@@ -126,7 +132,7 @@ class NormEvaluator {
 
   const SceneTables& tables_;
   Metric metric_;
-  PosedModel posed_;
+  std::unique_ptr<PosedModel> own_;  // made when it is needed first
   VectorXd q_in_;
   std::vector<Moved> moved_;     // one per term, or per massless body (displacement metric)
   std::vector<int> all_moving_;  // the bodies that may move

@@ -53,10 +53,10 @@ struct NormEvaluator::Piece {
 };
 
 NormEvaluator::NormEvaluator(const SceneTables& tables, Metric metric)
-    : tables_(tables),
-      metric_(metric),
-      posed_(&tables.query_model, tables.moving_trees),
-      all_moving_(Moving(tables.body_moves)) {
+    : tables_(tables), metric_(metric), all_moving_(Moving(tables.body_moves)) {
+  for (const int body : all_moving_) total_mass_ += tables.model->body_mass[body];
+  total_mass_ += tables.outside_mass;
+  scale_ = 1.0 / std::sqrt(total_mass_);
   if (NeedsPose()) {
     blocks_.push_back({0, tables.n});
   } else {
@@ -73,26 +73,40 @@ NormEvaluator::NormEvaluator(const SceneTables& tables, Metric metric)
 }
 
 void NormEvaluator::SetReference(const VectorXd& q_in, const MocapPoses& mocap) {
+  PosedModel& own = Own();
+  own.SetMocap(mocap);
+  own.Pose(q_in);
+  SetTerms(q_in, *own.data());
+}
+
+void NormEvaluator::SetReference(const VectorXd& q_in, const MocapPoses& mocap,
+                                 const PosedModel& at_q_in) {
+  if (NeedsPose()) Own().SetMocap(mocap);
+  SetTerms(q_in, *at_q_in.data());
+}
+
+PosedModel& NormEvaluator::Own() {
+  if (!own_) own_ = std::make_unique<PosedModel>(&tables_.query_model, tables_.moving_trees);
+  return *own_;
+}
+
+void NormEvaluator::SetTerms(const VectorXd& q_in, const mjData& at_q_in) {
   q_in_ = q_in;
-  posed_.SetMocap(mocap);
-  posed_.Pose(q_in);
   terms_.clear();
   pulls_.clear();
   rows_ = 0;
-  total_mass_ = RigidPiece(all_moving_).mass + tables_.outside_mass;
-  scale_ = 1.0 / std::sqrt(total_mass_);
   for (const Moved& moved : moved_) {
     if (moved.joint >= 0) {
-      AddTerm(JointTerm(moved.joint, moved.bodies));
+      AddTerm(JointTerm(at_q_in, moved.joint, moved.bodies));
     } else if (metric_ != Metric::kDisplacement || tables_.model->body_mass[moved.body] > 0.0) {
-      AddTerm(PoseTerm(moved.body, moved.bodies));
+      AddTerm(PoseTerm(at_q_in, moved.body, moved.bodies));
     }
   }
 }
 
-NormEvaluator::Piece NormEvaluator::RigidPiece(const std::vector<int>& bodies) const {
-  const mjModel& m = *posed_.model();
-  const mjData& d = *posed_.data();
+NormEvaluator::Piece NormEvaluator::RigidPiece(const mjData& d,
+                                               const std::vector<int>& bodies) const {
+  const mjModel& m = *tables_.model;
   Piece piece;
   for (const int b : bodies) {
     piece.mass += m.body_mass[b];
@@ -134,16 +148,16 @@ void NormEvaluator::AddTerm(NormTerm term) {
 
 // The term of one joint and the bodies that it moves (Eq. 14-18): mass, ωᵀIω or I, which are the
 // entries of H (Eq. 28).
-NormTerm NormEvaluator::JointTerm(int joint_index, const std::vector<int>& bodies) const {
+NormTerm NormEvaluator::JointTerm(const mjData& d, int joint_index,
+                                  const std::vector<int>& bodies) const {
   const JointEntry& joint = tables_.joints[joint_index];
-  const mjData& d = *posed_.data();
   if (joint.type == mjJNT_FREE) {
-    NormTerm term = PoseTerm(joint.body, bodies);
+    NormTerm term = PoseTerm(d, joint.body, bodies);
     term.kind = Kind::kFree;
     term.joint = joint_index;
     return term;
   }
-  const Piece piece = RigidPiece(bodies);
+  const Piece piece = RigidPiece(d, bodies);
   NormTerm term;
   term.joint = joint_index;
   term.mass = piece.mass + joint.armature;
@@ -161,9 +175,8 @@ NormTerm NormEvaluator::JointTerm(int joint_index, const std::vector<int>& bodie
 }
 
 // The term of bodies that the pose of `body` carries as one rigid piece (Eq. 1).
-NormTerm NormEvaluator::PoseTerm(int body, const std::vector<int>& bodies) const {
-  const mjData& d = *posed_.data();
-  const Piece piece = RigidPiece(bodies);
+NormTerm NormEvaluator::PoseTerm(const mjData& d, int body, const std::vector<int>& bodies) const {
+  const Piece piece = RigidPiece(d, bodies);
   NormTerm term;
   term.kind = Kind::kBodyPose;
   term.body = body;

@@ -1,6 +1,7 @@
 #include "problem/workspace.h"
 
 #include <algorithm>
+#include <memory>
 #include <vector>
 
 #include "base/tuning.h"
@@ -16,9 +17,10 @@ Tolerances::Tolerances(double tolerance, double scene_size)
       accept(0.5 * (user + aim)),
       mesh_gap(tune::kMeshGap * scene_size) {}
 
-Workspace::Workspace(const SceneTables& tables, const Options& options)
+Workspace::Workspace(const SceneTables& tables, const Options& options,
+                     const std::shared_ptr<mjData>& data)
     : norm(tables, options.metric),
-      finder(tables, std::max(options.clearance, tables.largest_kept)),
+      finder(tables, std::max(options.clearance, tables.largest_kept), data),
       equality(tables),
       problem_{.tables = tables,
                .options = options,
@@ -29,18 +31,33 @@ Workspace::Workspace(const SceneTables& tables, const Options& options)
   usual_ = problem_.required = RequiredDistances();
   farthest_ = usual_.size() > 0 ? std::max(problem_.clearance, usual_.maxCoeff()) : 0.0;
   overlaps_.reserve(tables.pairs.size());
-  norm.SetReference(Eigen::Map<const VectorXd>(tables.model->qpos0, tables.model->nq));
+  const Eigen::Map<const VectorXd> qpos0(tables.model->qpos0, tables.model->nq);
+  if (!data) finder.Pose(qpos0);
+  norm.SetReference(qpos0, {}, finder.posed());
 }
 
 void Workspace::Begin(const Eigen::Ref<const VectorXd>& q_in, const MocapPoses& mocap,
                       const VectorXd* rest) {
+  BeginWithoutNorm(q_in, mocap, rest);
+  ReferNorm();
+}
+
+void Workspace::ReferNorm() {
+  if (norm_refers_) return;
+  finder.Pose(problem_.q_in);
+  norm.SetReference(problem_.q_in, problem_.mocap, finder.posed());
+  norm_refers_ = true;
+}
+
+void Workspace::BeginWithoutNorm(const Eigen::Ref<const VectorXd>& q_in, const MocapPoses& mocap,
+                                 const VectorXd* rest) {
   if (!remembers_distances) finder.Forget();
   finder.SetMocap(mocap);
   equality.SetMocap(mocap);
   problem_.mocap = mocap;
   problem_.q_in = q_in;
   SetMovable(problem_.tables, problem_.q_in, problem_.q_in);  // normalizes quaternions
-  norm.SetReference(problem_.q_in, mocap);
+  norm_refers_ = false;
   if (rest) {
     problem_.required = usual_.cwiseMin(*rest);
   } else if (rested_) {
@@ -58,7 +75,8 @@ void Workspace::Begin(const Workspace& other) {
   problem_.mocap = same.mocap;
   problem_.q_in = same.q_in;
   problem_.required = same.required;
-  norm.SetReference(same.q_in, same.mocap);
+  norm_refers_ = false;
+  ReferNorm();
   budget = other.budget.For(finder.queries(), other.finder.queries());
 }
 

@@ -3,6 +3,7 @@
 #ifndef MJCF_PDG_SRC_PROBLEM_WORKSPACE_H_
 #define MJCF_PDG_SRC_PROBLEM_WORKSPACE_H_
 
+#include <memory>
 #include <vector>
 
 #include "collide/contacts.h"
@@ -17,9 +18,13 @@ namespace mjcf_pdg {
 // One per thread. Neither copyable nor movable: stages keep references into it.
 class Workspace {
  public:
-  // Keeps references to both arguments. Until Begin the norm's reference is qpos0, so that stages
-  // can size their memory. Throws Error for unknown names in options.without.
-  Workspace(const SceneTables& tables, const Options& options);
+  // Keeps references to both arguments. Until Begin the norm's reference is qpos0, or what `data`
+  // is posed at, so that stages can size their memory. Throws Error for unknown names in
+  // options.without.
+  // `data`: to be posed in turn with another workspace of the same model
+  // (PosedModel::shared_data); Begin takes it over.
+  Workspace(const SceneTables& tables, const Options& options,
+            const std::shared_ptr<mjData>& data = nullptr);
   Workspace(const Workspace&) = delete;
   Workspace& operator=(const Workspace&) = delete;
 
@@ -28,6 +33,11 @@ class Workspace {
   // distance that it may keep, infinite for a pair that may not overlap at all [m]; null: none may.
   void Begin(const Eigen::Ref<const VectorXd>& q_in, const MocapPoses& mocap = {},
              const VectorXd* rest = nullptr);
+  // The same but for the norm's reference, which looks at every body, and which ReferNorm sets if
+  // it is not set yet.
+  void BeginWithoutNorm(const Eigen::Ref<const VectorXd>& q_in, const MocapPoses& mocap = {},
+                        const VectorXd* rest = nullptr);
+  void ReferNorm();
   // Makes `other`'s problem, for tables of the same model whose collision geoms differ (hulls
   // instead of triangles), with what is left of its budget.
   void Begin(const Workspace& other);
@@ -61,9 +71,10 @@ class Workspace {
   VectorXd RequiredDistances() const;
 
   Problem problem_;
-  VectorXd usual_;         // Problem::required where nothing rests
-  double farthest_ = 0.0;  // the largest of them: what may overlap is no farther apart [m]
-  bool rested_ = false;    // something may rest in the present problem
+  VectorXd usual_;           // Problem::required where nothing rests
+  double farthest_ = 0.0;    // the largest of them: what may overlap is no farther apart [m]
+  bool norm_refers_ = true;  // to q_in
+  bool rested_ = false;      // something may rest in the present problem
   std::vector<NearPair> overlaps_;
 };
 

@@ -18,7 +18,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 IslandSearch::Part::Part(const Workspace& scene, const MovableTrees& trees, std::vector<int> of,
                          Verifier& verifier)
     : island(scene.problem().tables, trees, std::move(of)),
-      work(island.tables, scene.problem().options),
+      work(island.tables, scene.problem().options, scene.finder.posed().shared_data()),
       stages(work, verifier),
       at_rest(static_cast<Eigen::Index>(island.scene_pairs.size())) {}
 
@@ -132,10 +132,14 @@ bool IslandSearch::Run(const Input& input) {
   // Several islands were verified one by one.
   if (Several()) free = free && verifier_.IsFree(q_, input.q_in);
   const VectorXd* const hint = input.hint;
-  if (!hint || (free && work_.norm.Sigma(*hint) >= work_.norm.Sigma(composed_))) return free;
+  if (!hint) return free;
+  work_.ReferNorm();
+  const double of_hint = work_.norm.Sigma(*hint);
+  if (free && of_hint >= sigma_) return free;
   of_hint_.assign(hint->data(), hint->data() + hint->size());
   if (!verifier_.IsFree(of_hint_, input.q_in)) return free && verifier_.IsFree(q_, input.q_in);
   q_ = of_hint_;
+  sigma_ = of_hint;
   start_ = Component::kUserPose;
   return true;
 }
@@ -187,14 +191,14 @@ void IslandSearch::SearchAndAccept(Part& part, const Input& input, Group& group)
   acceptance.Begin(input.q_in);
   if (acceptance.Accept(found, hint)) {
     accepted_ = Eigen::Map<const VectorXd>(acceptance.q().data(), work_.problem().q_in.size());
-    Keep(group, accepted_, acceptance.start(), true);
+    Keep(part, group, {accepted_, acceptance.start(), true});
   } else if (!group.free) {
     group.candidate = !found.free.empty();
     if (group.candidate || found.has_overlap) {
       const Candidate& best = group.candidate ? found.free.front() : found.least_overlap;
-      Keep(group, best.q, best.start, false);
+      Keep(part, group, {best.q, best.start, false});
     } else {
-      Keep(group, work_.problem().q_in, Component::kNone, false);
+      Keep(part, group, {work_.problem().q_in, Component::kNone, false});
     }
   }
   verifier_.SetScope({});
@@ -218,13 +222,13 @@ bool IslandSearch::Helps(Part& part, const Group& group) {
 }
 
 // The answer of an island that has grown counts if it is nearer.
-void IslandSearch::Keep(Group& group, const VectorXd& q, Component start, bool free) {
-  const double sigma = work_.norm.Sigma(q);
+void IslandSearch::Keep(Part& part, Group& group, const Answer& answer) {
+  const double sigma = part.work.norm.Sigma(answer.q);
   if (group.free && !(sigma < group.sigma)) return;
-  group.free = free;
+  group.free = answer.free;
   group.sigma = sigma;
-  group.q = q;
-  group.start = start;
+  group.q = answer.q;
+  group.start = answer.start;
 }
 
 // Calls join(tree1, tree2), which says whether it has united anything, for the movable trees (-1:
@@ -274,11 +278,12 @@ bool IslandSearch::UniteTouching() {
 // All answers side by side.
 void IslandSearch::Compose() {
   composed_ = work_.problem().q_in;
-  sigma_lower_bound_ = 0.0;
+  sigma_ = sigma_lower_bound_ = 0.0;
   double costliest = -kInfinity;
   bool free = true, candidate = true;
   for (const Group& group : Groups()) {
     if (group.trees.empty()) continue;
+    sigma_ += group.sigma;
     sigma_lower_bound_ += group.sigma_lower_bound;
     free &= group.free;
     candidate &= group.free || group.candidate;
@@ -296,9 +301,8 @@ void IslandSearch::Compose() {
   q_.assign(composed_.data(), composed_.data() + composed_.size());
   outcome_.free.Clear();
   outcome_.has_overlap = !free && !candidate;
-  const double sigma = work_.norm.Sigma(composed_);
-  if (candidate) outcome_.free.Insert(composed_, sigma, start_);
-  if (outcome_.has_overlap) outcome_.least_overlap = {composed_, sigma, start_};
+  if (candidate) outcome_.free.Insert(composed_, sigma_, start_);
+  if (outcome_.has_overlap) outcome_.least_overlap = {composed_, sigma_, start_};
 }
 
 }  // namespace mjcf_pdg

@@ -24,7 +24,8 @@ namespace mjcf_pdg {
 
 class IslandSearch {
  public:
-  // Both arguments must outlive this object. `work` is the scene's.
+  // Both arguments must outlive this object. `work` is the scene's; islands pose its finder's data,
+  // and its norm refers to q_in only if there is a hint.
   IslandSearch(Workspace& work, Verifier& verifier);
 
   // What Run solves besides the problem of the scene's workspace.
@@ -38,6 +39,7 @@ class IslandSearch {
   bool Run(const Input& input);
 
   const std::vector<double>& q() const { return q_; }  // nq
+  double sigma() const { return sigma_; }              // of q() [m²]
   // The start that led to the costliest island's answer.
   Component start() const { return start_; }
   // What was found, all islands together. Where not all of them are free it holds the least
@@ -85,7 +87,12 @@ class IslandSearch {
   void BeginPart(Part& part, const Input& input);
   bool Helps(Part& part, const Group& group);
   void SearchAndAccept(Part& part, const Input& input, Group& group);
-  void Keep(Group& group, const VectorXd& q, Component start, bool free);
+  struct Answer {
+    const VectorXd& q;
+    Component start;
+    bool free;  // by the verifier
+  };
+  void Keep(Part& part, Group& group, const Answer& answer);
   void LetTouchedJoin(Part& part, const Outcome& found, Group& group);
   template <typename Join>
   bool UniteWhereTouching(Workspace& work, const VectorXd& q, const Join& join);
@@ -110,7 +117,7 @@ class IslandSearch {
   Candidate pushed_;
   std::vector<double> of_hint_;
   Component start_ = Component::kNone;
-  double sigma_lower_bound_ = 0.0;
+  double sigma_ = 0.0, sigma_lower_bound_ = 0.0;
 };
 
 }  // namespace mjcf_pdg

@@ -106,7 +106,7 @@ void Reporter::Overlaps(const std::vector<NearPair>& overlaps, Result& result) c
 void Reporter::Solved(const std::vector<double>& q_in, const Answered& answer, Result& result) {
   result.status = Status::kSolved;
   result.q = answer.q;
-  result.sigma = Sigma(answer.q);
+  result.sigma = answer.sigma ? *answer.sigma : Sigma(answer.q);
   result.start = NameOf(answer.start);
   if (Reports()) {
     Answer(answer.checked ? verifier_.verdict() : verifier_.Check(answer.q, q_in), result);
@@ -148,6 +148,7 @@ void Reporter::AnswerUnmeasured(Result& result) const {
 
 void Reporter::Unsolved(const std::vector<double>& q_in, const Outcome* outcome, bool frozen,
                         Result& result) {
+  work_.ReferNorm();
   VectorXd inside = problem_.q_in;
   TurnInsideLimits(problem_.tables, inside);
   work_.equality.Project(inside);

@@ -3,6 +3,7 @@
 #ifndef MJCF_PDG_SRC_SOLVE_REPORT_H_
 #define MJCF_PDG_SRC_SOLVE_REPORT_H_
 
+#include <optional>
 #include <vector>
 
 #include "mjcf_pdg/pdg.h"
@@ -31,6 +32,7 @@ class Reporter {
     const std::vector<double>& q;
     Component start;
     bool checked = false;
+    std::optional<double> sigma = {};  // of q [m²]; none: it is computed
   };
   void Solved(const std::vector<double>& q_in, const Answered& answer, Result& result);
   // There is no answer: the result's q is the least overlap that the search found, or q_in moved

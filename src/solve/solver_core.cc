@@ -83,9 +83,11 @@ Status SolverCore::Solve(std::span<const double> q, Result& result) {
   Reporter::Clear(result);
   if (!reporter.Input(q_in_, result)) {
     if (options.rest > 0.0) DistancesAtRest(verifier, scene.tables(), at_rest_);
-    work.Begin(AsEigen(q_in_), mocap, options.rest > 0.0 ? &at_rest_ : nullptr);
+    const VectorXd* const rest = options.rest > 0.0 ? &at_rest_ : nullptr;
+    work.BeginWithoutNorm(AsEigen(q_in_), mocap, rest);
+    if (!islands_) work.ReferNorm();
     if (Search(result)) {
-      reporter.Solved(q_in_, {q_, start_}, result);
+      reporter.Solved(q_in_, {.q = q_, .start = start_, .sigma = sigma_}, result);
     } else {
       reporter.Unsolved(q_in_, outcome_, frozen_, result);
     }
@@ -121,6 +123,7 @@ bool SolverCore::SearchWhole(const std::vector<NearPair>& overlaps, int distance
   whole_->acceptance.Begin(q_in_);
   if (frozen_ || !whole_->acceptance.Accept(*outcome_, given)) return false;
   q_ = whole_->acceptance.q();
+  sigma_.reset();
   start_ = whole_->acceptance.start();
   LeaveBystanders(overlaps);
   return true;
@@ -146,6 +149,7 @@ bool SolverCore::SearchIslands(const std::vector<NearPair>& overlaps, Result& re
   outcome_ = &islands_->outcome();
   result.sigma_lower_bound = islands_->sigma_lower_bound();
   q_ = islands_->q();
+  sigma_ = islands_->sigma();
   start_ = islands_->start();
   return free && !frozen_;
 }

@@ -5,14 +5,15 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "bound/lower_bound.h"
 #include "mjcf_pdg/scene.h"
 #include "mjcf_pdg/types.h"
-#include "problem/workspace.h"
 #include "problem/bystanders.h"
+#include "problem/workspace.h"
 #include "solve/island_search.h"
 #include "solve/report.h"
 #include "solve/stages.h"
@@ -64,11 +65,12 @@ struct SolverCore {
   Bystanders bystanders_;
 
   // The present solve.
-  std::vector<double> q_in_;  // as the user gave it
-  VectorXd at_rest_;          // per kept pair, see DistancesAtRest
-  VectorXd q_hint_;           // the hint with what is frozen as in q_in
-  std::vector<double> q_;     // the answer
-  std::vector<double> left_;  // the answer without what need not have moved
+  std::vector<double> q_in_;     // as the user gave it
+  VectorXd at_rest_;             // per kept pair, see DistancesAtRest
+  VectorXd q_hint_;              // the hint with what is frozen as in q_in
+  std::vector<double> q_;        // the answer
+  std::optional<double> sigma_;  // of the answer, if it is known [m²]
+  std::vector<double> left_;     // the answer without what need not have moved
   Component start_ = Component::kNone;
   Outcome* outcome_ = nullptr;  // null: nothing was searched
   bool frozen_ = false;         // pairs overlap that no movable joint can part

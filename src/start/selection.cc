@@ -87,7 +87,6 @@ Item& Next(std::vector<Item>& items, int& used) {
 
 }  // namespace
 
-// Rooms for the largest of everything, so that no later call needs more.
 StartSelection::StartSelection(Workspace& work) : problem_(work.problem()), work_(work) {
   const SceneTables& tables = problem_.tables;
   int slides = 0;
@@ -99,12 +98,15 @@ StartSelection::StartSelection(Workspace& work) : problem_(work.problem()), work
       ++slides;
     }
   }
-  const VectorXd q(tables.model->nq);
-  translations_.assign(1 + 2 * slides, q);
-  found_.assign(translations_.size(), {q});
-  rays_.assign(translations_.size(), VectorXd(tables.n));
-  open_.reserve(translations_.size());
-  trial_ = q;
+  open_.reserve(1 + 2 * slides);
+  trial_.resize(tables.model->nq);
+  // Rooms for the largest of everything, so that no later call needs more. Islands are made while a
+  // scene is solved, and their configurations are long: there lists grow when they are needed.
+  if (tables.moving_trees.empty()) {
+    translations_.assign(1 + 2 * slides, trial_);
+    found_.assign(translations_.size(), {trial_});
+    rays_.assign(translations_.size(), VectorXd(tables.n));
+  }
   for (VectorXd* per_dof : {&dq_, &hopped_, &scaled_, &steps_}) per_dof->resize(tables.n);
   r_.resize(work.norm.rows());
   J_.resize(work.norm.rows(), tables.n);
@@ -132,8 +134,7 @@ void StartSelection::MarkDofsOfSomeContact(const VectorXd& q, Random& random) {
   const double reach = tune::kHoppable * problem_.tolerances.user;
   touching_.clear();
   work_.finder.Pose(q);
-  for (const NearPair& near :
-       work_.finder.Find(problem_.clearance + reach, Depths::kSkipped)) {
+  for (const NearPair& near : work_.finder.Find(problem_.clearance + reach, Depths::kSkipped)) {
     const bool touches = near.distance < problem_.required[near.pair] + reach;
     if (touches && tables.pairs[near.pair].moves) touching_.push_back(near.pair);
   }

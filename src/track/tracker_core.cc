@@ -71,6 +71,7 @@ Status TrackerCore::Step(std::span<const double> q_command, Result& result) {
 void TrackerCore::Solve(Result& result) {
   work.remembers_distances = false;
   core.Solve(q_in, result);
+  work.ReferNorm();
   work.remembers_distances = true;
 }
 

@@ -97,9 +97,13 @@ void Verifier::SetScope(const Scope& scope) {
 }
 
 // The pairs are sorted by the lower and the higher id of their geoms.
-int Verifier::PairIndex(int geom1, int geom2) const {
+int Verifier::PairIndex(int geom1, int geom2, int guess) const {
   const auto& pairs = shared_->pairs;
   const std::pair<int, int> sought = Sorted(geom1, geom2);
+  for (const int k : {guess, guess + 1}) {
+    if (guess < 0 || k == static_cast<int>(pairs.size())) break;
+    if (Sorted(pairs[k].geom1, pairs[k].geom2) == sought) return k;
+  }
   const auto it = std::lower_bound(pairs.begin(), pairs.end(), sought,
                                    [](const CheckedPair& pair, const std::pair<int, int>& key) {
                                      return Sorted(pair.geom1, pair.geom2) < key;

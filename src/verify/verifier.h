@@ -118,7 +118,8 @@ class Verifier {
     return scope_.bodies.empty() || scope_.bodies[model_.geom_bodyid[geom1]] ||
            scope_.bodies[model_.geom_bodyid[geom2]];
   }
-  int PairIndex(int geom1, int geom2) const;  // index in shared_->pairs; -1: no kept pair
+  // Index in shared_->pairs; -1: no kept pair. `guess` and what follows it are looked at first.
+  int PairIndex(int geom1, int geom2, int guess = -1) const;
   double Usual(const verify::CheckedPair& pair) const;
   void UpdateRest(std::span<const double> q_in);
   bool SetRest(std::span<const double> q, std::span<const double> q_in);

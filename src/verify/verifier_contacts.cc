@@ -51,8 +51,10 @@ void Verifier::AskCollision() {
   for (const int pair : touching_) contact_[pair] = -1;
   touching_.clear();
   contacts_of_other_pairs_.clear();
+  int last = -1;  // MuJoCo's contacts are sorted by pairs of bodies
   for (int c = 0; c < d.ncon; ++c) {
-    const int pair = PairIndex(d.contact[c].geom[0], d.contact[c].geom[1]);
+    const int pair = PairIndex(d.contact[c].geom[0], d.contact[c].geom[1], last);
+    if (pair >= 0) last = pair;
     if (pair < 0) {
       const std::pair<int, int> geoms = std::minmax(d.contact[c].geom[0], d.contact[c].geom[1]);
       if (!shared_->left_out.contains(geoms)) contacts_of_other_pairs_.push_back(c);

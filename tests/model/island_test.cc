@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <set>
 
 #include "collide/contacts.h"
@@ -98,6 +99,70 @@ TEST_F(IslandTest, IsPosedAsTheWholeModelIs) {
       }
     }
   }
+}
+
+// Else an island would cost what the scene does. MuJoCo must not wake what stays.
+TEST_F(IslandTest, LeavesOtherTreesUnposed) {
+  int left = 0;
+  for (int trial = 0; trial < 20; ++trial) {
+    const Island island(scene_.tables(), trees_, RandomTrees());
+    if (island.tables.moving_trees.empty()) continue;
+    PosedModel part(&island.tables.query_model, island.tables.moving_trees);
+    for (int k = 0; k < 3; ++k) {
+      part.PoseAllNext();
+      part.Pose(RandomConfiguration(scene_, rng_));
+      const mjModel& m = *scene_.model();
+      const mjData& d = *part.data();
+      const std::vector<double> before(d.xpos, d.xpos + 3 * m.nbody);
+      const std::vector<double> turned(d.xmat, d.xmat + 9 * m.nbody);
+      part.Pose(RandomConfiguration(scene_, rng_));  // of all trees
+      for (int body = 1; body < m.nbody; ++body) {
+        const bool same = AsVector(d.xpos + 3 * body) == AsVector(&before[3 * body]) &&
+                          AsMatrix(d.xmat + 9 * body) == AsMatrix(&turned[9 * body]);
+        EXPECT_EQ(same, !island.tables.body_moves[body]);
+        left += same;
+      }
+    }
+  }
+  EXPECT_GT(left, 100);
+}
+
+// As islands of one solver are: each begins with a pose of all.
+TEST_F(IslandTest, IslandsAndTheSceneTakeTurnsWithTheSameData) {
+  ContactFinder whole(scene_.tables()), alone(scene_.tables());
+  const Island one(scene_.tables(), trees_, {0, 3}), other(scene_.tables(), trees_, {1, 2});
+  ContactFinder of_one(one.tables, 0.0, whole.posed().shared_data());
+  ContactFinder of_other(other.tables, 0.0, whole.posed().shared_data());
+  const auto distances = [](ContactFinder& finder, const SceneTables& tables) {
+    std::map<std::pair<int, int>, double> found;
+    for (const NearPair& near : finder.Find(0.5)) {
+      found[{tables.pairs[near.pair].geom1, tables.pairs[near.pair].geom2}] = near.distance;
+    }
+    return found;
+  };
+  int compared = 0;
+  for (int trial = 0; trial < 20; ++trial) {
+    const VectorXd q_in = RandomConfiguration(scene_, rng_);
+    for (int turn = 0; turn < 4; ++turn) {
+      const Island& island = turn % 2 == 0 ? one : other;
+      ContactFinder& finder = turn % 2 == 0 ? of_one : of_other;
+      for (ContactFinder* each : {&finder, &whole, &alone}) each->Forget();
+      finder.Pose(q_in);
+      const VectorXd q = Moved(island, q_in);
+      finder.Pose(q);
+      const auto found = distances(finder, island.tables);
+      whole.Pose(q);
+      alone.Pose(q);
+      const auto expected = distances(alone, scene_.tables());
+      EXPECT_EQ(distances(whole, scene_.tables()).size(), expected.size());
+      for (const auto& [geoms, distance] : found) {
+        ASSERT_TRUE(expected.contains(geoms));
+        EXPECT_NEAR(distance, expected.at(geoms), 1e-6);
+        ++compared;
+      }
+    }
+  }
+  EXPECT_GT(compared, 50);
 }
 
 TEST_F(IslandTest, KeepsThePairsThatItsTreesCanPart) {

@@ -20,11 +20,14 @@ constexpr double kTooThin = 1e-6;
 constexpr double kAside = 1e-4;
 constexpr double kAsideShare = 1e-7, kLastShare = 1e-4;
 
+// Room is made for so many memories at first: few robots have more pairs that come near.
+constexpr std::size_t kMemories = 256;
+
 }  // namespace
 
 ConvexDistance::ConvexDistance(const SceneTables& tables)
-    : tables_(tables), knows_(tables.pairs.size()), memories_(tables.pairs.size()) {
-  remembered_.reserve(tables.pairs.size());
+    : tables_(tables), knows_(tables.pairs.size()), memory_of_(tables.pairs.size(), -1) {
+  memories_.reserve(std::min(tables.pairs.size(), kMemories));
   polytope_.Reserve(4 + kMaxGrowth);
   for (std::size_t k = 0; k < knows_.size(); ++k) {
     const KeptPair& pair = tables.pairs[k];
@@ -34,8 +37,8 @@ ConvexDistance::ConvexDistance(const SceneTables& tables)
 }
 
 void ConvexDistance::Forget() {
-  for (const int pair : remembered_) memories_[pair].size = 0;
-  remembered_.clear();
+  for (const Memory& memory : memories_) memory_of_[memory.pair] = -1;
+  memories_.clear();
 }
 
 ConvexDistance::Corner ConvexDistance::CornerOf(const RelativePose& pose, const Points& points) {
@@ -67,14 +70,19 @@ ConvexDistance::Corner ConvexDistance::Support(const KeptPair& pair, const Relat
                          support.Support(pair.geom2, -(pose.R.transpose() * n))});
 }
 
-void ConvexDistance::RecallSimplex(const RelativePose& pose, const Memory& memory) {
+void ConvexDistance::RecallSimplex(const RelativePose& pose, int pair) {
   simplex_.Clear();
+  if (memory_of_[pair] < 0) return;
+  const Memory& memory = memories_[memory_of_[pair]];
   for (int k = 0; k < memory.size; ++k) simplex_.Add(CornerOf(pose, memory.corners[k]));
 }
 
 void ConvexDistance::RememberSimplex(const RelativePose& pose, int pair) {
-  Memory& memory = memories_[pair];
-  if (memory.size == 0) remembered_.push_back(pair);
+  if (memory_of_[pair] < 0) {
+    memory_of_[pair] = static_cast<int>(memories_.size());
+    memories_.emplace_back().pair = pair;
+  }
+  Memory& memory = memories_[memory_of_[pair]];
   memory.size = simplex_.size();
   for (int k = 0; k < memory.size; ++k) memory.corners[k] = PointsOf(pose, simplex_[k]);
 }
@@ -203,7 +211,7 @@ ConvexDistance::Answer ConvexDistance::Ask(const PosedModel& posed, int pair, do
                           R1.transpose() * (AsVector(d.geom_xpos + 3 * kept.geom2) - x1)};
   const double radius1 = CoreRadius(m, kept.geom1), radius2 = CoreRadius(m, kept.geom2);
   const double radii = radius1 + radius2;
-  RecallSimplex(pose, memories_[pair]);
+  RecallSimplex(pose, pair);
   const GjkAccuracy accuracy{
       .gap = kMeet * tables_.size, .share = kMeetShare, .zero = radii, .last = 0.0};
   Found found;

@@ -50,9 +50,9 @@ class ConvexDistance {
   struct Points {
     Vector3d p1_G, p2_G;
   };
-  // The simplex with which the last search of a pair ended; empty (size 0) if there is none.
+  // The simplex with which the last search of a pair ended.
   struct Memory {
-    int size = 0;
+    int pair = 0, size = 0;
     Points corners[4];
   };
   // Poses are those of geom 2's frame in the frame of geom 1, which corners are in.
@@ -86,7 +86,7 @@ class ConvexDistance {
   Vector3d Aside(const RelativePose& pose) const;
   // The support point of the cores' Minkowski difference: the corner farthest along n.
   Corner Support(const KeptPair& pair, const RelativePose& pose, const Vector3d& n) const;
-  void RecallSimplex(const RelativePose& pose, const Memory& memory);
+  void RecallSimplex(const RelativePose& pose, int pair);
   void RememberSimplex(const RelativePose& pose, int pair);
   // The penetration depth of overlapping cores, by a polytope that grows from the tetrahedron in
   // simplex_. The depth is the polytope's lower bound: no shorter translation separates the cores.
@@ -98,8 +98,8 @@ class ConvexDistance {
 
   const SceneTables& tables_;
   std::vector<char> knows_;       // per kept pair: Ask can measure geoms of these types
-  std::vector<Memory> memories_;  // per kept pair
-  std::vector<int> remembered_;   // the pairs whose memory is not empty
+  std::vector<int> memory_of_;    // per kept pair: index into memories_; -1: none
+  std::vector<Memory> memories_;  // of the pairs that were searched since Forget
   Simplex simplex_;               // of the search under way, in the frame of geom 1
   ExpandingPolytope polytope_;    // scratch of Overlap
 };
