@@ -59,7 +59,7 @@ void Keep(const ConfigurationSpace& space, const og::PathGeometric& found, Path&
   path.found = true;
   for (std::size_t k = 0; k < found.getStateCount(); ++k) {
     const VectorXd& q = ConfigurationSpace::Q(found.getState(static_cast<unsigned int>(k)));
-    if (k > 0) path.length += space.Distance(ToEigen(path.q.back()), q);
+    if (k > 0) path.length += space.Displacement(ToEigen(path.q.back()), q);
     path.q.emplace_back(q.data(), q.data() + q.size());
   }
 }
@@ -141,7 +141,7 @@ double DeepestOverlap(const Scene& scene, const Path& path, const Options& optio
   VectorXd q;
   for (std::size_t k = 1; k < path.q.size(); ++k) {
     const VectorXd from = ToEigen(path.q[k - 1]), to = ToEigen(path.q[k]);
-    const int poses = 1 + static_cast<int>(std::ceil(space->Distance(from, to) / step));
+    const int poses = 1 + static_cast<int>(std::ceil(space->Length(from, to) / step));
     for (int i = 0; i <= poses; ++i) {
       space->Interpolate(from, to, static_cast<double>(i) / poses, q);
       deepest = std::max(deepest, overlap(q));

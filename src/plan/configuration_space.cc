@@ -37,7 +37,7 @@ class UniformSampler : public ob::StateSampler {
   void Towards(ob::State* state, const ob::State* from, double distance) {
     const VectorXd& q = ConfigurationSpace::Q(from);
     configurations_.Sample(rng_, target_);
-    const double whole = configurations_.Distance(q, target_);
+    const double whole = configurations_.Length(q, target_);
     const double t = whole > distance ? distance / whole : 1.0;
     configurations_.Interpolate(q, target_, t, ConfigurationSpace::Q(state));
   }
@@ -149,18 +149,29 @@ void ConfigurationSpace::MeasureExtent() {
   for (int k = 0; k < kPairs; ++k) {
     Sample(rng, a);
     Sample(rng, b);
-    largest = std::max(largest, Distance(a, b));
+    largest = std::max(largest, Displacement(a, b));
   }
   if (largest > 0.0) extent_ = largest;
   samples_ = 0;
 }
 
-double ConfigurationSpace::Distance(const VectorXd& q_in, const VectorXd& q) const {
-  if (reference_.size() != q_in.size() || reference_ != q_in) {
-    reference_ = q_in;
-    norm_.SetReference(q_in, mocap_);
-  }
+void ConfigurationSpace::MeasureFrom(const VectorXd& q_in) const {
+  if (reference_.size() == q_in.size() && reference_ == q_in) return;
+  reference_ = q_in;
+  norm_.SetReference(q_in, mocap_);
+  VectorXd r;
+  norm_.Linearize(q_in, r, J_);
+}
+
+double ConfigurationSpace::Displacement(const VectorXd& q_in, const VectorXd& q) const {
+  MeasureFrom(q_in);
   return std::sqrt(norm_.Sigma(q));
+}
+
+double ConfigurationSpace::Length(const VectorXd& from, const VectorXd& to) const {
+  MeasureFrom(from);
+  Difference(tables_, from, to, dq_);
+  return (J_ * dq_).norm();
 }
 
 void ConfigurationSpace::Interpolate(const VectorXd& from, const VectorXd& to, double t,
@@ -277,7 +288,7 @@ bool ConfigurationSpace::satisfiesBounds(const ob::State* state) const {
 void ConfigurationSpace::copyState(ob::State* to, const ob::State* from) const { Q(to) = Q(from); }
 
 double ConfigurationSpace::distance(const ob::State* a, const ob::State* b) const {
-  return Distance(Q(b), Q(a));
+  return Length(Q(b), Q(a));
 }
 
 bool ConfigurationSpace::equalStates(const ob::State* a, const ob::State* b) const {

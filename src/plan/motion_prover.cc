@@ -29,11 +29,13 @@ class FreeConfigurations : public ob::StateValidityChecker {
 
 class ProvenMotions : public ob::MotionValidator {
  public:
-  ProvenMotions(const ob::SpaceInformationPtr& space, std::shared_ptr<MotionProver> prover)
-      : ob::MotionValidator(space), prover_(std::move(prover)) {}
+  ProvenMotions(const ob::SpaceInformationPtr& space, std::shared_ptr<MotionProver> prover,
+                std::function<bool()> ended)
+      : ob::MotionValidator(space), prover_(std::move(prover)), ended_(std::move(ended)) {}
 
   bool checkMotion(const ob::State* from, const ob::State* to) const override {
-    return Count(prover_->IsFree(ConfigurationSpace::Q(from), ConfigurationSpace::Q(to)));
+    return Count(!ended_() &&
+                 prover_->IsFree(ConfigurationSpace::Q(from), ConfigurationSpace::Q(to)));
   }
   bool checkMotion(const ob::State* from, const ob::State* to,
                    std::pair<ob::State*, double>& last_free) const override {
@@ -52,6 +54,7 @@ class ProvenMotions : public ob::MotionValidator {
     return free;
   }
   std::shared_ptr<MotionProver> prover_;
+  std::function<bool()> ended_;
 };
 
 }  // namespace
@@ -88,9 +91,10 @@ bool MotionProver::IsFree(const VectorXd& from, const VectorXd& to) {
   return free.all || (free.t > kNearlyThere && Move(to, from).all);
 }
 
-void UseProver(const std::shared_ptr<MotionProver>& prover, const ob::SpaceInformationPtr& space) {
+void UseProver(const std::shared_ptr<MotionProver>& prover, std::function<bool()> ended,
+               const ob::SpaceInformationPtr& space) {
   space->setStateValidityChecker(std::make_shared<FreeConfigurations>(space, prover));
-  space->setMotionValidator(std::make_shared<ProvenMotions>(space, prover));
+  space->setMotionValidator(std::make_shared<ProvenMotions>(space, prover, std::move(ended)));
 }
 
 }  // namespace mjcf_pdg

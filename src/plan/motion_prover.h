@@ -9,6 +9,7 @@
 #include <ompl/base/StateValidityChecker.h>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -49,8 +50,10 @@ class MotionProver {
   std::int64_t queries_ = 0;
 };
 
-// Makes `prover` decide for `space`, which must be over a ConfigurationSpace.
-void UseProver(const std::shared_ptr<MotionProver>& prover,
+// Makes `prover` decide for `space`, which must be over a ConfigurationSpace. Once `ended` says so,
+// no motion is free: planners ask between samples whether to go on, but RRTConnect not while it
+// grows one tree towards the other.
+void UseProver(const std::shared_ptr<MotionProver>& prover, std::function<bool()> ended,
                const ompl::base::SpaceInformationPtr& space);
 
 }  // namespace mjcf_pdg

@@ -88,7 +88,7 @@ bool Planning::Prove(const std::vector<VectorXd>& path) {
       return false;
     }
     edges.push_back({prover_->certified(), static_cast<int>(prover_->queries() - before),
-                     space_->Distance(path[k - 1], path[k])});
+                     space_->Displacement(path[k - 1], path[k])});
   }
   path_.certified =
       std::all_of(edges.begin(), edges.end(), [](const EdgeProof& edge) { return edge.certified; });
@@ -110,7 +110,7 @@ void Planning::Straighten(std::vector<VectorXd>& corners) {
 
 std::vector<VectorXd> Planning::Shorten(const std::vector<VectorXd>& corners) {
   const auto information = std::make_shared<ob::SpaceInformation>(space_);
-  UseProver(prover_, information);
+  UseProver(prover_, [] { return false; }, information);
   information->setup();
   og::PathGeometric path(information);
   ob::ScopedState<> state(information->getStateSpace());

@@ -20,7 +20,7 @@ struct PlanOptions {
   // Of these count tolerance, clearance, seed, the mocap poses, report_contacts (of the ends as
   // given) and time_limit, for all of Plan [s].
   Options options = {};
-  // The length of a step [m]; 0: a tenth of the largest distance of random configurations.
+  // The length of a step [m]; 0: a tenth of the largest √σ between random configurations.
   double range = 0.0;
   std::int64_t max_samples = 0;  // ends the search after so many; 0: no bound
   // Several are used by planners that retract; the path is the same at any number.

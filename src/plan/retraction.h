@@ -41,7 +41,7 @@ struct RetractionInput {
 // contacts.
 //
 // Source: Pan, Zhang & Manocha, Retraction-based RRT planner for articulated models (ICRA 2010).
-// Differs from it: the distance is the object norm, and every slide is proven free by CCDg.
+// Differs from it: the distance is the object norm's, and every slide is proven free by CCDg.
 std::unique_ptr<Retraction> MakeContactRetraction(const RetractionInput& input);
 
 // By generalized penetration depth: towards the nearest free configuration to the sample, from the

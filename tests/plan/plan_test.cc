@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "plan/configuration_space.h"
 #include "plan/planners.h"
 #include "tests/plan/plan_test_support.h"
 #include "tests/support/trials.h"
@@ -88,6 +89,21 @@ TEST_P(EveryPlanner, MovesAnArmFromSlotToSlot) {
   ASSERT_NE(last.status, Status::kUnsolved);
   const Path path = Plan(scene, first.q, last.q, With(GetParam()));
   ExpectFree(scene, path, first.q, last.q);
+}
+
+// At both ends the bar points nearly backwards, on either side of what the limits leave out: it is
+// nearly where it has to be, and has the whole way still to go.
+TEST_P(EveryPlanner, TurnsAllTheWayRound) {
+  const Scene scene = Scene::FromString(R"(<mujoco><worldbody><body>
+    <joint axis="0 0 1" range="-175 175" limited="true"/>
+    <geom type="capsule" size=".05" fromto="0 0 0 1 0 0"/></body></worldbody></mujoco>)");
+  const std::vector<double> start = {-3.0}, goal = {3.0};
+  for (const std::uint64_t seed : {1u, 2u, 3u, 4u, 5u}) {
+    PlanOptions options = With(GetParam(), seed);
+    int asked = 0;
+    options.go_on = [&asked] { return ++asked < 10000; };
+    ExpectFree(scene, Plan(scene, start, goal, options), start, goal);
+  }
 }
 
 TEST_P(EveryPlanner, TheSameSeedGivesTheSamePath) {
@@ -290,6 +306,41 @@ TEST(PlanTest, BadInputIsRefused) {
   EXPECT_THAT(message({0.0}, With("birrt")), testing::HasSubstr("2"));
   EXPECT_NE(message({0.0, NAN}, With("birrt")), "");
   EXPECT_THAT(message({-1.0, 0.0}, With("birrt-x")), testing::HasSubstr("birrt-pdg"));
+}
+
+TEST(ConfigurationSpaceTest, APartOfAMotionHasThatPartOfItsLength) {
+  const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
+    <body><freejoint/><geom size=".1"/><geom size=".05" pos=".4 .1 0"/>
+      <body pos=".3 0 0"><joint type="ball"/><geom type="capsule" size=".03" fromto="0 0 0 .2 0 .1"/>
+        <body pos=".2 0 .1"><joint axis="0 1 0"/><geom type="box" size=".1 .05 .02" pos=".1 0 0"/>
+          <body pos=".2 0 0"><joint type="slide" axis="1 0 1"/><geom size=".04"/>
+      </body></body></body></body></worldbody></mujoco>)");
+  const VectorXd q0 = ToEigen(scene.DefaultQpos());
+  const ConfigurationSpace space(scene, {}, q0, q0);
+  ompl::RNG rng(5);
+  VectorXd from, to, part;
+  for (int trial = 0; trial < 100; ++trial) {
+    space.Sample(rng, from);
+    space.Sample(rng, to);
+    const double t = rng.uniform01(), length = space.Length(to, from);
+    ASSERT_GT(length, 0.0);
+    space.Interpolate(from, to, t, part);
+    EXPECT_NEAR(space.Length(to, part), (1.0 - t) * length, 1e-9 * length);
+    space.Interpolate(to, from, 1e-4, part);
+    EXPECT_NEAR(space.Length(to, part), space.Displacement(to, part), 1e-3 * 1e-4 * length);
+  }
+}
+
+TEST(PlanTest, EndsWhileATreeGrowsTowardsTheOther) {
+  const Scene scene = Scene::FromString(DiscAndGap(4.0));
+  PlanOptions options = With("birrt");
+  options.range = 1e-3;
+  int asked = 0;
+  options.go_on = [&asked] { return ++asked < 500; };
+  const Path path = Plan(scene, {-1.0, 0.0}, {1.0, 0.0}, options);
+  EXPECT_FALSE(path.found);
+  EXPECT_EQ(path.samples, 1);
+  EXPECT_LT(asked, 510);
 }
 
 TEST(PlanTest, EndsWhenAsked) {
