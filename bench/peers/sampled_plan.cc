@@ -47,11 +47,11 @@ std::shared_ptr<ConfigurationSpace> SpaceOf(const Scene& scene, const std::vecto
 }
 
 // What Planning::Keep in src/plan/plan.cc does to shorten a path.
-void Shorten(const ConfigurationSpace& space, og::PathGeometric& path) {
+void Shorten(og::PathGeometric& path) {
   og::PathSimplifier simplifier(path.getSpaceInformation());
   simplifier.reduceVertices(path);
   simplifier.shortcutPath(path);
-  simplifier.smoothBSpline(path, 2, space.getMaximumExtent() / 100.0);
+  simplifier.smoothBSpline(path, 2, 0.01);
   simplifier.reduceVertices(path);
 }
 
@@ -100,7 +100,7 @@ Path SampledPlan(const Scene& scene, const std::vector<double>& start,
   const auto problem = std::make_shared<ob::ProblemDefinition>(information);
   problem->setStartAndGoalStates(first, last);
   og::RRTConnect planner(information);
-  planner.setRange(options.range > 0.0 ? options.range : kRange * space->getMaximumExtent());
+  planner.setRange(options.range > 0.0 ? options.range / space->extent() : kRange);
   planner.setProblemDefinition(problem);
   planner.setup();
   planner.solve(ob::PlannerTerminationCondition([&] {
@@ -111,7 +111,7 @@ Path SampledPlan(const Scene& scene, const std::vector<double>& start,
   Path path;
   if (problem->hasExactSolution()) {
     og::PathGeometric found = *problem->getSolutionPath()->as<og::PathGeometric>();
-    Shorten(*space, found);
+    Shorten(found);
     Keep(*space, found, path);
   }
   ob::PlannerData data(information);
@@ -136,7 +136,7 @@ double DeepestOverlap(const Scene& scene, const Path& path, const Options& optio
     const std::span<const double> row(q.data(), static_cast<std::size_t>(q.size()));
     return verifier.IsFree(row) ? 0.0 : std::numeric_limits<double>::infinity();
   };
-  const double step = kDense * space->getMaximumExtent();
+  const double step = kDense * space->extent();
   double deepest = 0.0;
   VectorXd q;
   for (std::size_t k = 1; k < path.q.size(); ++k) {

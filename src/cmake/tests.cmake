@@ -100,9 +100,15 @@ if(MJCF_PDG_BUILD_TESTS)
     # Random models, configurations and damaged files by the thousand; a few are tests. Reads files as the program does.
     file(GLOB fuzz_sources CONFIGURE_DEPENDS tests/fuzz/*.cc)
     list(FILTER fuzz_sources EXCLUDE REGEX "/(fuzz|[a-z_]*_test)\\.cc$")
+    if(NOT plan)
+      list(FILTER fuzz_sources EXCLUDE REGEX "/planning_case\\.cc$")
+    endif()
     add_library(mjcf_pdg_fuzz STATIC EXCLUDE_FROM_ALL ${fuzz_sources}
                 apps/input/mapped_file.cc apps/input/npy.cc apps/input/qpos_file.cc apps/console/text.cc)
     target_link_libraries(mjcf_pdg_fuzz PUBLIC mjcf_pdg_test_support PRIVATE mjcf_pdg_mesh_import nlohmann_json::nlohmann_json)
+    if(plan)
+      target_link_libraries(mjcf_pdg_fuzz PUBLIC mjcf_pdg_plan)
+    endif()
     add_executable(fuzz EXCLUDE_FROM_ALL tests/fuzz/fuzz.cc)
     target_link_libraries(fuzz PRIVATE mjcf_pdg_fuzz GTest::gtest)
     # Tests that take minutes: cmake --build BUILD --target long_tests

@@ -37,7 +37,7 @@ class UniformSampler : public ob::StateSampler {
   void Towards(ob::State* state, const ob::State* from, double distance) {
     const VectorXd& q = ConfigurationSpace::Q(from);
     configurations_.Sample(rng_, target_);
-    const double whole = configurations_.Length(q, target_);
+    const double whole = configurations_.Length(q, target_) / configurations_.extent();
     const double t = whole > distance ? distance / whole : 1.0;
     configurations_.Interpolate(q, target_, t, ConfigurationSpace::Q(state));
   }
@@ -288,7 +288,7 @@ bool ConfigurationSpace::satisfiesBounds(const ob::State* state) const {
 void ConfigurationSpace::copyState(ob::State* to, const ob::State* from) const { Q(to) = Q(from); }
 
 double ConfigurationSpace::distance(const ob::State* a, const ob::State* b) const {
-  return Length(Q(b), Q(a));
+  return Length(Q(b), Q(a)) / extent_;
 }
 
 bool ConfigurationSpace::equalStates(const ob::State* a, const ob::State* b) const {

@@ -2,7 +2,7 @@
 //
 // Source: Tang & Kim, Sec. 6.3: planning with the object norm as the distance. Frozen joints keep
 // their values.
-// Differs from the paper: the distance is Length [m], which is √σ as long as nothing turns far. √σ
+// Differs from the paper: the distance is Length, which is √σ as long as nothing turns far. √σ
 // itself says how far bodies are from where they were, not how far they have to go: a hinge that is
 // a whole turn off is at no distance, and the way there, against a limit, leads off first. Trees
 // grew along such ways without end: on a KUKA iiwa, whose hinges turn by up to 340°, one of three
@@ -80,9 +80,13 @@ class ConfigurationSpace : public ompl::base::StateSpace {
   void Sample(ompl::RNG& rng, VectorXd& q) const;
   std::int64_t samples() const { return samples_; }  // drawn so far
 
-  // OMPL's questions.
+  // The largest √σ between random configurations [m], by 200 pairs.
+  double extent() const { return extent_; }
+
+  // OMPL's questions. Its distances are Lengths over extent(): OMPL compares them with numbers that
+  // are neither large nor small.
   unsigned int getDimension() const override;
-  double getMaximumExtent() const override { return extent_; }
+  double getMaximumExtent() const override { return 1.0; }
   double getMeasure() const override { return 1.0; }  // unknown, and no planner of ours asks
   bool isMetricSpace() const override { return false; }
   bool hasSymmetricDistance() const override { return false; }
@@ -111,7 +115,7 @@ class ConfigurationSpace : public ompl::base::StateSpace {
   const MocapPoses mocap_;
   const VectorXd base_;  // values of frozen joints
   VectorXd low_, high_;  // nq; of the entries that are no quaternions
-  double extent_ = 1.0;  // the largest √σ between random configurations [m]
+  double extent_ = 1.0;
   mutable NormEvaluator norm_;
   mutable EqualityConstraints equalities_;
   const bool straight_;

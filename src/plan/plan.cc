@@ -121,7 +121,7 @@ std::vector<VectorXd> Planning::Shorten(const std::vector<VectorXd>& corners) {
   og::PathSimplifier simplifier(information);
   if (!Ended()) simplifier.reduceVertices(path);
   if (!Ended()) simplifier.shortcutPath(path);
-  if (!Ended()) simplifier.smoothBSpline(path, 2, space_->getMaximumExtent() / 100.0);
+  if (!Ended()) simplifier.smoothBSpline(path, 2, 0.01);
   if (!Ended()) simplifier.reduceVertices(path);
   std::vector<VectorXd> shorter = Configurations(path);
   Straighten(shorter);

@@ -21,8 +21,8 @@ struct NamedPlanner {
   const RetractingRrtConnect* retracting = nullptr;  // the same, if it retracts
 };
 
-// `range` is the length of a step [m], the same for all that have one. Throws Error, which lists
-// the names, for an unknown one.
+// `range` is the length of a step, a share of the space's extent, the same for all that have one.
+// Throws Error, which lists the names, for an unknown one.
 NamedPlanner MakePlanner(const std::string& name, double range, const RetractionInput& input,
                          const ompl::base::SpaceInformationPtr& space);
 

@@ -97,7 +97,7 @@ class Searching {
     const auto problem = std::make_shared<ob::ProblemDefinition>(information);
     problem->setStartAndGoalStates(first, last);
 
-    const double range = options.range > 0.0 ? options.range : kRange * space->getMaximumExtent();
+    const double range = options.range > 0.0 ? options.range / space->extent() : kRange;
     const NamedPlanner named =
         MakePlanner(options.planner, range,
                     {input_.scene, options.options, space, prover, input_.clearance}, information);

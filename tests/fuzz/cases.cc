@@ -5,13 +5,10 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <optional>
 #include <stdexcept>
 
 #include "mjcf_pdg/pdg.h"
-#include "tests/fuzz/judge.h"
-#include "tests/fuzz/random_scene.h"
-#include "verify/verifier.h"
+#include "tests/fuzz/problem.h"
 
 namespace mjcf_pdg::test {
 namespace {
@@ -20,56 +17,6 @@ constexpr int kQueries = 300;  // budget of a solve
 
 void HandleMessage(const mjLogMessage* message) {
   if (message->level >= mjLOG_ERROR) throw std::runtime_error(message->subject);
-}
-
-bool Finite(const std::vector<double>& values) {
-  return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
-}
-
-bool Finite(const std::vector<Contact>& contacts) {
-  return std::all_of(contacts.begin(), contacts.end(), [](const Contact& c) {
-    return std::isfinite(c.distance) && std::isfinite(c.position_W[0] + c.position_W[1]) &&
-           std::isfinite(c.position_W[2] + c.normal_W[0] + c.normal_W[1] + c.normal_W[2]);
-  });
-}
-
-// A scene and a configuration of it.
-struct Problem {
-  RandomScene drawn;
-  std::optional<Scene> scene;  // none: it does not compile, or is refused
-  std::vector<double> q;
-  Options options;
-
-  explicit Problem(Random& rng) : drawn(DrawScene(rng)) {
-    try {
-      scene.emplace(Scene::FromString(drawn.xml));
-    } catch (const Error&) {
-      return;
-    }
-    q = DrawConfiguration(*scene->model(), drawn.scale, rng);
-    // The default tolerance is large for small scenes and small for large ones.
-    if (rng.Chance(0.5)) options.tolerance = std::clamp(1e-6 * drawn.scale, 1e-10, 1e-2);
-    options.seed = static_cast<std::uint64_t>(rng.Index(1000));
-  }
-
-  std::string Words() const {
-    return " in " + drawn.xml + " at " + Join(q.data(), static_cast<int>(q.size())) +
-           " with tolerance " + Join(&options.tolerance, 1);
-  }
-};
-
-// What the judge says against "q is free".
-std::string Refute(const Problem& problem, const std::vector<double>& q) {
-  Verifier verifier(problem.scene->verifier_model(), problem.options);
-  verifier.IsFree(q);
-  return Judge(*problem.scene->model())
-      .Refute(q, problem.options.tolerance, [&verifier](int geom1, int geom2) -> Eigen::Vector3d {
-        try {
-          return verifier.CertificateOf(geom1, geom2).n;
-        } catch (const Error&) {
-          return Eigen::Vector3d::Zero();  // no kept pair of the verifier's
-        }
-      });
 }
 
 std::string WrongResult(const Problem& problem, const Result& result) {

@@ -21,6 +21,10 @@ CaseOutcome VerdictCase(std::uint64_t seed);
 // says so, and no nearer than the lower bound.
 CaseOutcome SolvingCase(std::uint64_t seed);
 
+// ... from which a path to another is planned, by any planner: it ends in time, and the judge finds
+// nothing against places on the path.
+CaseOutcome PlanningCase(std::uint64_t seed);
+
 // MJCF, .npy, .csv, .jsonl or a mesh file with bytes that are changed, left out or repeated: it is
 // read as finite numbers or refused by an Error.
 CaseOutcome BytesCase(std::uint64_t seed);

@@ -1,7 +1,7 @@
 // Random cases by the thousand, each of its own seed: cmake --build BUILD --target fuzz, then
-// BUILD/fuzz verdict|solve|bytes COUNT [FIRST_SEED]. Cases run in child processes, so that one that
-// crashes, hangs or leaks (with the preset sanitize) is named by its seed and the others go on.
-// Exits with 1 if anything was wrong.
+// BUILD/fuzz verdict|solve|plan|bytes COUNT [FIRST_SEED]. Cases run in child processes, so that one
+// that crashes, hangs or leaks (with the preset sanitize) is named by its seed and the others go
+// on. Exits with 1 if anything was wrong.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -98,10 +98,13 @@ std::uint64_t RunSome(const char* name, Case run, std::uint64_t seed, std::uint6
 int main(int argc, char** argv) {
   const std::map<std::string, Case> cases = {{"verdict", mjcf_pdg::test::VerdictCase},
                                              {"solve", mjcf_pdg::test::SolvingCase},
+#ifdef MJCF_PDG_HAVE_PLAN
+                                             {"plan", mjcf_pdg::test::PlanningCase},
+#endif
                                              {"bytes", mjcf_pdg::test::BytesCase}};
   const auto found = cases.find(argc > 1 ? argv[1] : "");
   if (argc < 3 || found == cases.end()) {
-    std::fprintf(stderr, "usage: fuzz verdict|solve|bytes COUNT [FIRST_SEED]\n");
+    std::fprintf(stderr, "usage: fuzz verdict|solve|plan|bytes COUNT [FIRST_SEED]\n");
     return 2;
   }
   const std::uint64_t count = std::strtoull(argv[2], nullptr, 10);

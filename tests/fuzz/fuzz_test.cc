@@ -37,6 +37,13 @@ TEST(FuzzTest, SolvesOfRandomModelsAreFiniteAndNotFalselyFree) {
   EXPECT_GT(kinds["already free"], 5);
 }
 
+#ifdef MJCF_PDG_HAVE_PLAN
+TEST(FuzzTest, PathsOfRandomModelsEndInTimeAndAreFree) {
+  std::map<std::string, int> kinds = RunCases(PlanningCase, 40);
+  EXPECT_GT(kinds["found"], 10);
+}
+#endif
+
 TEST(FuzzTest, DamagedFilesAreReadAsNumbersOrRefused) {
   std::map<std::string, int> kinds = RunCases(BytesCase, 400);
   EXPECT_GT(kinds["refused"], 100);
