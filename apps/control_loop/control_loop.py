@@ -83,6 +83,7 @@ def simulate(model: mujoco.MjModel, robot: Robot, name: str, arguments: argparse
             error = np.sqrt(mjcf_pdg.object_norm(model, q_command, reached, **norm))
         qacc = float(np.max(np.abs(data.qvel[robot.dofs] - speed))) / TIMESTEP
         ticks.append(Tick(t, free.is_free(q_command), free.is_free(q), error, depth, force, qacc, seconds))
+    if hasattr(repair,'governor'): print(repair.governor.stat, repair.repaired, file=sys.stderr)
     return [tick for tick in ticks if tick.time > RAMP]
 
 
@@ -168,6 +169,10 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--steps", type=float, default=3.0, help="max_step over the targets' fastest step")
     parser.add_argument("--bandwidth", type=float, default=5.0, help="of shaped: its reference model's poles [1/s]")
     parser.add_argument("--cushion", type=float, default=0.03, help="of shaped, beyond the clearance [m]")
+    parser.add_argument("--acceleration", type=float, default=1.0)
+    parser.add_argument("--speed", type=float, default=1.0)
+    parser.add_argument("--far-steps", type=float, default=1.2)
+    parser.add_argument("--looks", type=int, default=12)
     parser.add_argument("--error-every", type=int, default=10, help="ticks between measurements of the error")
     parser.add_argument("--seed", type=int, default=0, help="of obstacles and sinusoids")
     parser.add_argument("--csv", help="every tick of every filter")

@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 
 import mjcf_pdg
+from governor import Governor, levers
 from robot import TIMESTEP, Robot, carrier, moves
 
 
@@ -136,6 +137,43 @@ class Shaped(Tracker):
         return q[robot.qpos] + (robot.resistance * speed + weight) / robot.stiffness
 
 
+class Governed(Tracker):
+    def __init__(self, model, robot, arguments):
+        super().__init__(model, robot, arguments)
+        cushion = arguments.cushion
+        self.far_tracker = self.tracker_with(model, arguments.clearance + cushion, arguments.far_steps)
+        self.guard = mjcf_pdg.Solver(model, **scene_options(model, robot, arguments.clearance + 0.5 * cushion))
+        self.far = robot.home
+        self.governor = Governor(robot, levers(model, robot), cushion, arguments.bandwidth,
+            arguments.acceleration*robot.hardest, arguments.speed * robot.fastest_step / TIMESTEP, arguments.looks, self.is_free)
+        self.model = model
+        self.repaired = 0
+
+    def is_free(self, servos):
+        self.asked[self.robot.qpos] = servos
+        return self.guard.is_free(self.asked)
+
+    def __call__(self, q, data):
+        result = self.far_tracker.step(q, data)
+        if result.free:
+            self.far = result.q
+        self.asked = q.copy()
+        x, self.v, self.a = self.governor.step(self.far[self.robot.qpos].copy())
+        shaped = q.copy()
+        shaped[self.robot.qpos] = x
+        out = super().__call__(shaped, data)
+        if np.abs(out[self.robot.qpos]-x).max() > 1e-9: self.repaired += 1
+        return out
+
+    def control(self, q, data):
+        robot = self.robot
+        weight = (data.qfrc_bias - data.qfrc_passive)[robot.dofs]
+        acc = np.zeros(self.model.nv); acc[robot.dofs] = self.a
+        force = np.zeros(self.model.nv)
+        mujoco.mj_mulM(self.model, data, force, acc)
+        return q[robot.qpos] + (robot.resistance * self.v + weight + force[robot.dofs]) / robot.stiffness
+
+
 class Mink(Filter):
     """https://github.com/kevinzakka/mink: a quadratic program a tick, with limits on how fast pairs come nearer."""
 
@@ -180,4 +218,4 @@ class MinkTuned(Mink):
     GAIN, DETECTION = 0.5, 0.05
 
 
-FILTERS = {"raw": Raw, "solve": Solve, "tracker": Tracker, "shaped": Shaped, "mink": Mink, "mink-tuned": MinkTuned}
+FILTERS = {"raw": Raw, "solve": Solve, "tracker": Tracker, "shaped": Shaped, "governed": Governed, "mink": Mink, "mink-tuned": MinkTuned}

@@ -31,6 +31,7 @@ class Robot:
         self.stiffness = model.actuator_gainprm[self.actuators, 0]
         self.resistance = -model.actuator_biasprm[self.actuators, 2]
         self.fastest_step = 2.0 * np.pi * float(np.max(self.frequency * self.reach)) * TIMESTEP
+        self.hardest = float(np.max((2.0 * np.pi * self.frequency) ** 2 * self.reach))
 
     @staticmethod
     def _is_servo(model: mujoco.MjModel, a: int) -> bool:
