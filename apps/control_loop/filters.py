@@ -81,9 +81,9 @@ class Tracker(Filter):
         self.tracker = self.tracker_with(model, arguments.clearance, arguments.steps)
         self.last = robot.home
 
-    def tracker_with(self, model: mujoco.MjModel, clearance: float, steps: float) -> mjcf_pdg.Tracker:
+    def tracker_with(self, model: mujoco.MjModel, clearance: float, steps: float, gain: float = 0.05) -> mjcf_pdg.Tracker:
         options = scene_options(model, self.robot, clearance)
-        tracker = mjcf_pdg.Tracker(model, max_step=steps * self.robot.fastest_step, **options)
+        tracker = mjcf_pdg.Tracker(model, max_step=steps * self.robot.fastest_step, switch_gain=gain, **options)
         tracker.reset(self.robot.home)
         return tracker
 
@@ -141,7 +141,7 @@ class Governed(Tracker):
     def __init__(self, model, robot, arguments):
         super().__init__(model, robot, arguments)
         cushion = arguments.cushion
-        self.far_tracker = self.tracker_with(model, arguments.clearance + cushion, arguments.far_steps)
+        self.far_tracker = self.tracker_with(model, arguments.clearance + cushion, arguments.far_steps, arguments.gain)
         self.guard = mjcf_pdg.Solver(model, **scene_options(model, robot, arguments.clearance + 0.5 * cushion))
         self.far = robot.home
         self.governor = Governor(robot, levers(model, robot), cushion, arguments.bandwidth,
@@ -154,7 +154,9 @@ class Governed(Tracker):
         return self.guard.is_free(self.asked)
 
     def __call__(self, q, data):
-        result = self.far_tracker.step(q, data)
+        ahead = q.copy()
+        ahead[self.robot.qpos] = self.governor.lead(q[self.robot.qpos])
+        result = self.far_tracker.step(ahead, data)
         if result.free:
             self.far = result.q
         self.asked = q.copy()

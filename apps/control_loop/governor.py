@@ -50,7 +50,7 @@ class Governor:
         self.c = np.zeros(n)      # v + w x
         self.r_last = self.s.copy()
         self.rv = np.zeros(n); self.ra = np.zeros(n)
-        self.trail = []
+        self.points = np.zeros((2048, n)); self.first = self.last = 0
         self.mode = 0
         self.plan = None
         # until exp(-wt)(1+wt) is 1e-4
@@ -65,51 +65,48 @@ class Governor:
         c = self.c * e   # v + w x = c e^{-wt}
         return x, c
 
-    def peaks_ok(self, x, c, margin=1.0):
-        """acceleration and speed peaks from state (x, c), t>=0"""
+    def within(self, x, c):
+        """Per joint: acceleration and speed stay within their limits from state (x, c) on."""
         w = self.w
-        a0 = w*w*x - 2*w*c
-        if np.abs(a0).max() > self.a_max*margin: return False
         with np.errstate(divide='ignore', invalid='ignore'):
             ta = np.where(c != 0, 3/w - x/c, -1.0)
             tv = np.where(c != 0, 2/w - x/c, -1.0)
         ta = np.where(ta > 0, ta, np.inf); tv = np.where(tv > 0, tv, np.inf)
-        if (np.abs(w*c)*np.exp(-w*ta)).max() > self.a_max*margin: return False
-        # v(t)= (c - w x - w c t)e^{-wt}; at tv: -c e^{-w tv}
-        if np.abs(c - w*x).max() > self.v_max: return True if False else bool(np.abs(c-w*x).max() <= self.v_max*1.0001)
-        return (np.abs(c)*np.exp(-w*tv)).max() <= self.v_max
+        a = np.maximum(np.abs(w*w*x - 2*w*c), np.abs(w*c)*np.exp(-w*ta))
+        v = np.maximum(np.abs(c - w*x), np.abs(c)*np.exp(-w*tv))
+        return (a <= self.a_max) & (v <= self.v_max)
 
+    SHARES = np.append(0.8**np.arange(0, 16), 0.0)[:, None]
     def step(self, r, feed_v=None):
-        self.observe(r)
+        if self.first == self.last or np.abs(self.points[self.last-1]-r).max() > 0.01:
+            if self.last == len(self.points):
+                keep = min(self.last - self.first, len(self.points)//2)
+                self.points[:keep] = self.points[self.last-keep:self.last].copy()
+                self.first, self.last = 0, keep
+            self.points[self.last] = r
+            self.last += 1
         self.advance_plan(r)
         self.x, self.c = self.state(TIMESTEP)
         return self.s + self.x, self.c - self.w*self.x, self.w*self.w*self.x - 2*self.w*self.c
 
     TAU = 0.02
-    def observe(self, r):
+    def lead(self, r):
         raw = (r - self.r_last)/TIMESTEP
         self.r_last = r
         d = (raw - self.rv)/self.TAU
         self.rv = self.rv + d*TIMESTEP
         self.ra = self.ra + (np.clip(d, -self.a_max, self.a_max) - self.ra)*TIMESTEP/self.TAU
-        if not self.trail or np.abs(self.trail[-1]-r).max() > 0.01:
-            self.trail.append(r.copy())
-            if len(self.trail) > 4000: del self.trail[0]
+        v = self.rv + self.TAU*self.ra
+        return r + 2/self.w*v + self.ra/self.w**2
 
     def candidate(self, mode, r, ahead):
         """target and what becomes of the trail if it's accepted"""
-        w = self.w
-        v = self.rv + self.TAU*self.ra
-        lead = r + v*(ahead + 2/w) + self.ra*(1/w/w)
-        if mode < 3: return self.s + 0.5**mode*(lead - self.s), mode == 0
-        if mode == 3: return r, True
-        if mode < 6: return self.s + 0.5**(mode-3)*(r - self.s), False
-        m = len(self.trail)
-        i = m >> (mode - 5)
-        return self.trail[i] if i else self.trail[0], i + 1
+        if mode < 4: return self.s + 0.5**mode*(r - self.s), mode == 0
+        i = (self.last - self.first) >> (mode - 3)
+        return self.points[self.first + i], False
 
     def modes(self):
-        return 6 + max(1, len(self.trail).bit_length())
+        return 4 + max(1, (self.last - self.first).bit_length())
 
     def begin(self, r):
         """a new candidate"""
@@ -119,10 +116,12 @@ class Governor:
             t = K*TIMESTEP
             x, c = self.state(t)
             target, reached = self.candidate(self.mode, r, t)
-            for k in range(6):
-                ds = 0.6**k*(target - self.s)
-                if self.peaks_ok(x - ds, c - self.w*ds): break
-            else:
+            ds = self.SHARES*(target - self.s)
+            ok = self.within(x - ds, c - self.w*ds)
+            best = np.argmax(ok, axis=0)
+            ds = np.where(ok.any(axis=0), ds[best, np.arange(len(x))], 0.0)
+            k = int(best.max() > 0)
+            if not ds.any():
                 self.stat['accel'] += 1
                 return None
             x, c = x - ds, c - self.w*ds
@@ -143,8 +142,11 @@ class Governor:
 
     def advance_plan(self, r):
         looks = self.looks
+        begun = False
         while looks > 0:
             if self.plan is None:
+                if begun: break
+                begun = True
                 self.plan = self.begin(r)
                 if self.plan is None:
                     self.mode = (self.mode + 1) % self.modes()
@@ -165,16 +167,12 @@ class Governor:
         if p['age'] == p['K']:
             assert p['left'] == 0
             self.plan_K = max(1, math.ceil(0.5*p['K']))
-            # the trail
-            old = self.s
-            if p['reached'] is True: self.trail = [r.copy()]
-            elif p['reached'] is False: self.trail.insert(0, old)
-            else: del self.trail[:p['reached']]
-            if not self.trail: self.trail=[r.copy()]
+            near = np.abs(self.points[self.first:self.last] - p['s']) @ self.lever.T
+            self.first += int(np.argmin(near.max(axis=1)))
             self.s, self.x, self.c = p['s'], p['x'], p['c']
             self.stat['accepted'] += 1
             self.stat['modes'][min(self.mode,15)] += 1
-            self.mode = 0 if self.mode < 6 else self.mode - 1
+            self.mode = 0 if self.mode < 4 else self.mode - 1
             self.plan = None
         else:
             p['age'] += 1

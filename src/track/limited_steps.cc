@@ -13,6 +13,7 @@ namespace limited = tuning::limited;
 // `at` stays free.
 void TrackerCore::GoOn() {
   if (detour->planted() && !going) detour->Ends(at, optimum);
+  advanced = true;
   if (going && GoAlong()) return;
   if (approach.Ticks(at, optimum) <= limited::kStraight && GoTowards(optimum)) {
     detour->Reset();
@@ -23,6 +24,7 @@ void TrackerCore::GoOn() {
     if (SlideTowards(optimum)) return;
     unslid = tune::kBlocked;
   }
+  advanced = false;
   GoBeside();
   if (work.norm.Sigma(at) <= work.norm.Sigma(optimum)) {
     optimum = at;
