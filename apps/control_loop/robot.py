@@ -61,7 +61,7 @@ def load(path: str, arguments: argparse.Namespace) -> tuple[mujoco.MjModel, Robo
         at = robot.home[model.jnt_qposadr[joint] :]
         if model.jnt_type[joint] == int(mujoco.mjtJoint.mjJNT_FREE):
             weld = spec.add_equality(type=mujoco.mjtEq.mjEQ_WELD, objtype=mujoco.mjtObj.mjOBJ_BODY)
-            weld.name1, weld.name2 = model.body(int(model.jnt_bodyid[joint])).name, "world"
+            weld.name1, weld.name2 = "world", model.body(int(model.jnt_bodyid[joint])).name
             weld.data[:11] = [0, 0, 0, *at[:7], 1]
         elif model.jnt_type[joint] in SCALARS:
             brake = spec.add_equality(type=mujoco.mjtEq.mjEQ_JOINT, objtype=mujoco.mjtObj.mjOBJ_JOINT)
