@@ -5,8 +5,8 @@
 
 Every joint that has a position actuator follows a sinusoid through obstacles, which are put where the robot comes by.
 Each tick's targets go to the servos as they are (raw), through a solve (solve), through a Tracker (tracker), through two
-of them with a reference model between that rounds corners (shaped), or through the collision avoidance of mink (mink,
-as documented; mink-tuned; both need `pip install mink daqp`). MuJoCo simulates each of them from the same start; what it
+of them with a reference governor between that bounds accelerations (governed), or through the collision avoidance of
+mink (mink, as documented; mink-tuned; both need `pip install mink daqp`). MuJoCo simulates each of them from the same start; what it
 measures is printed as a table, and written as CSV and PNG where asked for.
 """
 
@@ -99,7 +99,6 @@ def simulate(model: mujoco.MjModel, robot: Robot, name: str, arguments: argparse
             error = np.sqrt(mjcf_pdg.object_norm(model, q_command, reached, **norm))
         qacc = float(np.max(np.abs(data.qvel[robot.dofs] - speed))) / TIMESTEP
         ticks.append(Tick(t, free.is_free(q_command), free.is_free(q), error, depth, force, qacc, seconds))
-    if hasattr(repair,'governor'): print(repair.governor.stat, repair.repaired, file=sys.stderr)
     return [tick for tick in ticks if tick.time > RAMP]
 
 
@@ -183,13 +182,11 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--amplitude", type=float, default=0.35, help="of the sinusoids, share of a joint's range")
     parser.add_argument("--clearance", type=float, default=0.002, help="that filters keep, for the servos' errors [m]")
     parser.add_argument("--steps", type=float, default=3.0, help="max_step over the targets' fastest step")
-    parser.add_argument("--bandwidth", type=float, default=5.0, help="of shaped: its reference model's poles [1/s]")
-    parser.add_argument("--cushion", type=float, default=0.03, help="of shaped, beyond the clearance [m]")
-    parser.add_argument("--acceleration", type=float, default=0.9)
-    parser.add_argument("--speed", type=float, default=1.0)
-    parser.add_argument("--far-steps", type=float, default=2.0)
-    parser.add_argument("--gain", type=float, default=0.05)
-    parser.add_argument("--looks", type=int, default=12)
+    parser.add_argument("--bandwidth", type=float, default=6.0, help="of governed: its reference model's poles [1/s]")
+    parser.add_argument("--cushion", type=float, default=0.1,
+                        help="of governed, beyond the clearance, share of a typical link's radius")  # fmt: skip
+    parser.add_argument("--acceleration", type=float, default=0.9, help="of governed, over the targets' hardest")
+    parser.add_argument("--looks", type=int, default=8, help="of governed: poses ahead that a tick asks about")
     parser.add_argument("--error-every", type=int, default=10, help="ticks between measurements of the error")
     parser.add_argument("--seed", type=int, default=0, help="of obstacles and sinusoids")
     parser.add_argument("--csv", help="every tick of every filter")

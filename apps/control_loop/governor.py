@@ -1,3 +1,13 @@
+"""A reference governor: turns where a robot should be, which may jump, into a motion of bounded speed and acceleration.
+
+Source: Garone, Di Cairano & Kolmanovsky, Reference and command governors for systems with constraints: A survey on
+theory and applications (Automatica 75, 2017): a setpoint goes towards the target as far as the motion that it causes,
+predicted until it rests, keeps all constraints; what was admissible stays so.
+Differs from it: each joint's part of the setpoint's step is cut for itself; a prediction is looked at in several ticks
+and begins when that is done; where the straight way is blocked, the setpoint goes along a trail of earlier targets.
+"""
+
+import dataclasses
 import math
 from collections.abc import Callable
 
@@ -8,171 +18,187 @@ from robot import TIMESTEP, Robot
 
 
 def levers(model: mujoco.MjModel, robot: Robot) -> np.ndarray:
-    """(pairs, servos): a row times how far the servos move bounds what two geoms can move against each other [m/rad or 1].
+    """(pairs, servos): a row times how far the servos move bounds how far two geoms move against each other [m].
 
-    Rows are of pairs of branches of the tree of bodies, and of a branch and the world.
+    A row is of two branches of the tree of bodies, or of one and the world: only joints of one of the two part them. An
+    entry is the farthest distance from the joint to what it carries, however that is bent [m/rad], or 1 for a slide.
     """
-    reach: dict[int, float] = {}  # from a body's origin to the farthest point that it carries
+    reach: dict[int, float] = {}  # from a body's frame to the farthest point that it carries [m]
     for body in range(model.nbody - 1, 0, -1):
-        geoms = range(model.body_geomadr[body], model.body_geomadr[body] + model.body_geomnum[body])
-        far = [float(np.linalg.norm(model.geom_pos[g])) + float(model.geom_rbound[g]) for g in geoms]
-        joints = range(model.body_jntadr[body], model.body_jntadr[body] + model.body_jntnum[body])
-        slides = [np.abs(model.jnt_range[j]).max() for j in joints if model.jnt_type[j] == mujoco.mjtJoint.mjJNT_SLIDE]
-        below = [reach[c] + float(np.linalg.norm(model.body_pos[c])) for c in reach if model.body_parentid[c] == body]
-        reach[body] = max(far + below, default=0.0) + float(sum(slides))
-    lever = np.ones(len(robot.dofs))
-    for k, dof in enumerate(robot.dofs):
-        joint = int(model.dof_jntid[dof])
-        if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE:
-            lever[k] = reach[int(model.jnt_bodyid[joint])] + float(np.linalg.norm(model.jnt_pos[joint]))
-    branches: set[tuple[bool, ...]] = {(False,) * len(lever)}
-    for body in range(1, model.nbody):
-        above = set()
-        while body:
-            above.add(body)
-            body = int(model.body_parentid[body])
-        branches.add(tuple(int(model.dof_bodyid[d]) in above for d in robot.dofs))
-    between = {tuple(np.not_equal(a, b)) for a in branches for b in branches}
-    rows = np.array(sorted(between), dtype=float) * lever
+        geoms = np.arange(model.body_geomnum[body]) + model.body_geomadr[body]
+        own = [float(np.linalg.norm(model.geom_pos[g]) + model.geom_rbound[g]) for g in geoms]
+        below = [far + float(np.linalg.norm(model.body_pos[b])) for b, far in reach.items()
+                 if model.body_parentid[b] == body]  # fmt: skip
+        joints = np.arange(model.body_jntnum[body]) + model.body_jntadr[body]
+        slides = [float(np.abs(model.jnt_range[j]).max()) for j in joints if is_slide(model, j)]
+        reach[body] = max(own + below, default=0.0) + sum(slides)
+    joints = [int(j) for j in model.dof_jntid[robot.dofs]]
+    lever = [1.0 if is_slide(model, j) else reach[int(model.jnt_bodyid[j])] + float(np.linalg.norm(model.jnt_pos[j]))
+             for j in joints]  # fmt: skip
+    branches = {tuple(carries(model, int(b), body) for b in model.jnt_bodyid[joints]) for body in range(model.nbody)}
+    rows = np.array(sorted({tuple(np.not_equal(a, b)) for a in branches for b in branches})) * lever
     return rows[[not any((other >= row).all() and (other > row).any() for other in rows) for row in rows]]
 
 
+def is_slide(model: mujoco.MjModel, joint: int) -> bool:
+    return bool(model.jnt_type[joint] == int(mujoco.mjtJoint.mjJNT_SLIDE))
+
+
+def carries(model: mujoco.MjModel, above: int, body: int) -> bool:
+    while body and body != above:
+        body = int(model.body_parentid[body])
+    return body == above
+
+
+@dataclasses.dataclass(frozen=True)
+class Limits:
+    bandwidth: float  # the reference model's poles [1/s]
+    acceleration: float  # of a joint [rad/s² or m/s²]
+    speed: float  # of a joint [rad/s or m/s]
+    gap: float  # what is looked at leaves no geom farther from the next look than this [m]
+    looks: int  # configurations that are looked at in a tick, at most
+
+
+@dataclasses.dataclass
+class Candidate:
+    """A setpoint's next place, which it takes in so many ticks if all poses of the motion from then on are free."""
+
+    setpoint: np.ndarray
+    offset: np.ndarray
+    rate: np.ndarray
+    poses: np.ndarray  # (left to look at, servos), the last is looked at first
+    ticks: int
+    age: int = 0
+
+
 class Governor:
-    GRID = 128
-    def __init__(self, robot, lever, cushion, bandwidth, acceleration, speed, looks, is_free):
-        self.w = bandwidth
-        self.a_max = acceleration
-        self.v_max = speed
-        self.lever, self.cushion, self.looks, self.is_free = lever, cushion, looks, is_free
-        n = len(robot.qpos)
-        self.s = robot.home[robot.qpos].copy()
-        self.x = np.zeros(n)      # q - s
-        self.c = np.zeros(n)      # v + w x
-        self.r_last = self.s.copy()
-        self.rv = np.zeros(n); self.ra = np.zeros(n)
-        self.points = np.zeros((2048, n)); self.first = self.last = 0
-        self.mode = 0
-        self.plan = None
-        # until exp(-wt)(1+wt) is 1e-4
-        u = np.linspace(0.0, 1.0, self.GRID)
-        self.grid = 12.0 / self.w * u * u
-        self.decay = np.exp(-self.w * self.grid)
-        self.stat = dict(tries=0, fails=0, accepted=0, accel=0, modes=np.zeros(16,int), samples=0, mod2=np.zeros(16,int))
+    """Its reference model, critically damped, is at setpoint + (offset + rate·t)·exp(-bandwidth·t) in t seconds.
 
-    def state(self, t):
-        e = math.exp(-self.w * t)
-        x = (self.x + self.c * t) * e
-        c = self.c * e   # v + w x = c e^{-wt}
-        return x, c
+    That motion is looked at until it rests before a setpoint is taken, at poses no farther apart than `gap`. If
+    `is_free` keeps half of the gap, all of it is free, among obstacles that stand; so the robot may rest at any time.
+    """
 
-    def within(self, x, c):
-        """Per joint: acceleration and speed stay within their limits from state (x, c) on."""
-        w = self.w
-        with np.errstate(divide='ignore', invalid='ignore'):
-            ta = np.where(c != 0, 3/w - x/c, -1.0)
-            tv = np.where(c != 0, 2/w - x/c, -1.0)
-        ta = np.where(ta > 0, ta, np.inf); tv = np.where(tv > 0, tv, np.inf)
-        a = np.maximum(np.abs(w*w*x - 2*w*c), np.abs(w*c)*np.exp(-w*ta))
-        v = np.maximum(np.abs(c - w*x), np.abs(c)*np.exp(-w*tv))
-        return (a <= self.a_max) & (v <= self.v_max)
+    GRID = 128  # times at which a predicted motion is known
+    SETTLED = 12.0  # it rests when so many time constants are over: (1 + 12)·exp(-12) is 8e-5
+    SHARES = np.append(0.8 ** np.arange(16), 0.0)[:, np.newaxis]  # of a joint's step to the target that are tried
+    TRAIL = 2048  # earlier targets that are known
+    SMOOTH = 0.02  # time constant for the command's speed and acceleration [s]
 
-    SHARES = np.append(0.8**np.arange(0, 16), 0.0)[:, None]
-    def step(self, r, feed_v=None):
-        if self.first == self.last or np.abs(self.points[self.last-1]-r).max() > 0.01:
-            if self.last == len(self.points):
-                keep = min(self.last - self.first, len(self.points)//2)
-                self.points[:keep] = self.points[self.last-keep:self.last].copy()
-                self.first, self.last = 0, keep
-            self.points[self.last] = r
-            self.last += 1
-        self.advance_plan(r)
-        self.x, self.c = self.state(TIMESTEP)
-        return self.s + self.x, self.c - self.w*self.x, self.w*self.w*self.x - 2*self.w*self.c
+    def __init__(self, home: np.ndarray, lever: np.ndarray, limits: Limits, is_free: Callable[[np.ndarray], bool]):
+        self.lever, self.limits, self.is_free = lever, limits, is_free
+        self.setpoint = home.copy()
+        self.offset, self.rate = np.zeros_like(home), np.zeros_like(home)
+        self.command, self.command_speed, self.command_acceleration = home.copy(), self.offset, self.offset
+        self.trail, self.first, self.last = np.zeros((self.TRAIL, len(home))), 0, 0
+        self.attempt = 0  # which target is tried, see _target
+        self.candidate: Candidate | None = None
+        self.ticks = 1  # that the next candidate may take
+        self.times = np.linspace(0.0, 1.0, self.GRID)[:, np.newaxis] ** 2 * self.SETTLED / limits.bandwidth
+        self.decay = np.exp(-limits.bandwidth * self.times)
 
-    TAU = 0.02
-    def lead(self, r):
-        raw = (r - self.r_last)/TIMESTEP
-        self.r_last = r
-        d = (raw - self.rv)/self.TAU
-        self.rv = self.rv + d*TIMESTEP
-        self.ra = self.ra + (np.clip(d, -self.a_max, self.a_max) - self.ra)*TIMESTEP/self.TAU
-        v = self.rv + self.TAU*self.ra
-        return r + 2/self.w*v + self.ra/self.w**2
+    def lead(self, command: np.ndarray) -> np.ndarray:
+        """Where the setpoint would have to be for the model to be at a command that goes on as it does."""
+        raw = (command - self.command) / TIMESTEP
+        self.command = command.copy()
+        change = (raw - self.command_speed) / self.SMOOTH
+        self.command_speed = self.command_speed + change * TIMESTEP
+        bounded = np.clip(change, -self.limits.acceleration, self.limits.acceleration)
+        self.command_acceleration = self.command_acceleration + (bounded - self.command_acceleration) * (
+            TIMESTEP / self.SMOOTH
+        )
+        speed = self.command_speed + self.SMOOTH * self.command_acceleration
+        w = self.limits.bandwidth
+        return command + 2.0 / w * speed + self.command_acceleration / w**2
 
-    def candidate(self, mode, r, ahead):
-        """target and what becomes of the trail if it's accepted"""
-        if mode < 4: return self.s + 0.5**mode*(r - self.s), mode == 0
-        i = (self.last - self.first) >> (mode - 3)
-        return self.points[self.first + i], False
+    def step(self, target: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """A tick towards a free target that moves without jumps: position, speed and acceleration of the servos."""
+        self._remember(target)
+        self._look(target)
+        self.offset, self.rate = self._in(TIMESTEP)
+        w = self.limits.bandwidth
+        speed = self.rate - w * self.offset
+        return self.setpoint + self.offset, speed, w**2 * self.offset - 2.0 * w * self.rate
 
-    def modes(self):
-        return 4 + max(1, (self.last - self.first).bit_length())
+    def _in(self, seconds: float) -> tuple[np.ndarray, np.ndarray]:
+        """Offset and rate then."""
+        decay = math.exp(-self.limits.bandwidth * seconds)
+        return (self.offset + self.rate * seconds) * decay, self.rate * decay
 
-    def begin(self, r):
-        """a new candidate"""
-        self.stat['tries'] += 1
-        K = self.plan_K if hasattr(self, 'plan_K') else 2
-        for attempt in range(3):
-            t = K*TIMESTEP
-            x, c = self.state(t)
-            target, reached = self.candidate(self.mode, r, t)
-            ds = self.SHARES*(target - self.s)
-            ok = self.within(x - ds, c - self.w*ds)
-            best = np.argmax(ok, axis=0)
-            ds = np.where(ok.any(axis=0), ds[best, np.arange(len(x))], 0.0)
-            k = int(best.max() > 0)
-            if not ds.any():
-                self.stat['accel'] += 1
+    def _remember(self, target: np.ndarray) -> None:
+        apart = 4.0 * self.limits.speed * TIMESTEP
+        if self.first < self.last and np.abs(self.trail[self.last - 1] - target).max() <= apart:
+            return
+        if self.last == self.TRAIL:
+            kept = min(self.last - self.first, self.TRAIL // 2)
+            self.trail[:kept] = self.trail[self.last - kept :].copy()
+            self.first, self.last = 0, kept
+        self.trail[self.last] = target
+        self.last += 1
+
+    def _target(self, target: np.ndarray) -> np.ndarray:
+        """The target, points on the straight way there, and then ever earlier ones of the trail."""
+        straight = 4
+        if self.attempt < straight:
+            return self.setpoint + 0.5**self.attempt * (target - self.setpoint)
+        return self.trail[self.first + ((self.last - self.first) >> (self.attempt - straight + 1))]
+
+    def _next_attempt(self) -> None:
+        self.candidate = None
+        self.attempt = (self.attempt + 1) % (4 + (self.last - self.first).bit_length())
+
+    def _look(self, target: np.ndarray) -> None:
+        """Goes on with the candidate, or begins one, and takes it when its time has come."""
+        if self.candidate is None:
+            self.candidate = self._propose(self._target(target))
+            if self.candidate is None:
+                return self._next_attempt()
+        candidate = self.candidate
+        for _ in range(min(self.limits.looks, len(candidate.poses))):
+            pose, candidate.poses = candidate.poses[-1], candidate.poses[:-1]
+            if not self.is_free(pose):
+                return self._next_attempt()
+        if candidate.age == candidate.ticks:
+            self._take(candidate)
+        candidate.age += 1
+
+    def _take(self, candidate: Candidate) -> None:
+        self.setpoint, self.offset, self.rate = candidate.setpoint, candidate.offset, candidate.rate
+        apart = np.abs(self.trail[self.first : self.last] - self.setpoint) @ self.lever.T
+        self.first += int(np.argmin(apart.max(axis=1)))
+        self.attempt = 0
+        self.ticks = max(1, candidate.ticks // 2)
+        self.candidate = None
+
+    def _propose(self, target: np.ndarray) -> Candidate | None:
+        """The largest step of the setpoint that the limits allow; None if that is none, or takes too many looks."""
+        for _ in range(3):
+            offset, rate = self._in(self.ticks * TIMESTEP)
+            steps = self.SHARES * (target - self.setpoint)
+            allowed = self._within_limits(offset - steps, rate - self.limits.bandwidth * steps)
+            step = np.where(allowed.any(axis=0), steps[np.argmax(allowed, axis=0), np.arange(len(target))], 0.0)
+            if not step.any():
                 return None
-            x, c = x - ds, c - self.w*ds
-            s = self.s + ds
-            Q = (x[None] + c[None]*self.grid[:,None])*self.decay[:,None]
-            moved = (np.abs(np.diff(Q, axis=0)) @ self.lever.T).max(axis=1)
-            cum = np.concatenate([[0], np.cumsum(moved)])
-            pieces = (cum/self.cushion).astype(int)
-            picks = np.flatnonzero(np.diff(pieces)) + 0
-            picks = np.append(picks[picks>0], self.GRID-1)
-            need = math.ceil(len(picks)/self.looks)
-            if need <= K:
-                self.stat['samples'] += len(picks)
-                if k > 0: reached = False
-                return dict(K=K, s=s, x=x, c=c, Q=Q[picks]+s, left=len(picks), reached=reached, age=0)
-            K = need + 1
+            offset, rate, setpoint = offset - step, rate - self.limits.bandwidth * step, self.setpoint + step
+            poses = setpoint + self._poses(offset, rate)
+            if len(poses) <= self.ticks * self.limits.looks:
+                return Candidate(setpoint, offset, rate, poses, self.ticks)
+            self.ticks = 1 + math.ceil(len(poses) / self.limits.looks)
         return None
 
-    def advance_plan(self, r):
-        looks = self.looks
-        begun = False
-        while looks > 0:
-            if self.plan is None:
-                if begun: break
-                begun = True
-                self.plan = self.begin(r)
-                if self.plan is None:
-                    self.mode = (self.mode + 1) % self.modes()
-                    break
-            p = self.plan
-            while looks > 0 and p['left'] > 0:
-                looks -= 1
-                p['left'] -= 1
-                if not self.is_free(p['Q'][p['left']]):
-                    self.stat['fails'] += 1
-                    self.stat['mod2'][min(self.mode,15)] += 1
-                    self.plan = None
-                    self.mode = (self.mode + 1) % self.modes()
-                    break
-            if self.plan is not None and p['left'] == 0: break
-        p = self.plan
-        if p is None: return
-        if p['age'] == p['K']:
-            assert p['left'] == 0
-            self.plan_K = max(1, math.ceil(0.5*p['K']))
-            near = np.abs(self.points[self.first:self.last] - p['s']) @ self.lever.T
-            self.first += int(np.argmin(near.max(axis=1)))
-            self.s, self.x, self.c = p['s'], p['x'], p['c']
-            self.stat['accepted'] += 1
-            self.stat['modes'][min(self.mode,15)] += 1
-            self.mode = 0 if self.mode < 4 else self.mode - 1
-            self.plan = None
-        else:
-            p['age'] += 1
+    def _within_limits(self, offset: np.ndarray, rate: np.ndarray) -> np.ndarray:
+        """Whether a joint's acceleration and speed, which have one extremum beside that at the beginning, stay there."""
+        w = self.limits.bandwidth
+        with np.errstate(divide="ignore", invalid="ignore"):
+            turn = np.where(rate != 0.0, offset / rate, np.inf)  # of which the extrema are so long before
+        fastest, hardest = 2.0 / w - turn, 3.0 / w - turn  # [s]
+        later = lambda t: np.where(t > 0.0, np.exp(-w * np.maximum(t, 0.0)), 0.0)  # noqa: E731
+        speed = np.maximum(np.abs(rate - w * offset), np.abs(rate) * later(fastest))
+        acceleration = np.maximum(np.abs(w**2 * offset - 2.0 * w * rate), w * np.abs(rate) * later(hardest))
+        return (speed <= self.limits.speed) & (acceleration <= self.limits.acceleration)
+
+    def _poses(self, offset: np.ndarray, rate: np.ndarray) -> np.ndarray:
+        """Of a motion, relative to the setpoint, as many as the gap asks for, the last one at rest."""
+        motion = (offset + rate * self.times) * self.decay
+        moved = np.cumsum((np.abs(np.diff(motion, axis=0)) @ self.lever.T).max(axis=1))
+        ends = np.flatnonzero(np.diff(np.floor(moved / self.limits.gap), prepend=0.0))
+        return np.append(motion[ends], np.zeros((1, motion.shape[1])), axis=0)
