@@ -86,11 +86,13 @@ void TrackerCore::GoBeside() {
   if (work.Spent()) return;
   const LocalResult& found = own_side->Follow({at, true, Obstacles(), side_reach});
   const bool cut = found.free && approach.Cut(at, found.q) < 1.0;
+  const bool far = found.length > 0.5 * side_reach;
   if (cut || !found.free) {
     side_reach *= 0.5;
-  } else if (found.length > 0.5 * side_reach) {
+  } else if (far) {
     side_reach *= 2.0;
   }
+  lags = cut || far;
   if (found.free) GoTowards(found.q);
 }
 

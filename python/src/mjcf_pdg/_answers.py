@@ -59,8 +59,8 @@ class Result:
     switched: bool
     """Of a Tracker: the answer has left its optimum for another."""
     under_way: bool
-    """Of a Tracker with max_step or certify_motion: the answer is a step of the way to another optimum, or to a free
-    command, that is longer than a tick."""
+    """Of a Tracker with max_step or certify_motion: the answer is one of several on the way to another optimum, to a
+    free command, or to its own optimum, behind which it lags."""
     certified: bool
     """That q is free rests on signed distances: no SDF geom is in the scene."""
     proven: bool
