@@ -55,7 +55,7 @@ class Limits:
     bandwidth: float  # the reference model's poles [1/s]
     acceleration: float  # of a joint [rad/s² or m/s²]
     speed: float  # of a joint [rad/s or m/s]
-    gap: float  # what is looked at leaves no geom farther from the next look than this [m]
+    gap: float  # how far two geoms may move against each other between poses that are looked at [m]
     looks: int  # configurations that are looked at in a tick, at most
 
 
@@ -74,11 +74,12 @@ class Candidate:
 class Governor:
     """Its reference model, critically damped, is at setpoint + (offset + rate·t)·exp(-bandwidth·t) in t seconds.
 
-    That motion is looked at until it rests before a setpoint is taken, at poses no farther apart than `gap`. If
-    `is_free` keeps half of the gap, all of it is free, among obstacles that stand; so the robot may rest at any time.
+    That motion is looked at until it rests before a setpoint is taken, at poses no farther apart than about `gap`, but
+    at no more than GRID of them. If `is_free` keeps half of the gap, what lies between is free, too, where so many are
+    enough, and the robot may rest at any time. Obstacles stand meanwhile: what moves is for a tracker behind.
     """
 
-    GRID = 128  # times at which a predicted motion is known
+    GRID = 128  # times at which a predicted motion is known, closer where it is fast
     SETTLED = 12.0  # it rests when so many time constants are over: (1 + 12)·exp(-12) is 8e-5
     SHARES = np.append(0.8 ** np.arange(16), 0.0)[:, np.newaxis]  # of a joint's step to the target that are tried
     TRAIL = 2048  # earlier targets that are known
