@@ -4,10 +4,10 @@
     pip install . matplotlib && python3 apps/control_loop/control_loop.py models/puma/puma_car.xml --png puma.png
 
 Every joint that has a position actuator follows a sinusoid through obstacles, which are put where the robot comes by.
-Each tick's targets go to the servos as they are (raw), through a solve (solve), through a Tracker (tracker), through two
-of them with a reference governor between that bounds accelerations (governed), or through the collision avoidance of
-mink (mink, as documented; mink-tuned; both need `pip install mink daqp`). MuJoCo simulates each of them from the same start; what it
-measures is printed as a table, and written as CSV and PNG where asked for.
+Each tick's targets go to the servos as they are (raw), through a solve (solve), through a Tracker (tracker), through
+two of them with a reference governor between that bounds accelerations (governed), or through the collision avoidance
+of mink (mink, as documented; mink-tuned; both need `pip install mink daqp`). MuJoCo simulates each of them from the same
+start; what it measures is printed as a table, and written as CSV and PNG where asked for.
 """
 
 import argparse

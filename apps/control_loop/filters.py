@@ -97,9 +97,9 @@ class Tracker(Filter):
 class Governed(Tracker):
     """A tracker that keeps a cushion beyond the clearance, a governor, and the tracker that keeps the clearance.
 
-    The first tracker is sent where the command leads; its answers turn sharp corners and swing. The governor follows them
-    with the accelerations of the command, along motions that are free until they rest. The second tracker has work only
-    where obstacles move. The servos are told the speed, the acceleration and the weight that they will meet.
+    The first tracker is sent where the command leads; its answers turn sharp corners and swing. The governor follows
+    them with the accelerations of the command, along motions that are free until they rest. The second tracker has work
+    only where obstacles move. The servos are told the speed, the acceleration and the weight that they will meet.
     """
 
     FAR_STEPS = 2.0  # max_step of the first tracker, which leads, over the targets' fastest step

@@ -187,7 +187,7 @@ class Governor:
         return None
 
     def _within_limits(self, offset: np.ndarray, rate: np.ndarray) -> np.ndarray:
-        """Whether a joint's acceleration and speed, which have one extremum beside that at the beginning, stay there."""
+        """Whether a joint's acceleration and speed stay there; each has one extremum beside that at the beginning."""
         w = self.limits.bandwidth
         with np.errstate(divide="ignore", invalid="ignore"):
             turn = np.where(rate != 0.0, offset / rate, np.inf)  # of which the extrema are so long before
