@@ -209,19 +209,19 @@ void PrintRow(const std::string& path, const Arguments& a) {
   const Tally t = Track(*model, a, random);
   const double unit = Quantile(t.units, 0.5);
   const std::string name = path.substr(path.find_last_of('/') + 1);
-  std::printf("%-24s %6d %6zu %6.2f %5d %5.1f %6.1f %6.1f %6.1f %5.0f %5d %5d %5d %5d %6.3f %6.3f\n",
-              name.c_str(), a.ticks, t.ticks.size(), 100.0 * t.free / a.ticks, t.unsolved,
-              Quantile(t.free_ticks, 0.5) / unit, Quantile(t.ticks, 0.5) / unit,
-              Quantile(t.ticks, 0.99) / unit, Quantile(t.ticks, 1.0) / unit,
-              Quantile(t.queries, 1.0), t.jumps, t.switches, t.way, t.late, t.sigma / t.sigma_solved,
-              Quantile(t.worst_step, 1.0));
+  std::printf(
+      "%-24s %6d %6zu %6.2f %5d %5.1f %6.1f %6.1f %6.1f %5.0f %5d %5d %5d %5d %6.3f %6.3f\n",
+      name.c_str(), a.ticks, t.ticks.size(), 100.0 * t.free / a.ticks, t.unsolved,
+      Quantile(t.free_ticks, 0.5) / unit, Quantile(t.ticks, 0.5) / unit,
+      Quantile(t.ticks, 0.99) / unit, Quantile(t.ticks, 1.0) / unit, Quantile(t.queries, 1.0),
+      t.jumps, t.switches, t.way, t.late, t.sigma / t.sigma_solved, Quantile(t.worst_step, 1.0));
   std::fflush(stdout);
 }
 
 void Run(const Arguments& arguments) {
-  std::printf("%-24s %6s %6s %6s %5s %5s %6s %6s %6s %5s %5s %5s %5s %5s %6s %6s\n", "model", "ticks",
-              "overl.", "free%", "uns.", "free", "p50", "p99", "max", "quer.", "jumps", "switch", "way",
-              ">1ms", "sigma", "step");
+  std::printf("%-24s %6s %6s %6s %5s %5s %6s %6s %6s %5s %5s %5s %5s %5s %6s %6s\n", "model",
+              "ticks", "overl.", "free%", "uns.", "free", "p50", "p99", "max", "quer.", "jumps",
+              "switch", "way", ">1ms", "sigma", "step");
   const std::vector<std::string> models = arguments.models.empty() ? OwnModels() : arguments.models;
   for (const std::string& path : models) PrintRow(path, arguments);
 }
