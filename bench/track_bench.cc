@@ -138,7 +138,7 @@ ModelPtr WithObstacles(const std::string& path, const Arguments& a, Random& rand
 }
 
 struct Tally {
-  int free = 0, unsolved = 0, jumps = 0, switches = 0, late = 0;
+  int free = 0, unsolved = 0, jumps = 0, switches = 0, way = 0, late = 0;
   std::vector<double> ticks, free_ticks;  // of commands that overlap, of free ones [s]
   std::vector<double> queries, units, worst_step;
   double sigma = 0.0, sigma_solved = 0.0;  // over the ticks that were solved too [m²]
@@ -154,10 +154,11 @@ double Step(const Q& a, const Q& b) {
 void Count(const Scene& scene, const Q& command, const Q& last_command, const Q& last,
            const Result& result, Tally& tally) {
   tally.switches += result.switched;
+  tally.way += result.under_way;
   const double moved =
       std::sqrt(ObjectNorm(scene, Metric::kSequential, last_command).Sigma(command));
   const double answer = std::sqrt(ObjectNorm(scene, Metric::kSequential, last).Sigma(result.q));
-  tally.jumps += !result.switched && answer > 10.0 * moved + 1e-6;
+  tally.jumps += !result.switched && !result.under_way && answer > 10.0 * moved + 1e-6;
 }
 
 Tally Track(const mjModel& m, const Arguments& a, Random& random) {
@@ -208,19 +209,19 @@ void PrintRow(const std::string& path, const Arguments& a) {
   const Tally t = Track(*model, a, random);
   const double unit = Quantile(t.units, 0.5);
   const std::string name = path.substr(path.find_last_of('/') + 1);
-  std::printf("%-24s %6d %6zu %6.2f %5d %5.1f %6.1f %6.1f %6.1f %5.0f %5d %5d %5d %6.3f %6.3f\n",
-              name.c_str(), a.ticks, t.ticks.size(), 100.0 * t.free / a.ticks, t.unsolved,
-              Quantile(t.free_ticks, 0.5) / unit, Quantile(t.ticks, 0.5) / unit,
-              Quantile(t.ticks, 0.99) / unit, Quantile(t.ticks, 1.0) / unit,
-              Quantile(t.queries, 1.0), t.jumps, t.switches, t.late, t.sigma / t.sigma_solved,
-              Quantile(t.worst_step, 1.0));
+  std::printf(
+      "%-24s %6d %6zu %6.2f %5d %5.1f %6.1f %6.1f %6.1f %5.0f %5d %5d %5d %5d %6.3f %6.3f\n",
+      name.c_str(), a.ticks, t.ticks.size(), 100.0 * t.free / a.ticks, t.unsolved,
+      Quantile(t.free_ticks, 0.5) / unit, Quantile(t.ticks, 0.5) / unit,
+      Quantile(t.ticks, 0.99) / unit, Quantile(t.ticks, 1.0) / unit, Quantile(t.queries, 1.0),
+      t.jumps, t.switches, t.way, t.late, t.sigma / t.sigma_solved, Quantile(t.worst_step, 1.0));
   std::fflush(stdout);
 }
 
 void Run(const Arguments& arguments) {
-  std::printf("%-24s %6s %6s %6s %5s %5s %6s %6s %6s %5s %5s %5s %5s %6s %6s\n", "model", "ticks",
-              "overl.", "free%", "uns.", "free", "p50", "p99", "max", "quer.", "jumps", "switch",
-              ">1ms", "sigma", "step");
+  std::printf("%-24s %6s %6s %6s %5s %5s %6s %6s %6s %5s %5s %5s %5s %5s %6s %6s\n", "model",
+              "ticks", "overl.", "free%", "uns.", "free", "p50", "p99", "max", "quer.", "jumps",
+              "switch", "way", ">1ms", "sigma", "step");
   const std::vector<std::string> models = arguments.models.empty() ? OwnModels() : arguments.models;
   for (const std::string& path : models) PrintRow(path, arguments);
 }

@@ -4,10 +4,10 @@
     pip install . matplotlib && python3 apps/control_loop/control_loop.py models/puma/puma_car.xml --png puma.png
 
 Every joint that has a position actuator follows a sinusoid through obstacles, which are put where the robot comes by.
-Each tick's targets go to the servos as they are (raw), through a solve (solve), through a Tracker (tracker), through two
-of them with a reference model between that rounds corners (shaped), or through the collision avoidance of mink (mink,
-as documented; mink-tuned; both need `pip install mink daqp`). MuJoCo simulates each of them from the same start; what it
-measures is printed as a table, and written as CSV and PNG where asked for.
+Each tick's targets go to the servos as they are (raw), through a solve (solve), through a Tracker (tracker), through
+two of them with a reference governor between that bounds accelerations (governed), or through the collision avoidance
+of mink (mink, as documented; mink-tuned; both need `pip install mink daqp`). MuJoCo simulates each of them from the same
+start; what it measures is printed as a table, and written as CSV and PNG where asked for.
 """
 
 import argparse
@@ -22,7 +22,7 @@ import numpy as np
 
 import mjcf_pdg
 from filters import FILTERS, scene_options
-from robot import RAMP, TIMESTEP, Robot, carrier, load
+from robot import RAMP, SCALARS, TIMESTEP, Robot, carrier, load
 
 LATE = 1e-3  # a tick that takes longer misses its deadline [s]
 # The raw command moves freely from so long after its last contact and its last target that is not free [s].
@@ -56,6 +56,20 @@ def contacts_of_robot(model: mujoco.MjModel, data: mujoco.MjData, carriers: np.n
     return depth, force
 
 
+def see(model: mujoco.MjModel, data: mujoco.MjData, seen: mujoco.MjData) -> None:
+    """What filters are told of the simulation: its joints put inside their ranges, which MuJoCo holds softly.
+
+    A finger without a servo that is 1e-5 rad beyond its limit would make whatever the servos do count as not free.
+    """
+    seen.qpos[:] = data.qpos
+    for joint in range(model.njnt):
+        if model.jnt_limited[joint] and model.jnt_type[joint] in SCALARS:
+            at = model.jnt_qposadr[joint]
+            seen.qpos[at] = np.clip(seen.qpos[at], *model.jnt_range[joint])
+    seen.mocap_pos[:], seen.mocap_quat[:] = data.mocap_pos, data.mocap_quat
+    seen.eq_active[:] = data.eq_active
+
+
 def simulate(model: mujoco.MjModel, robot: Robot, name: str, arguments: argparse.Namespace) -> list[Tick]:
     options = scene_options(model, robot, 0.0)
     free = mjcf_pdg.Solver(model, **options)
@@ -64,13 +78,15 @@ def simulate(model: mujoco.MjModel, robot: Robot, name: str, arguments: argparse
     carriers = np.array([carrier(model, int(b), robot.bodies) for b in model.geom_bodyid])
     data = mujoco.MjData(model)
     data.qpos[:] = robot.home
+    seen = mujoco.MjData(model)
     ticks = []
     for k in range(arguments.ticks):
         t = k * TIMESTEP
-        q_command = data.qpos.copy()
+        see(model, data, seen)
+        q_command = seen.qpos.copy()
         q_command[robot.qpos] = robot.targets(t)
         begin = time.thread_time()
-        q = repair(q_command, data)
+        q = repair(q_command, seen)
         seconds = time.thread_time() - begin
         data.ctrl[robot.actuators] = repair.control(q, data)
         speed = data.qvel[robot.dofs]
@@ -166,8 +182,11 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--amplitude", type=float, default=0.35, help="of the sinusoids, share of a joint's range")
     parser.add_argument("--clearance", type=float, default=0.002, help="that filters keep, for the servos' errors [m]")
     parser.add_argument("--steps", type=float, default=3.0, help="max_step over the targets' fastest step")
-    parser.add_argument("--bandwidth", type=float, default=5.0, help="of shaped: its reference model's poles [1/s]")
-    parser.add_argument("--cushion", type=float, default=0.03, help="of shaped, beyond the clearance [m]")
+    parser.add_argument("--bandwidth", type=float, default=6.0, help="of governed: its reference model's poles [1/s]")
+    parser.add_argument("--cushion", type=float, default=0.1,
+                        help="of governed, beyond the clearance, share of a typical link's radius")  # fmt: skip
+    parser.add_argument("--acceleration", type=float, default=0.9, help="of governed, over the targets' hardest")
+    parser.add_argument("--looks", type=int, default=8, help="of governed: poses ahead that a tick asks about")
     parser.add_argument("--error-every", type=int, default=10, help="ticks between measurements of the error")
     parser.add_argument("--seed", type=int, default=0, help="of obstacles and sinusoids")
     parser.add_argument("--csv", help="every tick of every filter")

@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 
 import mjcf_pdg
+from governor import Governor, Limits, levers
 from robot import TIMESTEP, Robot, carrier, moves
 
 
@@ -93,47 +94,54 @@ class Tracker(Filter):
         return self.last
 
 
-class Shaped(Tracker):
-    """A tracker that keeps a cushion beyond the clearance, a reference model, and the tracker that keeps the clearance.
+class Governed(Tracker):
+    """A tracker that keeps a cushion beyond the clearance, a governor, and the tracker that keeps the clearance.
 
-    The first answers turn sharp corners where contacts begin and end. The reference model, a critically damped low-pass
-    of the second order, rounds them; where that cuts a corner by more than the cushion, the second tracker repairs it.
-    The servos are told the speed and the weight that they will meet, so that they neither lag nor sag.
+    The first tracker is sent where the command leads; its answers turn sharp corners and swing. The governor follows
+    them with the accelerations of the command, along motions that are free until they rest. The second tracker has work
+    only where obstacles move. The servos are told the speed, the acceleration and the weight that they will meet.
     """
+
+    FAR_STEPS = 2.0  # max_step of the first tracker, which leads, over the targets' fastest step
 
     def __init__(self, model: mujoco.MjModel, robot: Robot, arguments: argparse.Namespace):
         super().__init__(model, robot, arguments)
-        # No faster than the targets themselves: what it catches up with, the reference model must slow down again.
-        self.far_tracker = self.tracker_with(model, arguments.clearance + arguments.cushion, 1.0)
-        self.far = robot.home
-        self.bandwidth = arguments.bandwidth
-        self.reference = robot.home[robot.qpos]
-        self.speed = np.zeros_like(self.reference)
-        self.sent = self.reference  # the answer before
+        self.model = model
+        cushion = arguments.cushion * robot.size
+        self.far_tracker = self.tracker_with(model, arguments.clearance + cushion, self.FAR_STEPS)
+        self.guard = mjcf_pdg.Solver(model, **scene_options(model, robot, arguments.clearance + 0.5 * cushion))
+        self.far, self.asked = robot.home, robot.home.copy()
+        limits = Limits(
+            bandwidth=arguments.bandwidth,
+            acceleration=arguments.acceleration * robot.hardest,
+            speed=robot.fastest_step / TIMESTEP,
+            gap=cushion,
+            looks=arguments.looks,
+        )
+        self.governor = Governor(robot.home[robot.qpos], levers(model, robot), limits, self.is_free)
+
+    def is_free(self, servos: np.ndarray) -> bool:
+        self.asked[self.robot.qpos] = servos
+        return self.guard.is_free(self.asked)
 
     def __call__(self, q: np.ndarray, data: mujoco.MjData) -> np.ndarray:
-        self.sent = self.last[self.robot.qpos]
-        result = self.far_tracker.step(q, data)
+        servos = self.robot.qpos
+        self.asked = q.copy()
+        self.asked[servos] = self.governor.lead(q[servos])
+        result = self.far_tracker.step(self.asked, data)
         if result.free:
             self.far = result.q
-        self.follow(self.far[self.robot.qpos])
-        shaped = q.copy()
-        shaped[self.robot.qpos] = self.reference
-        return super().__call__(shaped, data)
-
-    def follow(self, target: np.ndarray) -> None:
-        """A tick of the reference model, exact while the target stands."""
-        behind = self.reference - target
-        rate = self.speed + self.bandwidth * behind
-        decay = np.exp(-self.bandwidth * TIMESTEP)
-        self.reference = target + (behind + rate * TIMESTEP) * decay
-        self.speed = (self.speed - self.bandwidth * rate * TIMESTEP) * decay
+        reference = q.copy()
+        reference[servos], self.speed, self.acceleration = self.governor.step(self.far[servos])
+        return super().__call__(reference, data)
 
     def control(self, q: np.ndarray, data: mujoco.MjData) -> np.ndarray:
         robot = self.robot
-        speed = (q[robot.qpos] - self.sent) / TIMESTEP
-        weight = (data.qfrc_bias - data.qfrc_passive)[robot.dofs]
-        return q[robot.qpos] + (robot.resistance * speed + weight) / robot.stiffness
+        inertia, acceleration = np.zeros(self.model.nv), np.zeros(self.model.nv)
+        acceleration[robot.dofs] = self.acceleration
+        mujoco.mj_mulM(self.model, data, inertia, acceleration)
+        force = (inertia + data.qfrc_bias - data.qfrc_passive)[robot.dofs]
+        return q[robot.qpos] + (robot.resistance * self.speed + force) / robot.stiffness
 
 
 class Mink(Filter):
@@ -180,4 +188,4 @@ class MinkTuned(Mink):
     GAIN, DETECTION = 0.5, 0.05
 
 
-FILTERS = {"raw": Raw, "solve": Solve, "tracker": Tracker, "shaped": Shaped, "mink": Mink, "mink-tuned": MinkTuned}
+FILTERS = {"raw": Raw, "solve": Solve, "tracker": Tracker, "governed": Governed, "mink": Mink, "mink-tuned": MinkTuned}

@@ -31,6 +31,7 @@ class Robot:
         self.stiffness = model.actuator_gainprm[self.actuators, 0]
         self.resistance = -model.actuator_biasprm[self.actuators, 2]
         self.fastest_step = 2.0 * np.pi * float(np.max(self.frequency * self.reach)) * TIMESTEP
+        self.hardest = float(np.max((2.0 * np.pi * self.frequency) ** 2 * self.reach))  # acceleration of the targets
 
     @staticmethod
     def _is_servo(model: mujoco.MjModel, a: int) -> bool:
@@ -60,7 +61,7 @@ def load(path: str, arguments: argparse.Namespace) -> tuple[mujoco.MjModel, Robo
         at = robot.home[model.jnt_qposadr[joint] :]
         if model.jnt_type[joint] == int(mujoco.mjtJoint.mjJNT_FREE):
             weld = spec.add_equality(type=mujoco.mjtEq.mjEQ_WELD, objtype=mujoco.mjtObj.mjOBJ_BODY)
-            weld.name1, weld.name2 = model.body(int(model.jnt_bodyid[joint])).name, "world"
+            weld.name1, weld.name2 = "world", model.body(int(model.jnt_bodyid[joint])).name
             weld.data[:11] = [0, 0, 0, *at[:7], 1]
         elif model.jnt_type[joint] in SCALARS:
             brake = spec.add_equality(type=mujoco.mjtEq.mjEQ_JOINT, objtype=mujoco.mjtObj.mjOBJ_JOINT)
@@ -87,7 +88,8 @@ def add_obstacles(spec, model: mujoco.MjModel, robot: Robot, count: int, rng: np
     data = mujoco.MjData(model)
     collides = (model.geom_contype | model.geom_conaffinity) != 0
     links = [g for g in range(model.ngeom) if collides[g] and moves(model, int(model.geom_bodyid[g]), robot.bodies)]
-    radius = 0.5 * float(np.mean(model.geom_rbound[links]))
+    robot.size = float(np.mean(model.geom_rbound[links]))
+    radius = 0.5 * robot.size
     data.qpos[:] = robot.home
     mujoco.mj_kinematics(model, data)
     home = data.geom_xpos[links].copy()

@@ -167,6 +167,9 @@ struct Result {
   // if the options ask for contacts or distances. SceneOptions::keep_margins leaves none.
   int pushed_pairs = 0;
   bool switched = false;  // Tracker: the answer has left its optimum for another
+  // Tracker: where steps are limited, this answer is one of several on the way to another optimum,
+  // to a free command, or to its own optimum, behind which it lags; that which arrives counts, too.
+  bool under_way = false;
   Stats stats;
 };
 

@@ -109,6 +109,7 @@ nb::dict ToDict(const Scene& scene, std::vector<double> q_in, const Result& resu
   d["contacts_kept"] = result.contacts_kept;
   d["pushed_pairs"] = result.pushed_pairs;
   d["switched"] = result.switched;
+  d["under_way"] = result.under_way;
   d["certified"] = result.certified;
   d["proven"] = IsProven(result);
   d["start"] = Text(result.start);

@@ -34,9 +34,10 @@ def test_no_joint_moves_farther_than_max_step(model):
     tracker.reset([-1.0, 0.0])
     last = np.array([-1.0, 0.0])
     for _ in range(50):
-        q = tracker.step([-1.0, 0.3]).q
-        assert np.abs(q - last).max() <= 0.01 + 1e-12
-        last = q
+        result = tracker.step([-1.0, 0.3])
+        assert np.abs(result.q - last).max() <= 0.01 + 1e-12
+        assert result.under_way == (last[1] != 0.3)
+        last = result.q
     assert last == pytest.approx([-1.0, 0.3])
 
 

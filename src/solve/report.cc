@@ -60,7 +60,7 @@ void Reporter::Clear(Result& result) {
   result.contacts_in.clear();
   result.contacts.clear();
   result.contacts_kept = result.pushed_pairs = 0;
-  result.switched = false;
+  result.switched = result.under_way = false;
   result.stats = {};
 }
 

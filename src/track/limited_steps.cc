@@ -13,6 +13,7 @@ namespace limited = tuning::limited;
 // `at` stays free.
 void TrackerCore::GoOn() {
   if (detour->planted() && !going) detour->Ends(at, optimum);
+  advanced = true;
   if (going && GoAlong()) return;
   if (approach.Ticks(at, optimum) <= limited::kStraight && GoTowards(optimum)) {
     detour->Reset();
@@ -23,6 +24,7 @@ void TrackerCore::GoOn() {
     if (SlideTowards(optimum)) return;
     unslid = tune::kBlocked;
   }
+  advanced = false;
   GoBeside();
   if (work.norm.Sigma(at) <= work.norm.Sigma(optimum)) {
     optimum = at;
@@ -84,11 +86,13 @@ void TrackerCore::GoBeside() {
   if (work.Spent()) return;
   const LocalResult& found = own_side->Follow({at, true, Obstacles(), side_reach});
   const bool cut = found.free && approach.Cut(at, found.q) < 1.0;
+  const bool far = found.length > 0.5 * side_reach;
   if (cut || !found.free) {
     side_reach *= 0.5;
-  } else if (found.length > 0.5 * side_reach) {
+  } else if (far) {
     side_reach *= 2.0;
   }
+  lags = cut || far;
   if (found.free) GoTowards(found.q);
 }
 

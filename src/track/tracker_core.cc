@@ -51,7 +51,7 @@ Status TrackerCore::Step(std::span<const double> q_command, Result& result) {
   const std::int64_t queries = core.Queries(), lcp_steps = LcpSteps();
   q_in.assign(q_command.begin(), q_command.end());
   command = Eigen::Map<const VectorXd>(q_in.data(), static_cast<Eigen::Index>(q_in.size()));
-  switched = false;
+  switched = advanced = lags = false;
   iterations = 0;
   if (started) {
     Tick(begin, result);
@@ -59,7 +59,10 @@ Status TrackerCore::Step(std::span<const double> q_command, Result& result) {
     First(result);
   }
   last_command = command;
+  const bool was_away = away;
+  away = at != optimum;
   result.switched = switched;
+  result.under_way = lags || (advanced && (away || was_away));
   result.stats.iterations += iterations;
   result.stats.collision_queries = static_cast<int>(core.Queries() - queries);
   result.stats.lcp_sweeps = static_cast<int>(LcpSteps() - lcp_steps);
@@ -116,7 +119,7 @@ void TrackerCore::Reset(std::span<const double> q) {
   at = optimum = Eigen::Map<const VectorXd>(q.data(), static_cast<Eigen::Index>(q.size()));
   last_command = at;
   obstacles_moved = true;  // nobody has asked whether q is free
-  on_command = lost = fleeing = false;
+  on_command = lost = fleeing = away = false;
   unslid = 0;
   started = true;
   blocked = 0;
@@ -293,6 +296,7 @@ void TrackerCore::Flee(Result& result) {
   fleeing = false;
   approach.Cut(at, optimum);
   at = approach.q();
+  advanced = true;
   start = Component::kMotionCoherence;
   if (Free(at)) return Answer(result);
   Stand(at, result);

@@ -92,6 +92,9 @@ struct TrackerCore {
   bool started = false, obstacles_moved = false, switched = false;
   bool on_command = false;  // the follower stands on the command
   bool fleeing = false;     // `optimum` is free, `at` is not, and max_step lies between
+  bool advanced = false;    // this tick led towards `optimum`, not beside
+  bool away = false;        // the last answer was not there
+  bool lags = false;        // this tick led to an optimum on its own side, but not all the way
   bool lost = false;        // nothing free is known, and this tick begins with a solve
   int moves = 0;            // how often obstacles had moved before this tick
   int iterations = 0;       // of this tick

@@ -63,6 +63,7 @@ TEST_F(TrackerServoTest, ServoingIntoCollisionAndOutAgainDoesNotJump) {
       const double moved =
           std::sqrt(ObjectNorm(scene, Metric::kSequential, last_command).Sigma(command));
       const double answer = std::sqrt(ObjectNorm(scene, Metric::kSequential, last).Sigma(result.q));
+      ASSERT_FALSE(result.under_way) << "nothing limits its steps";
       if (!result.switched) {
         ASSERT_LE(answer, 10.0 * moved + 1e-5) << jog << " " << k << " jumped";
       }
@@ -170,15 +171,21 @@ TEST_F(TrackerServoTest, AWayRoundAPocketIsFound) {
     tracker.Reset(Q{0.0, 0.0});
     Q last = {0.0, 0.0};
     const Q command = {1.0, 0.1};
-    int ticks = 0;
+    int ticks = 0, under_way = 0;
     for (; ticks < 3000 && last != command; ++ticks) {
       ASSERT_NE(tracker.Step(command, result), Status::kUnsolved) << ticks << result.reason;
       ASSERT_TRUE(Verify(scene, result.q).free) << ticks;
       ASSERT_LE(Step(last, result.q), options.max_step * (1.0 + 1e-9)) << ticks;
       ASSERT_LE(result.stats.collision_queries, options.queries) << ticks;
+      under_way += result.under_way;
       last = result.q;
     }
     EXPECT_EQ(last, command) << certify;
+    EXPECT_GT(under_way, 200) << certify;
+    EXPECT_LT(under_way, ticks) << "before a way is known it follows the optimum on its own side";
+    EXPECT_TRUE(result.under_way) << "with the tick that arrives";
+    tracker.Step(command, result);
+    EXPECT_FALSE(result.under_way) << "where it has arrived";
     EXPECT_LT(ticks, 1000) << "the shortest way takes 250 or so";
   }
 }

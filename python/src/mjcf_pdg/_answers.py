@@ -58,6 +58,9 @@ class Result:
     """Pairs nearer at q than their margin in the model, on which MuJoCo still pushes."""
     switched: bool
     """Of a Tracker: the answer has left its optimum for another."""
+    under_way: bool
+    """Of a Tracker with max_step or certify_motion: the answer is one of several on the way to another optimum, to a
+    free command, or to its own optimum, behind which it lags."""
     certified: bool
     """That q is free rests on signed distances: no SDF geom is in the scene."""
     proven: bool
