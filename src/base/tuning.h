@@ -31,7 +31,9 @@ inline constexpr double kMeshGap = 2e-6;
 
 // One linearized step of the local optimization (optimize/linearized_step.cc).
 namespace step {
-inline constexpr int kContacts = 48;          // pairs that get rows: the nearest, if there are more
+// Pairs that get rows, the nearest if there are more: so many, or as many as there are degrees of
+// freedom where these are more, for so many contacts may hold an optimum.
+inline constexpr int kContacts = 48;
 inline constexpr double kSamePoint = 1e-3;    // witness points nearer than this are the same [size]
 inline constexpr double kLimitReach = 0.5;    // limits of turns farther than this get no row [rad]
 inline constexpr double kSlideReach = 5.0;    // ... limits of slides [size]

@@ -115,7 +115,7 @@ void LocalOptimization::Step(Descent& d) {
   ClampToLimits(problem_.tables, next_);
   work_.equality.Project(next_);
   const double reach =
-      std::clamp(tune::kMarginPerStep * d.length, d.options.least_margin * problem_.size,
+      std::clamp(tune::kMarginPerStep * step_.LargestLength(), d.options.least_margin * problem_.size,
                  tune::kLargestMargin * problem_.size);
   Look(next_, reach, d.trial);
   Evaluate(reach, d.trial);

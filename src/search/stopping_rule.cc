@@ -16,11 +16,23 @@ bool IsOnTerrain(const SceneTables& tables, const std::vector<NearPair>& overlap
   });
 }
 
+// How many kinematic trees may move.
+int CountTrees(const SceneTables& tables) {
+  int trees = 0, last = -1;
+  for (const JointEntry& joint : tables.joints) {
+    const int tree = tables.model->body_treeid[joint.body];
+    trees += tree != last;
+    last = tree;
+  }
+  return std::max(1, trees);
+}
+
 }  // namespace
 
 void StoppingRule::Begin(const EffortPlan& plan, const StrategyInput& input, double depth,
                          bool meshes_overlap) {
   plan_ = plan;
+  plan_.queries /= CountTrees(work_.problem().tables);
   sigma_lower_bound_ = input.sigma_lower_bound;
   distances_at_input_ = input.distances_at_input;
   depth_ = depth;

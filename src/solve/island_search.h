@@ -114,6 +114,7 @@ class IslandSearch {
   Outcome outcome_;
   std::vector<double> q_;
   VectorXd composed_, accepted_;
+  VectorXd known_;  // where the search of an island that has grown begins (nq)
   Candidate pushed_;
   std::vector<double> of_hint_;
   Component start_ = Component::kNone;
