@@ -52,12 +52,12 @@ class BlockCholesky {
     }
   }
 
-  // The same for a vector that is 0 but for the entries of `range`, which `x` holds. The range begins
-  // and ends with blocks, all of them small.
+  // The same for a vector that is 0 but for the entries of `range`, which `x` holds. The range
+  // begins and ends with blocks, all of them small.
   void SolveLower(const ColumnRange& range, double* x) const {
-    const auto first = std::lower_bound(
-        blocks_->begin(), blocks_->end(), range.begin,
-        [](const ColumnRange& block, int begin) { return block.begin < begin; });
+    const auto first =
+        std::lower_bound(blocks_->begin(), blocks_->end(), range.begin,
+                         [](const ColumnRange& block, int begin) { return block.begin < begin; });
     for (auto b = first; b != blocks_->end() && b->begin < range.begin + range.size; ++b) {
       SolveSmall(*b, x + b->begin - range.begin);
     }
@@ -80,7 +80,6 @@ class BlockCholesky {
   static constexpr int kSmall = 6;
 
  private:
-
   void SolveSmall(const ColumnRange& b, double* x) const {
     for (int i = 0; i < b.size; ++i) {
       for (int k = 0; k < i; ++k) x[i] -= L_(b.begin + i, b.begin + k) * x[k];

@@ -46,9 +46,8 @@ void ForEachRange(const Support& support, const double* packed, Vector& x, const
 // v · x of a packed v.
 inline double Dot(const Support& support, const double* v, const Eigen::VectorXd& x) {
   double sum = 0.0;
-  ForEachRange(support, v, x, [&](const auto& packed, const auto& entries) {
-    sum += packed.dot(entries);
-  });
+  ForEachRange(support, v, x,
+               [&](const auto& packed, const auto& entries) { sum += packed.dot(entries); });
   return sum;
 }
 

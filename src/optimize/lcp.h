@@ -65,8 +65,7 @@ class ActiveSetLcp {
   void Reserve(int n, int m);
 
   LcpOutcome Solve(const ConstMatrixRef& G, const ConstVectorRef& b, const ConstVectorRef& mu,
-                   const LcpOptions& options, VectorRef lambda,
-                   const Packing& packing = {});
+                   const LcpOptions& options, VectorRef lambda, const Packing& packing = {});
 
  private:
   // Where a multiplier is: which sign its row's slack must not have.
@@ -86,9 +85,9 @@ class ActiveSetLcp {
   // Of arrays per row the first m_ entries are in use, of those per free row as many as free_ has.
   int n_ = 0, m_ = 0;
   std::span<const Support> supports_;  // empty: G is not packed
-  Eigen::ArrayXd side_;    // kLow, kFree or kHigh of each row
-  std::vector<int> free_;  // rows strictly between their bounds
-  Eigen::ArrayXd norms_;   // of G's columns
+  Eigen::ArrayXd side_;                // kLow, kFree or kHigh of each row
+  std::vector<int> free_;              // rows strictly between their bounds
+  Eigen::ArrayXd norms_;               // of G's columns
   Eigen::ArrayXd inverse_norms_;
   Eigen::VectorXd slack_;  // b - GᵀG λ: positive where a constraint is violated
   Eigen::VectorXd x_;      // G λ

@@ -22,11 +22,16 @@ LinearizedStep::LinearizedStep(Workspace& work)
   const int rows = static_cast<int>(contacts_) * (1 + WitnessMemory::kPerPair) + limits;
   rows_.Reserve(rows, n);
   lcp_.Reserve(n, rows);
-  GrowTo(n, rows, G_);
+  FindTrees();
+  if (trees_.empty()) {
+    GrowTo(n, rows, G_);
+  } else {
+    GrowTo(2 * largest_tree_, rows, packed_G_);
+  }
+  supports_.reserve(static_cast<std::size_t>(rows));
   for (VectorXd* per_row : {&lambda_, &b_, &bounds_, &slack_}) GrowTo(rows, *per_row);
   nearest_.reserve(tables.pairs.size());
   moved_.resize(work.norm.rows());
-  FindTrees();
 }
 
 // Left empty where there is one tree only, or where H is not block-diagonal by trees.
@@ -60,7 +65,8 @@ void LinearizedStep::Linearize(const VectorXd& q, const std::vector<NearPair>& n
     const auto slack = [this](const NearPair* pair) {
       return pair->distance - problem_.required[pair->pair];
     };
-    std::nth_element(nearest_.begin(), nearest_.begin() + static_cast<std::ptrdiff_t>(contacts_), nearest_.end(),
+    std::nth_element(nearest_.begin(), nearest_.begin() + static_cast<std::ptrdiff_t>(contacts_),
+                     nearest_.end(),
                      [&](const NearPair* a, const NearPair* b) { return slack(a) < slack(b); });
     nearest_.resize(contacts_);
   }
@@ -151,7 +157,7 @@ double LinearizedStep::DampingShare() const {
   return cost > 0.0 ? cost / squared_length_ : 0.0;
 }
 
-// Where rows of C may be other than 0; false if that is not known.
+// Of a tendon's row, any entry may be other than 0.
 bool LinearizedStep::FindSupports() {
   supports_.clear();
   if (trees_.empty() || work_.equality.any()) return false;
@@ -172,7 +178,7 @@ bool LinearizedStep::FindSupports() {
       supports_.push_back({columns(m.jnt_bodyid[source.joint]), {}});
     } else {
       supports_.clear();
-      return false;  // a tendon
+      return false;
     }
   }
   return true;

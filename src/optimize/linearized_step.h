@@ -10,6 +10,8 @@
 //      it is sought in the null space of their Jacobian. Where they do not hold and their rows
 //      depend on each other, what is left may be 1e-3 (a weld, measured); later steps mend it.
 //   4. Levenberg-Marquardt damping, and a trust radius in the units of the object norm.
+//   5. Where several kinematic trees move and no constraint joins them, rows are packed: of each
+//      only the columns of its two trees are looked at (base/support.h).
 #ifndef MJCF_PDG_SRC_OPTIMIZE_LINEARIZED_STEP_H_
 #define MJCF_PDG_SRC_OPTIMIZE_LINEARIZED_STEP_H_
 
@@ -65,8 +67,8 @@ class LinearizedStep {
   // What the damping D took of dq's cost, dqᵀ D dq over ‖J dq‖²: the share, about, by which dq is
   // shorter than without it [1].
   double DampingShare() const;
-  // ‖J dq‖ of the tree that moves farthest, as if there were no other: over the root of its share of
-  // the mass [m].
+  // ‖J dq‖ of the tree that moves farthest, as if there were no other: over the root of its share
+  // of the mass [m].
   double LargestLength() const;
   // The largest λ of a contact [m]; 0 without contacts.
   double LargestForce() const;
@@ -87,7 +89,7 @@ class LinearizedStep {
   double DampingOf(const JointEntry& joint, int k) const;
   void SolveLcp(const StepOptions& options);
   void FindTrees();
-  bool FindSupports();
+  bool FindSupports();  // false, and no supports: rows are not packed
   void FillWhitened(Eigen::Ref<MatrixXd> G);
   void HoldEqualities(Eigen::Ref<MatrixXd> G, Eigen::Ref<VectorXd> b);
   double LargestTurn() const;  // of dq [rad]
@@ -111,8 +113,8 @@ class LinearizedStep {
     double mass = 0.0;    // as a share of all that moves [1]
   };
   std::vector<Tree> trees_;
-  std::vector<int> tree_of_;  // per tree of the model, an index into trees_; -1: none
-  int largest_tree_ = 0;      // its columns
+  std::vector<int> tree_of_;       // per tree of the model, an index into trees_; -1: none
+  int largest_tree_ = 0;           // its columns
   std::vector<Support> supports_;  // of the rows of C; empty: they are not packed
 
   // Scratch. Of what has an entry or a column per row, those past the rows in use mean nothing.

@@ -32,7 +32,7 @@ int CountTrees(const SceneTables& tables) {
 void StoppingRule::Begin(const EffortPlan& plan, const StrategyInput& input, double depth,
                          bool meshes_overlap) {
   plan_ = plan;
-  plan_.queries /= CountTrees(work_.problem().tables);
+  trees_ = CountTrees(work_.problem().tables);
   sigma_lower_bound_ = input.sigma_lower_bound;
   distances_at_input_ = input.distances_at_input;
   depth_ = depth;
@@ -70,7 +70,7 @@ bool StoppingRule::Done(double best_sigma, std::int64_t lcp_steps) const {
   if (agreeing_ >= (near_proven ? plan_.agree_near_proven : far_from_proven)) return true;
   const std::int64_t queries = work_.finder.queries() - first_query_;
   if (!meshes_overlap_)
-    return Evaluations(lcp_steps) >= plan_.evaluations || queries >= plan_.queries;
+    return Evaluations(lcp_steps) >= plan_.evaluations || queries >= plan_.queries / trees_;
   const auto asked = static_cast<double>(queries);
   if (Exceeds(tuning::exact_meshes::kVeryFar, best_sigma))
     return asked >= tuning::exact_meshes::kQueriesVeryFar * plan_.queries;

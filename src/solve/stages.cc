@@ -17,8 +17,8 @@ std::unique_ptr<Strategy> MakeStrategy(Workspace& work) {
 Stages::Stages(Workspace& w, Verifier& verifier)
     : work(w), strategy(MakeStrategy(work)), acceptance(work, *strategy, verifier) {}
 
-Outcome& Stages::Search(const std::vector<NearPair>& overlaps, int distances,
-                        const VectorXd* hint, const VectorXd* of_fewer) {
+Outcome& Stages::Search(const std::vector<NearPair>& overlaps, int distances, const VectorXd* hint,
+                        const VectorXd* of_fewer) {
   const Options& options = work.problem().options;
   sigma_lower_bound_ = 0.0;
   if (options.report_lower_bound || strategy->UsesLowerBound()) {
