@@ -8,7 +8,7 @@
 // ends when it has used its collision queries or its estimated time, both from problem/effort.h.
 // Trees that move share the queries: a start draws all of them anew, and is of use only if all of
 // them fare well together, which soon becomes unlikely. In heaps of 10 to 40 bodies all later
-// starts together lowered σ by 1 % in the median, for ten times the queries of the first descent.
+// starts together lowered σ by less than 1 % in the median, for 3 to 11 times the queries.
 // Time is estimated from counts instead of read from a clock, so that answers repeat. The numbers
 // were chosen on 7700 random problems of nine robots (bench/README.md, Agreement).
 #ifndef MJCF_PDG_SRC_SEARCH_STOPPING_RULE_H_
