@@ -4,15 +4,13 @@
 #define MJCF_PDG_SRC_BASE_BLOCK_CHOLESKY_H_
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
-namespace mjcf_pdg {
+#include "base/support.h"
 
-// The columns [begin, begin + size) of a matrix, and the rows of the same numbers.
-struct ColumnRange {
-  int begin = 0, size = 0;
-};
+namespace mjcf_pdg {
 
 class BlockCholesky {
  public:
@@ -26,8 +24,9 @@ class BlockCholesky {
   // they cover all columns in order. `blocks` is kept by reference for the solves below.
   void Factor(const Eigen::MatrixXd& H, const std::vector<ColumnRange>& blocks) {
     blocks_ = &blocks;
-    L_ = H;
+    L_.resize(H.rows(), H.cols());
     for (const ColumnRange& b : blocks) {
+      L_.block(b.begin, b.begin, b.size, b.size) = H.block(b.begin, b.begin, b.size, b.size);
       if (b.size == 1) {
         L_(b.begin, b.begin) = std::sqrt(L_(b.begin, b.begin));
       } else {
@@ -53,6 +52,17 @@ class BlockCholesky {
     }
   }
 
+  // The same for a vector that is 0 but for the entries of `range`, which `x` holds. The range
+  // begins and ends with blocks, all of them small.
+  void SolveLower(const ColumnRange& range, double* x) const {
+    const auto first =
+        std::lower_bound(blocks_->begin(), blocks_->end(), range.begin,
+                         [](const ColumnRange& block, int begin) { return block.begin < begin; });
+    for (auto b = first; b != blocks_->end() && b->begin < range.begin + range.size; ++b) {
+      SolveSmall(*b, x + b->begin - range.begin);
+    }
+  }
+
   // B := L⁻ᵀ B; B has as many rows as H.
   template <typename Derived>
   void SolveUpper(Eigen::MatrixBase<Derived>& B) const {
@@ -66,10 +76,10 @@ class BlockCholesky {
     }
   }
 
- private:
   // Blocks up to this size are solved by plain loops: Eigen's overhead exceeds the solve itself.
   static constexpr int kSmall = 6;
 
+ private:
   void SolveSmall(const ColumnRange& b, double* x) const {
     for (int i = 0; i < b.size; ++i) {
       for (int k = 0; k < i; ++k) x[i] -= L_(b.begin + i, b.begin + k) * x[k];

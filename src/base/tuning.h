@@ -31,7 +31,9 @@ inline constexpr double kMeshGap = 2e-6;
 
 // One linearized step of the local optimization (optimize/linearized_step.cc).
 namespace step {
-inline constexpr int kContacts = 48;          // pairs that get rows: the nearest, if there are more
+// Pairs that get rows, the nearest if there are more: so many, or as many as there are degrees of
+// freedom where these are more, for so many contacts may hold an optimum.
+inline constexpr int kContacts = 48;
 inline constexpr double kSamePoint = 1e-3;    // witness points nearer than this are the same [size]
 inline constexpr double kLimitReach = 0.5;    // limits of turns farther than this get no row [rad]
 inline constexpr double kSlideReach = 5.0;    // ... limits of slides [size]
@@ -69,6 +71,11 @@ inline constexpr double kLeastRadius = 1e-6;  // the descent ends where the radi
 // divides it by ten, one that keeps less than kBroken multiplies it by ten.
 inline constexpr double kFirstDamping = 0.1, kLeastDamping = 1e-5, kRenewedDamping = 1e-4;
 inline constexpr double kKept = 0.75, kBroken = 0.25;
+// Where many contacts are curved, each step that lowers σ leaves some of them in a small overlap.
+// After so many steps in a row without a free iterate, a step that ends with overlaps below this
+// [size] raises the damping, too, until little is left of a step but that it parts them.
+inline constexpr int kDrifts = 10;
+inline constexpr double kNearlyFree = 1e-3;
 
 // The distance within which pairs get rows [size]: at the start, and after a step 1.5 times its
 // length within these bounds.

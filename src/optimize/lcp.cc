@@ -50,6 +50,7 @@ void ActiveSetLcp::Reserve(int n, int m) {
   GrowTo(m, inverse_norms_);
   GrowTo(m, slack_);
   x_.resize(n);
+  g_.setZero(n);
   // No more than n rows are independent, but for rounding.
   free_.reserve(n + 1);
   GrowTo(n + 1, forward_);
@@ -59,14 +60,15 @@ void ActiveSetLcp::Reserve(int n, int m) {
 
 LcpOutcome ActiveSetLcp::Solve(const ConstMatrixRef& G, const ConstVectorRef& b,
                                const ConstVectorRef& mu, const LcpOptions& options,
-                               VectorRef lambda) {
+                               VectorRef lambda, const Packing& packing) {
+  supports_ = packing.supports;
   m_ = static_cast<int>(b.size());
-  Reserve(static_cast<int>(G.rows()), m_);
+  n_ = supports_.empty() ? static_cast<int>(G.rows()) : packing.rows;
+  Reserve(n_, m_);
   lambda.setZero();
   side_.head(m_).setConstant(kLow);
   free_.clear();
-  norms_.head(m_) = G.colwise().norm().transpose();
-  inverse_norms_.head(m_) = (norms_.head(m_) > 0.0).select(norms_.head(m_).inverse(), 0.0);
+  FillNorms(G);
   UpdateSlack(G, b, lambda);
   LcpOutcome outcome;
   while (outcome.steps < options.max_steps) {
@@ -82,15 +84,33 @@ LcpOutcome ActiveSetLcp::Solve(const ConstMatrixRef& G, const ConstVectorRef& b,
   return outcome;
 }
 
+void ActiveSetLcp::FillNorms(const ConstMatrixRef& G) {
+  if (supports_.empty()) {
+    norms_.head(m_) = G.colwise().norm().transpose();
+  } else {
+    for (int i = 0; i < m_; ++i) norms_[i] = G.col(i).head(supports_[i].size()).norm();
+  }
+  inverse_norms_.head(m_) = (norms_.head(m_) > 0.0).select(norms_.head(m_).inverse(), 0.0);
+}
+
 void ActiveSetLcp::UpdateSlack(const ConstMatrixRef& G, const ConstVectorRef& b,
                                const VectorRef& lambda) {
-  x_.setZero(G.rows());
+  x_.setZero(n_);
   for (Eigen::Index i = 0; i < lambda.size(); ++i) {
-    if (lambda[i] != 0.0) x_ += lambda[i] * G.col(i);
+    if (lambda[i] == 0.0) continue;
+    if (supports_.empty()) {
+      x_ += lambda[i] * G.col(i);
+    } else {
+      AddMultiple(lambda[i], supports_[i], G.col(i).data(), x_);
+    }
   }
   auto slack = slack_.head(m_);
   slack = b;
-  slack.noalias() -= G.transpose() * x_;
+  if (supports_.empty()) {
+    slack.noalias() -= G.transpose() * x_;
+  } else {
+    for (int i = 0; i < m_; ++i) slack[i] -= Dot(supports_[i], G.col(i).data(), x_);
+  }
 }
 
 // By its distance in z; -1 if no row is beyond `tolerance`.
@@ -143,13 +163,25 @@ void ActiveSetLcp::SolveForward(VectorRef x) const {
   }
 }
 
+// forward = G_Fᵀ g.
+void ActiveSetLcp::FillForward(const ConstMatrixRef& G, int row, VectorRef forward) {
+  const int f = static_cast<int>(free_.size());
+  if (supports_.empty()) {
+    for (int k = 0; k < f; ++k) forward[k] = G.col(free_[k]).dot(G.col(row));
+    return;
+  }
+  AddMultiple(1.0, supports_[row], G.col(row).data(), g_);
+  for (int k = 0; k < f; ++k) forward[k] = Dot(supports_[free_[k]], G.col(free_[k]).data(), g_);
+  SetZero(supports_[row], g_);
+}
+
 // direction_ = (G_FᵀG_F)⁻¹ G_Fᵀ g for the free set F and g = G_row, and schur_.
 void ActiveSetLcp::SolveFree(const ConstMatrixRef& G, int row) {
   const int f = static_cast<int>(free_.size());
   GrowTo(f, forward_);
   GrowTo(f, direction_);
   auto forward = forward_.head(f), direction = direction_.head(f);
-  for (int k = 0; k < f; ++k) forward[k] = G.col(free_[k]).dot(G.col(row));
+  FillForward(G, row, forward);
   SolveForward(forward);
   schur_ = std::max(0.0, norms_[row] * norms_[row] - forward.squaredNorm());
   direction = forward;

@@ -14,11 +14,15 @@
 //      μ = ∞.
 //   2. Beside Gauss-Seidel, an active-set method (Goldfarb & Idnani's dual steps, with bounds) that
 //      ends in finitely many steps and copes with dependent rows.
+//   3. Where many bodies move, a row concerns two of them: the active-set method takes packed
+//      columns.
 #ifndef MJCF_PDG_SRC_OPTIMIZE_LCP_H_
 #define MJCF_PDG_SRC_OPTIMIZE_LCP_H_
 
 #include <Eigen/Dense>
 #include <vector>
+
+#include "base/support.h"
 
 namespace mjcf_pdg {
 
@@ -53,20 +57,23 @@ class GaussSeidelLcp {
   Eigen::VectorXd x_;         // G λ
 };
 
-// Active-set method; what λ was is ignored. μ must be finite.
+// Active-set method; what λ was is ignored. μ must be finite. The columns of G may be packed, each
+// from its first row on.
 class ActiveSetLcp {
  public:
   // Room for problems up to n × m.
   void Reserve(int n, int m);
 
   LcpOutcome Solve(const ConstMatrixRef& G, const ConstVectorRef& b, const ConstVectorRef& mu,
-                   const LcpOptions& options, VectorRef lambda);
+                   const LcpOptions& options, VectorRef lambda, const Packing& packing = {});
 
  private:
   // Where a multiplier is: which sign its row's slack must not have.
   static constexpr double kLow = 1.0, kFree = 0.0, kHigh = -1.0;
 
+  void FillNorms(const ConstMatrixRef& G);
   void UpdateSlack(const ConstMatrixRef& G, const ConstVectorRef& b, const VectorRef& lambda);
+  void FillForward(const ConstMatrixRef& G, int row, VectorRef forward);
   int MostViolated(double tolerance) const;
   void Enter(const ConstMatrixRef& G, const ConstVectorRef& mu, int row, VectorRef& lambda);
   void AddFree(int row);
@@ -76,13 +83,15 @@ class ActiveSetLcp {
   void SolveFree(const ConstMatrixRef& G, int row);
 
   // Of arrays per row the first m_ entries are in use, of those per free row as many as free_ has.
-  int m_ = 0;
-  Eigen::ArrayXd side_;    // kLow, kFree or kHigh of each row
-  std::vector<int> free_;  // rows strictly between their bounds
-  Eigen::ArrayXd norms_;   // of G's columns
+  int n_ = 0, m_ = 0;
+  std::span<const Support> supports_;  // empty: G is not packed
+  Eigen::ArrayXd side_;                // kLow, kFree or kHigh of each row
+  std::vector<int> free_;              // rows strictly between their bounds
+  Eigen::ArrayXd norms_;               // of G's columns
   Eigen::ArrayXd inverse_norms_;
   Eigen::VectorXd slack_;  // b - GᵀG λ: positive where a constraint is violated
   Eigen::VectorXd x_;      // G λ
+  Eigen::VectorXd g_;      // the entering column, with zeros; else all zero
   // L with L Lᵀ = G_FᵀG_F of the free rows F, row by row.
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> factor_;
   Eigen::VectorXd forward_;    // L⁻¹ G_Fᵀ g for the entering row g

@@ -11,18 +11,49 @@ namespace mjcf_pdg {
 namespace tune = tuning::step;
 
 // Rooms for the most rows there can be, so that no later step needs more.
-LinearizedStep::LinearizedStep(Workspace& work) : problem_(work.problem()), work_(work) {
+LinearizedStep::LinearizedStep(Workspace& work)
+    : problem_(work.problem()),
+      work_(work),
+      contacts_(static_cast<std::size_t>(std::max(tune::kContacts, work.problem().tables.n))) {
   const SceneTables& tables = problem_.tables;
   const auto tendons = std::count(tables.held_tendons.begin(), tables.held_tendons.end(), 1);
   const int n = tables.n;
   const int limits = 2 * static_cast<int>(tables.joints.size()) + 2 * static_cast<int>(tendons);
-  const int rows = tune::kContacts * (1 + WitnessMemory::kPerPair) + limits;
+  const int rows = static_cast<int>(contacts_) * (1 + WitnessMemory::kPerPair) + limits;
   rows_.Reserve(rows, n);
   lcp_.Reserve(n, rows);
-  GrowTo(n, rows, G_);
+  FindTrees();
+  if (trees_.empty()) {
+    GrowTo(n, rows, G_);
+  } else {
+    GrowTo(2 * largest_tree_, rows, packed_G_);
+  }
+  supports_.reserve(static_cast<std::size_t>(rows));
   for (VectorXd* per_row : {&lambda_, &b_, &bounds_, &slack_}) GrowTo(rows, *per_row);
   nearest_.reserve(tables.pairs.size());
   moved_.resize(work.norm.rows());
+}
+
+// Left empty where there is one tree only, or where H is not block-diagonal by trees.
+void LinearizedStep::FindTrees() {
+  const SceneTables& tables = problem_.tables;
+  const mjModel& m = *tables.model;
+  if (work_.norm.blocks().size() != tables.joints.size()) return;
+  tree_of_.assign(static_cast<std::size_t>(m.ntree), -1);
+  for (const JointEntry& joint : tables.joints) {
+    int& tree = tree_of_[m.body_treeid[joint.body]];
+    if (tree < 0) {
+      tree = static_cast<int>(trees_.size());
+      trees_.push_back({.columns = {.begin = joint.col}});
+    }
+    trees_[tree].columns.size += joint.ndof;
+    largest_tree_ = std::max(largest_tree_, trees_[tree].columns.size);
+  }
+  if (trees_.size() == 1 && tables.outside_mass == 0.0) trees_.clear();
+  for (int body = 1; body < m.nbody && !trees_.empty(); ++body) {
+    if (!tables.body_moves[body]) continue;
+    trees_[tree_of_[m.body_treeid[body]]].mass += m.body_mass[body] / work_.norm.total_mass();
+  }
 }
 
 void LinearizedStep::Linearize(const VectorXd& q, const std::vector<NearPair>& near,
@@ -30,13 +61,14 @@ void LinearizedStep::Linearize(const VectorXd& q, const std::vector<NearPair>& n
   const SceneTables& tables = problem_.tables;
   nearest_.clear();
   for (const NearPair& pair : near) nearest_.push_back(&pair);
-  if (nearest_.size() > tune::kContacts) {
+  if (nearest_.size() > contacts_) {
     const auto slack = [this](const NearPair* pair) {
       return pair->distance - problem_.required[pair->pair];
     };
-    std::nth_element(nearest_.begin(), nearest_.begin() + tune::kContacts, nearest_.end(),
+    std::nth_element(nearest_.begin(), nearest_.begin() + static_cast<std::ptrdiff_t>(contacts_),
+                     nearest_.end(),
                      [&](const NearPair* a, const NearPair* b) { return slack(a) < slack(b); });
-    nearest_.resize(tune::kContacts);
+    nearest_.resize(contacts_);
   }
   rows_.Clear(tables.n);
   for (const NearPair* pair : nearest_) AppendContactRows(*pair, options);
@@ -125,26 +157,80 @@ double LinearizedStep::DampingShare() const {
   return cost > 0.0 ? cost / squared_length_ : 0.0;
 }
 
+// Of a tendon's row, any entry may be other than 0.
+bool LinearizedStep::FindSupports() {
+  supports_.clear();
+  if (trees_.empty() || work_.equality.any()) return false;
+  const SceneTables& tables = problem_.tables;
+  const mjModel& m = *tables.model;
+  const auto columns = [&](int body) {
+    const int tree = m.body_treeid[body] < 0 ? -1 : tree_of_[m.body_treeid[body]];
+    return tree < 0 ? ColumnRange{} : trees_[tree].columns;
+  };
+  for (int k = 0; k < rows_.m; ++k) {
+    const RowSource& source = rows_.sources[k];
+    if (source.pair >= 0) {
+      const KeptPair& pair = tables.pairs[source.pair];
+      const int body1 = m.geom_bodyid[pair.geom1], body2 = m.geom_bodyid[pair.geom2];
+      const bool same = m.body_treeid[body1] == m.body_treeid[body2];
+      supports_.push_back({columns(body1), same ? ColumnRange{} : columns(body2)});
+    } else if (source.joint >= 0) {
+      supports_.push_back({columns(m.jnt_bodyid[source.joint]), {}});
+    } else {
+      supports_.clear();
+      return false;
+    }
+  }
+  return true;
+}
+
+// G = L⁻¹ Cᵀ, packed where supports are known.
+void LinearizedStep::FillWhitened(Eigen::Ref<MatrixXd> G) {
+  if (supports_.empty()) {
+    G = rows_.C.topRows(rows_.m).transpose();
+    whitening_.SolveLower(G);
+    return;
+  }
+  for (int k = 0; k < rows_.m; ++k) {
+    double* packed = G.col(k).data();
+    for (const ColumnRange& columns : {supports_[k].first, supports_[k].second}) {
+      const double* of_row = rows_.C.row(k).data() + columns.begin;
+      std::copy(of_row, of_row + columns.size, packed);
+      whitening_.SolveLower(columns, packed);
+      packed += columns.size;
+    }
+  }
+}
+
 // λ and the whitened step z = G λ - y.
 void LinearizedStep::SolveLcp(const StepOptions& options) {
   const int n = problem_.tables.n, m = rows_.m;
-  GrowTo(n, m, G_);
+  const bool packed = FindSupports();
+  MatrixXd& columns = packed ? packed_G_ : G_;
+  GrowTo(packed ? 2 * largest_tree_ : n, m, columns);
   for (VectorXd* per_row : {&lambda_, &b_, &bounds_}) GrowTo(m, *per_row);
-  auto G = G_.leftCols(m);
+  auto G = columns.leftCols(m);
   auto lambda = lambda_.head(m), b = b_.head(m), bounds = bounds_.head(m);
-  G = rows_.C.topRows(m).transpose();
-  whitening_.SolveLower(G);
+  FillWhitened(G);
   b = -rows_.gap.head(m);
   if (work_.equality.any()) HoldEqualities(G, b);
-  b.noalias() += G.transpose() * y_;
+  if (packed) {
+    for (int k = 0; k < m; ++k) b[k] += Dot(supports_[k], G.col(k).data(), y_);
+  } else {
+    b.noalias() += G.transpose() * y_;
+  }
   bounds.setConstant(options.penalty);
   bounds.tail(m - contact_rows_).setConstant(tune::kLimitPenalty * options.scale);
   LcpOptions lcp;
   lcp.max_steps = tune::kLcpStepsPerVariable * (n + m);
   lcp.tolerance = tune::kLcpTolerance * problem_.tolerances.user;
-  lcp_steps_ += lcp_.Solve(G, b, bounds, lcp, lambda).steps;
+  lcp_steps_ += lcp_.Solve(G, b, bounds, lcp, lambda, {n, supports_}).steps;
   z_ = -y_;
-  z_.noalias() += G * lambda;
+  if (packed) {
+    for (int k = 0; k < m; ++k) AddMultiple(lambda[k], supports_[k], G.col(k).data(), z_);
+  } else {
+    z_.noalias() += G * lambda;
+  }
   if (work_.equality.any()) z_ += held_;
 }
 
@@ -187,8 +273,31 @@ void LinearizedStep::Predict() {
   GrowTo(contact_rows_, slack_);
   auto slack = slack_.head(contact_rows_);
   slack = rows_.gap.head(contact_rows_);
-  slack.noalias() += rows_.C.topRows(contact_rows_) * dq_;
+  if (supports_.empty()) {
+    slack.noalias() += rows_.C.topRows(contact_rows_) * dq_;
+  } else {
+    for (int k = 0; k < contact_rows_; ++k) {
+      for (const ColumnRange& columns : {supports_[k].first, supports_[k].second}) {
+        slack[k] += rows_.C.row(k)
+                        .segment(columns.begin, columns.size)
+                        .dot(dq_.segment(columns.begin, columns.size));
+      }
+    }
+  }
   violation_ = -slack.cwiseMin(0.0).sum();
+}
+
+double LinearizedStep::LargestLength() const {
+  if (trees_.empty()) return std::sqrt(squared_length_);
+  double largest = 0.0;
+  for (const Tree& tree : trees_) {
+    double squared = 0.0;
+    for (Eigen::Index row = tree.columns.begin; row < moved_.size(); row += problem_.tables.n) {
+      squared += moved_.segment(row, tree.columns.size).squaredNorm();
+    }
+    largest = std::max(largest, squared / tree.mass);
+  }
+  return std::sqrt(largest);
 }
 
 double LinearizedStep::LargestForce() const {

@@ -10,6 +10,8 @@
 //      it is sought in the null space of their Jacobian. Where they do not hold and their rows
 //      depend on each other, what is left may be 1e-3 (a weld, measured); later steps mend it.
 //   4. Levenberg-Marquardt damping, and a trust radius in the units of the object norm.
+//   5. Where several kinematic trees move and no constraint joins them, rows are packed: of each
+//      only the columns of its two trees are looked at (base/support.h).
 #ifndef MJCF_PDG_SRC_OPTIMIZE_LINEARIZED_STEP_H_
 #define MJCF_PDG_SRC_OPTIMIZE_LINEARIZED_STEP_H_
 
@@ -65,6 +67,9 @@ class LinearizedStep {
   // What the damping D took of dq's cost, dqᵀ D dq over ‖J dq‖²: the share, about, by which dq is
   // shorter than without it [1].
   double DampingShare() const;
+  // ‖J dq‖ of the tree that moves farthest, as if there were no other: over the root of its share
+  // of the mass [m].
+  double LargestLength() const;
   // The largest λ of a contact [m]; 0 without contacts.
   double LargestForce() const;
   // ‖J dq‖² of any dq: what it costs by the linearized norm [m²].
@@ -83,12 +88,16 @@ class LinearizedStep {
   void AddDamping();
   double DampingOf(const JointEntry& joint, int k) const;
   void SolveLcp(const StepOptions& options);
+  void FindTrees();
+  bool FindSupports();  // false, and no supports: rows are not packed
+  void FillWhitened(Eigen::Ref<MatrixXd> G);
   void HoldEqualities(Eigen::Ref<MatrixXd> G, Eigen::Ref<VectorXd> b);
   double LargestTurn() const;  // of dq [rad]
   void Predict();
 
   const Problem& problem_;
   Workspace& work_;
+  const std::size_t contacts_;  // pairs that get rows: the nearest, if there are more
   WitnessMemory memory_;
   ContactRows rows_;
   int contact_rows_ =
@@ -98,11 +107,21 @@ class LinearizedStep {
   double sigma_ = 0.0, violation_ = 0.0, uncut_sigma_ = 0.0, squared_length_ = 0.0;
   double damping_ = 0.0;  // of the last Solve
 
+  // The kinematic trees that move. Where only one does, or H has blocks that span several: empty.
+  struct Tree {
+    ColumnRange columns;  // in dq
+    double mass = 0.0;    // as a share of all that moves [1]
+  };
+  std::vector<Tree> trees_;
+  std::vector<int> tree_of_;       // per tree of the model, an index into trees_; -1: none
+  int largest_tree_ = 0;           // its columns
+  std::vector<Support> supports_;  // of the rows of C; empty: they are not packed
+
   // Scratch. Of what has an entry or a column per row, those past the rows in use mean nothing.
   std::vector<const NearPair*> nearest_;
   VectorXd moved_, r_, z_, dq_, y_;
   VectorXd lambda_, b_, bounds_, slack_;  // per row
-  MatrixXd J_, H_, G_;
+  MatrixXd J_, H_, G_, packed_G_;
   BlockCholesky whitening_;
   // Of the equality constraints, whitened: the step that makes them hold, and its decomposition.
   VectorXd held_;

@@ -115,8 +115,8 @@ void LocalOptimization::Step(Descent& d) {
   ClampToLimits(problem_.tables, next_);
   work_.equality.Project(next_);
   const double reach =
-      std::clamp(tune::kMarginPerStep * d.length, d.options.least_margin * problem_.size,
-                 tune::kLargestMargin * problem_.size);
+      std::clamp(tune::kMarginPerStep * step_.LargestLength(),
+                 d.options.least_margin * problem_.size, tune::kLargestMargin * problem_.size);
   Look(next_, reach, d.trial);
   Evaluate(reach, d.trial);
   if (features_.learning()) AdaptSafetyMargin(d);
@@ -203,7 +203,12 @@ bool LocalOptimization::GivesUp(Descent& d) {
 void LocalOptimization::Advance(Descent& d) {
   d.taken_back = 0;
   SetMeritPenalty();
-  AdaptDamping(d.current, d.trial);
+  d.overlapping = Free(d.trial) ? 0 : d.overlapping + 1;
+  if (d.overlapping >= tune::kDrifts && d.trial.worst < tune::kNearlyFree * problem_.size) {
+    damping_ = 10.0 * std::max(damping_, tune::kFirstDamping);
+  } else {
+    AdaptDamping(d.current, d.trial);
+  }
   if (d.without_progress == 0) d.first_length = d.length;
   ++d.without_progress;
   if (Merit(d.trial) < Merit(d.best)) {

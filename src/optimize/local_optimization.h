@@ -114,6 +114,7 @@ class LocalOptimization {
     double first_length = 0.0;                  // of the first step away from the best iterate
     double sigma_before = 0.0;                  // result.sigma before the last step [m²]
     int without_progress = 0;                   // steps since the best iterate
+    int overlapping = 0;                        // steps since the last free iterate
     int taken_back = 0;                         // steps made again since one was taken
     // Steps in a row that: hardly changed σ; promised nothing better than what is known; found no
     // lower σ.

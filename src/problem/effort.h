@@ -18,7 +18,8 @@ struct EffortPlan {
   // bench/terrain_bench have the same p95 of σ over the best, and take up to a quarter fewer
   // queries.
   int agree_on_terrain = 4;
-  int queries = 800;  // collision queries after which no further start is made
+  // Collision queries after which no further start is made, over the kinematic trees that move.
+  int queries = 800;
   // Exact meshes: tests of bounding boxes per degree of freedom after which no further start is
   // made, unless the answer is very far.
   double box_tests = 9e3;

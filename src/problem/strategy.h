@@ -19,6 +19,9 @@ struct StrategyInput {
   int distances_at_input = 0;             // pair distances that the query for them took
   double sigma_lower_bound = 0.0;         // no free configuration has a smaller σ; 0: unknown [m²]
   const VectorXd* hint = nullptr;         // nq, a configuration that may be free; null: none
+  // nq, an answer of the same problem with fewer trees, where one is known: it is where the search
+  // begins.
+  const VectorXd* of_fewer = nullptr;
 };
 
 // A configuration and the start that the search reached it from.

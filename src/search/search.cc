@@ -28,6 +28,7 @@ bool Search::Begin(const StrategyInput& input, Component hint_start) {
     meshes_.Begin();
     return meshes_.Follows(plan_);
   }
+  if (input.of_fewer) trials_.Try(*input.of_fewer, Component::kDirect, LocalOptions{});
   if (problem_.Uses(Component::kDirect)) trials_.Try(center_, Component::kDirect, LocalOptions{});
   if (input.hint) trials_.Try(*input.hint, hint_start, LocalOptions{});
   return false;

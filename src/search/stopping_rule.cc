@@ -16,11 +16,23 @@ bool IsOnTerrain(const SceneTables& tables, const std::vector<NearPair>& overlap
   });
 }
 
+// How many kinematic trees may move.
+int CountTrees(const SceneTables& tables) {
+  int trees = 0, last = -1;
+  for (const JointEntry& joint : tables.joints) {
+    const int tree = tables.model->body_treeid[joint.body];
+    trees += tree != last;
+    last = tree;
+  }
+  return std::max(1, trees);
+}
+
 }  // namespace
 
 void StoppingRule::Begin(const EffortPlan& plan, const StrategyInput& input, double depth,
                          bool meshes_overlap) {
   plan_ = plan;
+  trees_ = CountTrees(work_.problem().tables);
   sigma_lower_bound_ = input.sigma_lower_bound;
   distances_at_input_ = input.distances_at_input;
   depth_ = depth;
@@ -58,7 +70,7 @@ bool StoppingRule::Done(double best_sigma, std::int64_t lcp_steps) const {
   if (agreeing_ >= (near_proven ? plan_.agree_near_proven : far_from_proven)) return true;
   const std::int64_t queries = work_.finder.queries() - first_query_;
   if (!meshes_overlap_)
-    return Evaluations(lcp_steps) >= plan_.evaluations || queries >= plan_.queries;
+    return Evaluations(lcp_steps) >= plan_.evaluations || queries >= plan_.queries / trees_;
   const auto asked = static_cast<double>(queries);
   if (Exceeds(tuning::exact_meshes::kVeryFar, best_sigma))
     return asked >= tuning::exact_meshes::kQueriesVeryFar * plan_.queries;

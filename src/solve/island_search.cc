@@ -151,7 +151,11 @@ void IslandSearch::Solve(Group& group, const Input& input) {
   const std::int64_t queries = part.stages.Queries(), verified = verifier_.queries();
   const std::int64_t lcp_steps = part.stages.strategy->lcp_steps();
   BeginPart(part, input);
-  if (group.blocked || !group.free || Helps(part, group)) SearchAndAccept(part, input, group);
+  const bool helps = group.free && !group.blocked && Helps(part, group);
+  if (group.blocked || !group.free || helps) {
+    known_ = helps ? pushed_.q : group.q;
+    SearchAndAccept(part, input, group);
+  }
   queries_ += part.stages.Queries() - queries;
   lcp_steps_ += part.stages.strategy->lcp_steps() - lcp_steps;
   work_.budget.Charge(part.stages.Queries() - queries + verifier_.queries() - verified);
@@ -179,7 +183,7 @@ void IslandSearch::SearchAndAccept(Part& part, const Input& input, Group& group)
   const std::int64_t before = part.work.finder.distances();
   const std::vector<NearPair>& overlaps = part.work.OverlapsAtInput();
   const int distances = static_cast<int>(part.work.finder.distances() - before);
-  Outcome& found = part.stages.Search(overlaps, distances, hint);
+  Outcome& found = part.stages.Search(overlaps, distances, hint, group.free ? &known_ : nullptr);
   group.sigma_lower_bound = part.stages.sigma_lower_bound();
   outcome_.starts += found.starts;
   outcome_.iterations += found.iterations;

@@ -5,7 +5,7 @@
 // touches join it, and if the answer comes nearer by pushing them aside, the larger island is
 // solved, too. So it is if some start ended in an overlap with other trees before it came as far as
 // the answer. The nearer answer counts. Answers of islands that touch each other are united in the
-// same way.
+// same way. The search of an island that has grown begins at the answer of the smaller one.
 #ifndef MJCF_PDG_SRC_SOLVE_ISLAND_SEARCH_H_
 #define MJCF_PDG_SRC_SOLVE_ISLAND_SEARCH_H_
 
@@ -114,6 +114,7 @@ class IslandSearch {
   Outcome outcome_;
   std::vector<double> q_;
   VectorXd composed_, accepted_;
+  VectorXd known_;  // where the search of an island that has grown begins (nq)
   Candidate pushed_;
   std::vector<double> of_hint_;
   Component start_ = Component::kNone;

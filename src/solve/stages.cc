@@ -17,8 +17,8 @@ std::unique_ptr<Strategy> MakeStrategy(Workspace& work) {
 Stages::Stages(Workspace& w, Verifier& verifier)
     : work(w), strategy(MakeStrategy(work)), acceptance(work, *strategy, verifier) {}
 
-Outcome& Stages::Search(const std::vector<NearPair>& overlaps, int distances,
-                        const VectorXd* hint) {
+Outcome& Stages::Search(const std::vector<NearPair>& overlaps, int distances, const VectorXd* hint,
+                        const VectorXd* of_fewer) {
   const Options& options = work.problem().options;
   sigma_lower_bound_ = 0.0;
   if (options.report_lower_bound || strategy->UsesLowerBound()) {
@@ -27,7 +27,8 @@ Outcome& Stages::Search(const std::vector<NearPair>& overlaps, int distances,
   return strategy->Run({.overlaps = overlaps,
                         .distances_at_input = distances,
                         .sigma_lower_bound = sigma_lower_bound_,
-                        .hint = hint});
+                        .hint = hint,
+                        .of_fewer = of_fewer});
 }
 
 }  // namespace mjcf_pdg

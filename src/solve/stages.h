@@ -22,7 +22,8 @@ struct Stages {
   // The lower bound and the search, from the overlaps at q_in, where the finder stands; `distances`
   // is what the query for them took. The outcome is valid until the next call. The bound is left
   // out, and 0, where neither the search nor the report wants it.
-  Outcome& Search(const std::vector<NearPair>& overlaps, int distances, const VectorXd* hint);
+  Outcome& Search(const std::vector<NearPair>& overlaps, int distances, const VectorXd* hint,
+                  const VectorXd* of_fewer = nullptr);
   double sigma_lower_bound() const { return sigma_lower_bound_; }  // of the last search [m²]
 
   // The calls of finders since construction, the workspace's included.

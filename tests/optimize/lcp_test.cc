@@ -313,6 +313,39 @@ TEST(LcpTest, ALargerProblemBeforeLeavesNoTrace) {
   EXPECT_EQ(first, ActiveSet(small));
 }
 
+// Columns of bodies with 6, 2, 6 and 3 coordinates, each of one or two of them.
+TEST(LcpTest, PackedColumnsHaveTheSolutionOfTheWholeOnes) {
+  Random rng(17);
+  const std::vector<ColumnRange> bodies = {{0, 6}, {6, 2}, {8, 6}, {14, 3}};
+  const int n = 17;
+  ActiveSetLcp solver;
+  for (int trial = 0; trial < 40; ++trial) {
+    const int m = 5 + rng.Index(30);
+    Lcp lcp = RandomLcp(rng, n, m, 10.0);
+    MatrixXd packed = MatrixXd::Constant(12, m, 1e300);  // what is not packed must not be read
+    std::vector<Support> supports;
+    for (int i = 0; i < m; ++i) {
+      const int first = rng.Index(4), second = rng.Index(4);
+      const Support s{bodies[first], first == second ? ColumnRange{} : bodies[second]};
+      VectorXd whole = VectorXd::Zero(n);
+      for (const ColumnRange& range : {s.first, s.second}) {
+        whole.segment(range.begin, range.size) = lcp.G.col(i).segment(range.begin, range.size);
+      }
+      lcp.G.col(i) = whole;
+      packed.col(i).head(s.first.size) = whole.segment(s.first.begin, s.first.size);
+      packed.col(i).segment(s.first.size, s.second.size) =
+          whole.segment(s.second.begin, s.second.size);
+      supports.push_back(s);
+    }
+    VectorXd lambda(m);
+    const LcpOutcome outcome =
+        solver.Solve(packed, lcp.b, lcp.mu, {}, lambda, {.rows = n, .supports = supports});
+    EXPECT_TRUE(outcome.converged) << ::testing::PrintToString(outcome);
+    EXPECT_LT(KktResidual(lcp, lambda), 1e-8);
+    EXPECT_NEAR(DualObjective(lcp, lambda), DualObjective(lcp, ActiveSet(lcp)), 1e-8);
+  }
+}
+
 TEST(LcpTest, TheActiveSetMethodEndsWithinTheStepsOfALocalOptimization) {
   // As in use: up to 100 rows, most of them duplicates and opposed pairs, penalty weights from 10
   // to 10⁶.

@@ -296,6 +296,54 @@ TEST_F(LinearizedStepTest, WithoutDampingAStepIsThatOfTheNormAlone) {
   EXPECT_EQ(p.step.dq(), dq);
 }
 
+// Three boxes tilted into a floor, far from each other and of the same mass: each makes the step
+// that it makes alone. A row concerns one of them, and a step of several trees looks at no more.
+TEST_F(LinearizedStepTest, TreesThatDoNotMeetStepAsTheyDoAlone) {
+  const std::string floor = "<mujoco><worldbody><geom type='plane' size='9 9 1'/>";
+  const std::string box = "<body><freejoint/><geom type='box' size='.1 .07 .05'/></body>";
+  Stepper all(floor + box + box + box + "</worldbody></mujoco>");
+  VectorXd q(21), at(21);
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Quaterniond turn = rng_.UnitQuat();
+    q.segment<7>(7 * k) << 2.0 * k, 0, 0.02, turn.w(), turn.x(), turn.y(), turn.z();
+    at.segment<7>(7 * k) = q.segment<7>(7 * k);
+    at[7 * k + 2] += 0.01 * (k + 1);
+  }
+  all.work.Begin(q);
+  all.Linearize(at, 0.1, {.margin = 0.1});
+  all.step.Solve({.penalty = 10.0, .trust_radius = 10.0});
+  const VectorXd dq = all.step.dq();
+  const double violation = all.step.violation();
+  EXPECT_LT(violation, 1e-9);
+  double longest = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    Stepper alone(floor + box + "</worldbody></mujoco>");
+    alone.work.Begin(q.segment<7>(7 * k));
+    alone.Linearize(at.segment<7>(7 * k), 0.1, {.margin = 0.1});
+    const double length = alone.step.Solve({.penalty = 10.0, .trust_radius = 10.0});
+    EXPECT_GT(length, 1e-3);
+    EXPECT_LT((dq.segment<6>(6 * k) - alone.step.dq()).norm(), 1e-6 * length);
+    EXPECT_NEAR(alone.step.LargestLength(), length, 1e-12);
+    longest = std::max(longest, length);
+  }
+  EXPECT_NEAR(all.step.LargestLength(), longest, 1e-6 * longest);
+}
+
+// Fourteen boxes in one another and in a floor: 105 pairs, 84 degrees of freedom.
+TEST_F(LinearizedStepTest, AsManyPairsGetRowsAsThereAreDegreesOfFreedom) {
+  std::string xml = "<geom type='plane' size='9 9 1'/>";
+  for (int k = 0; k < 14; ++k) {
+    xml += "<body pos='" + Join(rng_.InBox(0.01)) +
+           "'><freejoint/><geom type='box' size='.1 .1 .1'/></body>";
+  }
+  Stepper p("<mujoco><worldbody>" + xml + "</worldbody></mujoco>");
+  p.work.Begin(ToEigen(p.scene.DefaultQpos()));
+  p.Linearize(p.work.problem().q_in, 0.1, {.margin = 0.1});
+  ASSERT_EQ(p.gap.size(), 105u);
+  p.step.Solve({.penalty = 10.0, .trust_radius = 1.0});
+  EXPECT_EQ(p.Observed().size(), 84u);
+}
+
 // Spheres of different heights and allowed overlaps above a plate that tilts.
 TEST_F(LinearizedStepTest, OfMorePairsThanRowsTheLeastSlacksGetRows) {
   std::string xml = "<geom size='.1' pos='9 9 9'/>";

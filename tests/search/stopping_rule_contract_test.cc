@@ -133,8 +133,9 @@ TEST_F(StoppingRuleTest, FewerStartsNeedToAgreeOnTerrain) {
   EXPECT_EQ(needed(10.1), 12);
 }
 
+// The scene's two trees share the queries.
 TEST_F(StoppingRuleTest, QueriesCountFromTheBeginOfTheSearchOrItsRenewal) {
-  Asked p({.agree_near_proven = 99, .agree = 99, .queries = 10, .evaluations = kInfinity});
+  Asked p({.agree_near_proven = 99, .agree = 99, .queries = 20, .evaluations = kInfinity});
   p.Begin(0.0, 0.1, false);
   for (int round = 0; round < 2; ++round) {
     p.Query(9);

@@ -153,7 +153,7 @@ const char* const kFingers = R"(<mujoco><worldbody><geom size=".1" pos="5 5 5"/>
     <body pos=".55 -.2 .05"><freejoint/><geom size=".08"/></body></worldbody></mujoco>)";
 
 TEST_F(VariedStartsTest, NoiseAndHopsComeInTurnWithTheSpreadsOfTheBestAnswer) {
-  Watched p(kFingers, ByQueries(500), false);
+  Watched p(kFingers, ByQueries(1000), false);  // shared by its two trees
   ASSERT_TRUE(p.Direct());
   VectorXd mirrored;
   p.again.Mirrored(p.trials.Best(), mirrored);

@@ -15,6 +15,20 @@
 namespace mjcf_pdg::test {
 namespace {
 
+TEST(BlockCholeskyTest, APartOfAVectorIsSolvedAsTheWhole) {
+  Random rng(2);
+  const std::vector<ColumnRange> blocks = {{0, 6}, {6, 1}, {7, 3}, {10, 6}, {16, 2}};
+  const MatrixXd A = rng.Normals(18) * rng.Normals(18).transpose();
+  BlockCholesky cholesky;
+  cholesky.Factor(A * A.transpose() + MatrixXd::Identity(18, 18), blocks);
+  VectorXd whole = VectorXd::Zero(18);
+  whole.segment<10>(6) = rng.Normals(10);
+  VectorXd part = whole.segment<10>(6);
+  cholesky.SolveLower(whole);
+  cholesky.SolveLower({6, 10}, part.data());
+  EXPECT_LT((part - whole.segment<10>(6)).norm(), 1e-14);
+}
+
 TEST(BlockCholeskyTest, SolvesWithTheFactorOfTheDiagonalBlocksAlone) {
   Random rng(1);
   BlockCholesky cholesky;
