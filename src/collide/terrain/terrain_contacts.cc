@@ -14,7 +14,8 @@ constexpr double kAside = 1e-4;
 constexpr double kMeet = 1e-8, kMeetShare = 1e-7, kLastShare = 1e-4;
 // A prism that reaches above the plane of a known contact by no more than this gets no contact of
 // its own [margin]: what it adds is seen when steps, and the margin with them, have become short.
-// With 0 descents on waves take half as many steps again.
+// With 0 descents on waves take half as many steps again; with 0.8 a quadruped on noise takes 9 %
+// fewer queries, but some boxes on noise end 0.1 mm above it.
 constexpr double kAbovePlane = 0.5;
 
 // The way itself as a feature: the geom's farthest point against it.
