@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <vector>
 
 #include "collide/contacts.h"
@@ -200,6 +201,48 @@ TEST_F(TerrainUnitsContractTest, AWayOutLeadsOutOfAllPrismsAndABoundOutOfOne) {
   }
   EXPECT_GT(overlapping, 80);
   EXPECT_GT(bounded, 20);
+}
+
+TEST_F(TerrainUnitsContractTest, ABoxOverlapsAPrismBetweenTheEndsOfAStretch) {
+  Random rng(8);
+  int inside = 0, never = 0;
+  for (int trial = 0; trial < 100; ++trial) {
+    const Placed placed(mjGEOM_BOX, rng);
+    const OnTerrain& on = *placed.on;
+    for (const NearPrism& one : placed.All()) {
+      const Vector3d u = rng.UnitVector();
+      OnTerrain::Stretch overlap;
+      ASSERT_TRUE(on.OverlapOfBox(one.prism, u, overlap));
+      EXPECT_NEAR(overlap.n.norm(), 1.0, 1e-12);
+      const auto apart = [&](double t) { return DistanceOf(on, one.prism, t * u) > 0.0; };
+      if (!(overlap.begin < overlap.end)) {
+        ++never;
+        EXPECT_TRUE(apart(rng.Uniform(-1.0, 1.0)));
+        continue;
+      }
+      const double t = rng.Uniform(overlap.begin, overlap.end);
+      const bool at_base = on.core_box().min().z() + t * u.z() < one.prism.base;
+      if (!at_base && std::min(t - overlap.begin, overlap.end - t) > 1e-5) {
+        ++inside;
+        EXPECT_FALSE(apart(t)) << trial;
+      }
+      // At each end a plane parts them, from there on by as much as the way goes along its normal.
+      OnTerrain::Stretch back;
+      ASSERT_TRUE(on.OverlapOfBox(one.prism, -u, back));
+      EXPECT_NEAR(back.end, -overlap.begin, 1e-9);
+      for (const auto& [end, n, way] :
+           {std::tuple(overlap.end, overlap.n, u), std::tuple(back.end, back.n, Vector3d(-u))}) {
+        ASSERT_GT(n.dot(way), 0.0);
+        EXPECT_NEAR(n.dot(on.Support(-n) + end * way), one.prism.Farthest(n), 1e-9);
+        EXPECT_GT(DistanceOf(on, one.prism, (end + 1e-5 / n.dot(way)) * way), 0.9e-5) << trial;
+      }
+    }
+  }
+  EXPECT_GT(inside, 200);
+  EXPECT_GT(never, 200);
+  const Placed ball(mjGEOM_SPHERE, rng);
+  OnTerrain::Stretch overlap;
+  EXPECT_FALSE(ball.on->OverlapOfBox(ball.All()[0].prism, Vector3d::UnitZ(), overlap));
 }
 
 TEST_F(TerrainUnitsContractTest, FramesAreThoseOfTheFieldAndTheGeom) {

@@ -12,6 +12,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTooThin = 1e-6;
 // Planes whose normals are nearly across a way bound its length by nothing useful.
 constexpr double kGrazing = 0.05;
+// Those with a smaller cosine than this are across it; so are directions with a smaller sine along
+// each other.
+constexpr double kNotAcross = 1e-6;
 // An axis is upright, so that all others around it are level, if its sine is below this.
 constexpr double kUpright = 1e-6;
 // A round geom overlaps a prism if it does by more than this, rounding apart [scene's size].
@@ -193,6 +196,44 @@ double OnTerrain::ExitBound(const Prism& prism, const Vector3d& u) const {
     consider(face, prism.Farthest(face));
   }
   return exit;
+}
+
+bool OnTerrain::OverlapOfBox(const Prism& prism, const Vector3d& u, Stretch& overlap) const {
+  if (core_ != Core::kBox) return false;
+  overlap = {-kInfinity, kInfinity, u};
+  const auto consider = [&](const Vector3d& n) {
+    const double along = n.dot(u), at = n.dot(center_);
+    const double half = (n.transpose() * half_edges_).cwiseAbs().sum();
+    // What the core must move along n to reach the prism, and to be past it.
+    const double to = -prism.Farthest(-n) - at - half, past = prism.Farthest(n) - at + half;
+    if (along * along <= kNotAcross * kNotAcross * n.squaredNorm()) {
+      if (to >= 0.0 || past <= 0.0) overlap.end = -kInfinity;
+      return;
+    }
+    overlap.begin = std::max(overlap.begin, (along > 0.0 ? to : past) / along);
+    const double end = (along > 0.0 ? past : to) / along;
+    if (!(end < overlap.end)) return;
+    overlap.end = end;
+    overlap.n = along > 0.0 ? n : Vector3d(-n);
+  };
+  const auto across_axes = [&](const Vector3d& edge) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vector3d n = edge.cross(Vector3d(axes_.col(axis)));
+      // Along the axis itself there is no such plane.
+      if (n.squaredNorm() > kNotAcross * kNotAcross * edge.squaredNorm()) consider(n);
+    }
+  };
+  consider(Vector3d::UnitZ());
+  consider(prism.Cross());
+  for (int axis = 0; axis < 3; ++axis) consider(axes_.col(axis));
+  across_axes(Vector3d::UnitZ());
+  for (int k = 0; k < 3; ++k) {
+    const Vector3d edge = prism.top[(k + 1) % 3] - prism.top[k];
+    consider(edge.cross(Vector3d::UnitZ()));
+    across_axes(edge);
+  }
+  overlap.n.normalize();
+  return true;
 }
 
 Prism OnTerrain::InField(Prism prism) const {

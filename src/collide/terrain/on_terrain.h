@@ -48,6 +48,15 @@ class OnTerrain {
   // How far the geom must move along the unit vector u to leave the prism, at most: by the planes
   // of the core's box and of the prism's top, and the plane normal to u.
   double ExitBound(const Prism& prism, const Vector3d& u) const;
+  // Where on a way along u the core overlaps a prism: between `begin` and `end` [m], if that is
+  // more, else nowhere. The unit vector n is the normal of the plane that parts the two at the end.
+  struct Stretch {
+    double begin = 0.0, end = 0.0;
+    Vector3d n = Vector3d::UnitZ();
+  };
+  // Fills `overlap` if the core is a box, otherwise returns false: by all planes that can part the
+  // two, but for those along an edge of the prism's base, without which it may be too long.
+  bool OverlapOfBox(const Prism& prism, const Vector3d& u, Stretch& overlap) const;
   // Whether the prism overlaps the geom moved by `shift`, or cannot be told from overlapping.
   bool Overlap(const Prism& prism, const Vector3d& shift) const;
   bool CoreOverlaps(const Prism& prism, const Vector3d& shift) const;  // the same of the core

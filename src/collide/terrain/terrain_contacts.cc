@@ -14,7 +14,8 @@ constexpr double kAside = 1e-4;
 constexpr double kMeet = 1e-8, kMeetShare = 1e-7, kLastShare = 1e-4;
 // A prism that reaches above the plane of a known contact by no more than this gets no contact of
 // its own [margin]: what it adds is seen when steps, and the margin with them, have become short.
-// With 0 descents on waves take half as many steps again.
+// With 0 descents on waves take half as many steps again; with 0.8 a quadruped on noise takes 9 %
+// fewer queries, but some boxes on noise end 0.1 mm above it.
 constexpr double kAbovePlane = 0.5;
 
 // The way itself as a feature: the geom's farthest point against it.
@@ -106,6 +107,7 @@ bool TerrainContacts::AppendApart(const OnTerrain& on, const Vector3d& shift, do
   const bool by_rows = blocks == Blocks::kFour && on.core_box().sizes().y() > on.dy();
   const bool by_cols = blocks == Blocks::kFour && on.core_box().sizes().x() > on.dx();
   for (int block = 0; block < 4; ++block) {
+    if ((block & 2 && !by_rows) || (block & 1 && !by_cols)) continue;
     block_.clear();
     for (NearPrism& near : near_) {
       const int of = 2 * (by_rows && near.row >= row) + (by_cols && near.col >= col);
@@ -150,10 +152,19 @@ bool TerrainContacts::Nearest(const OnTerrain& on, const Vector3d& shift, double
   const GjkAccuracy accuracy{
       .gap = kMeet * on.size(), .share = kMeetShare, .zero = on.radius(), .last = kLastShare};
   const double slack = kMeet * on.size();  // a prism that is no nearer than this much is not
-  for (;;) {
+  GjkNearest found;
+  double begin = 0.0;
+  for (bool asked = false;; asked = true) {
     NearPrism* next = nullptr;
     double least = reach, least_measured = reach;
+    std::size_t kept = 0;
     for (NearPrism* near : block_) {
+      // What parts the core from one prism parts it from most of its neighbours, too.
+      if (asked && near->answer < 0) {
+        near->at_least = std::max(near->at_least, begin - near->prism.Farthest(found.n));
+      }
+      if (near->at_least >= reach) continue;
+      block_[kept++] = near;
       double& bound = near->answer < 0 ? least : least_measured;
       if (near->at_least >= bound) continue;
       bound = near->at_least;
@@ -163,21 +174,14 @@ bool TerrainContacts::Nearest(const OnTerrain& on, const Vector3d& shift, double
         nearest = near->answer;
       }
     }
+    block_.resize(kept);
     if (!next || least >= least_measured - slack) return true;
-    GjkNearest found;
     const GjkEnding ending = on.Ask(next->prism, shift, reach, accuracy, found);
     if (ending != GjkEnding::kApart && ending != GjkEnding::kBeyond) return false;
     next->answer = static_cast<int>(answers_.size());
     next->at_least = ending == GjkEnding::kApart ? found.distance : reach;
     answers_.push_back(found);
-    // What parts the core from this prism parts it from most of its neighbours, too.
-    const double begin = found.n.dot(on.Support(-found.n) + shift);
-    std::erase_if(block_, [&](NearPrism* near) {
-      if (near->answer < 0) {
-        near->at_least = std::max(near->at_least, begin - near->prism.Farthest(found.n));
-      }
-      return near->at_least >= reach;
-    });
+    begin = found.n.dot(on.Support(-found.n) + shift);
   }
 }
 

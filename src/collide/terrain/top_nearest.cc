@@ -41,6 +41,28 @@ NearestPoints NearestOfEdge(const Vector3d& c, const Vector3d& d, const Vector3d
   return {c + t * edge, a + s * along};
 }
 
+// The point of the triangle that is nearest to p. (The same book, 5.1.5.)
+Vector3d NearestTo(const Triangle& top, const Vector3d& p) {
+  const Vector3d ab = top[1] - top[0], ac = top[2] - top[0];
+  const Vector3d from_a = p - top[0], from_b = p - top[1], from_c = p - top[2];
+  const double b_a = ab.dot(from_a), c_a = ac.dot(from_a);
+  if (b_a <= 0.0 && c_a <= 0.0) return top[0];
+  const double b_b = ab.dot(from_b), c_b = ac.dot(from_b);
+  if (b_b >= 0.0 && c_b <= b_b) return top[1];
+  const double of_c = b_a * c_b - b_b * c_a;
+  if (of_c <= 0.0 && b_a >= 0.0 && b_b <= 0.0) return top[0] + b_a / (b_a - b_b) * ab;
+  const double b_c = ab.dot(from_c), c_c = ac.dot(from_c);
+  if (c_c >= 0.0 && b_c <= c_c) return top[2];
+  const double of_b = b_c * c_a - b_a * c_c;
+  if (of_b <= 0.0 && c_a >= 0.0 && c_c <= 0.0) return top[0] + c_a / (c_a - c_c) * ac;
+  const double of_a = b_b * c_c - b_c * c_b, to_c = c_b - b_b, to_b = b_c - c_c;
+  if (of_a <= 0.0 && to_c >= 0.0 && to_b >= 0.0) {
+    return top[1] + to_c / (to_c + to_b) * (top[2] - top[1]);
+  }
+  const double whole = of_a + of_b + of_c;
+  return top[0] + of_b / whole * ab + of_c / whole * ac;
+}
+
 NearestPoints OnFace(const Triangle& top, const Vector3d& n, const Vector3d& p) {
   return {p - n * (n.dot(p - top[0]) / n.squaredNorm()), p};
 }
@@ -54,7 +76,13 @@ bool NearestOfSegment(const Triangle& top, const Vector3d& a, const Vector3d& b,
   const Vector3d n = Cross(top);
   const double above_a = n.dot(a - top[0]), above_b = n.dot(b - top[0]);
   if (std::max(above_a, above_b) <= 0.0) return false;
-  const Vector3d& lower = above_a < above_b ? a : b;
+  const bool a_is_lower = above_a < above_b;
+  const Vector3d &lower = a_is_lower ? a : b, &upper = a_is_lower ? b : a;
+  // Of most, the lower end is the nearest point: the rest of the segment is beyond the plane there.
+  if (std::min(above_a, above_b) > 0.0) {
+    nearest = {NearestTo(top, lower), lower};
+    if ((upper - lower).dot(lower - nearest.p1) >= 0.0) return true;
+  }
   // If all of the segment is above the plane, an edge that the lower end is not beyond is as far as
   // another one, at least.
   const bool all_above = std::min(above_a, above_b) > 0.0;

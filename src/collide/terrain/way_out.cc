@@ -161,11 +161,19 @@ NearPrism* WayOut::LeftLast(const OnTerrain& on, const Vector3d& u, double enoug
 // If the geom overlaps `one` at the end of the way, lengthens the way so that it leads out of it.
 void WayOut::LeaveIfMet(const OnTerrain& on, NearPrism& one, std::vector<NearPrism>& near,
                         Way& way) {
-  one.passed = !on.Overlap(one.prism, way.length * way.u);
-  if (one.passed) return;
-  if (!one.asked) one.exit = std::min(one.exit, on.ExitBound(one.prism, way.u));
+  Way out = way;
+  OnTerrain::Stretch of_box;
+  if (on.OverlapOfBox(one.prism, way.u, of_box)) {
+    one.passed = !(of_box.begin < way.length && way.length < of_box.end);
+    if (one.passed) return;
+    out = {way.u, of_box.end, of_box.n};
+  } else {
+    one.passed = !on.Overlap(one.prism, way.length * way.u);
+    if (one.passed) return;
+    if (!one.asked) one.exit = std::min(one.exit, on.ExitBound(one.prism, way.u));
+    out = LeaveOne(on, one.prism, way.u, one.exit, accuracy_);
+  }
   one.asked = true;
-  const Way out = LeaveOne(on, one.prism, way.u, one.exit, accuracy_);
   one.exit = out.length;
   if (out.length <= way.length) return;
   way = out;
