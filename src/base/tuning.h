@@ -71,9 +71,10 @@ inline constexpr double kLeastRadius = 1e-6;  // the descent ends where the radi
 // divides it by ten, one that keeps less than kBroken multiplies it by ten.
 inline constexpr double kFirstDamping = 0.1, kLeastDamping = 1e-5, kRenewedDamping = 1e-4;
 inline constexpr double kKept = 0.75, kBroken = 0.25;
-// Where many contacts are curved, each step that lowers σ leaves some of them in a small overlap.
-// After so many steps in a row without a free iterate, a step that ends with overlaps below this
-// [size] raises the damping, too, until little is left of a step but that it parts them.
+// Where several trees move and many contacts are curved, each step that lowers σ leaves some tree
+// in a small overlap, and all the others wait for it. After so many steps in a row without a free
+// iterate, a step that ends with overlaps below this [size] raises the damping, too, until little
+// is left of a step but that it parts them.
 inline constexpr int kDrifts = 10;
 inline constexpr double kNearlyFree = 1e-3;
 

@@ -34,11 +34,12 @@ LinearizedStep::LinearizedStep(Workspace& work)
   moved_.resize(work.norm.rows());
 }
 
-// Left empty where there is one tree only, or where H is not block-diagonal by trees.
+// Left empty where there is one tree only, where equality constraints may join them, or where H is
+// not block-diagonal by trees.
 void LinearizedStep::FindTrees() {
   const SceneTables& tables = problem_.tables;
   const mjModel& m = *tables.model;
-  if (work_.norm.blocks().size() != tables.joints.size()) return;
+  if (work_.norm.blocks().size() != tables.joints.size() || work_.equality.any()) return;
   tree_of_.assign(static_cast<std::size_t>(m.ntree), -1);
   for (const JointEntry& joint : tables.joints) {
     int& tree = tree_of_[m.body_treeid[joint.body]];
@@ -160,7 +161,7 @@ double LinearizedStep::DampingShare() const {
 // Of a tendon's row, any entry may be other than 0.
 bool LinearizedStep::FindSupports() {
   supports_.clear();
-  if (trees_.empty() || work_.equality.any()) return false;
+  if (trees_.empty()) return false;
   const SceneTables& tables = problem_.tables;
   const mjModel& m = *tables.model;
   const auto columns = [&](int body) {

@@ -70,6 +70,7 @@ class LinearizedStep {
   // ‖J dq‖ of the tree that moves farthest, as if there were no other: over the root of its share
   // of the mass [m].
   double LargestLength() const;
+  bool several_trees() const { return trees_.size() > 1; }
   // The largest λ of a contact [m]; 0 without contacts.
   double LargestForce() const;
   // ‖J dq‖² of any dq: what it costs by the linearized norm [m²].

@@ -204,7 +204,8 @@ void LocalOptimization::Advance(Descent& d) {
   d.taken_back = 0;
   SetMeritPenalty();
   d.overlapping = Free(d.trial) ? 0 : d.overlapping + 1;
-  if (d.overlapping >= tune::kDrifts && d.trial.worst < tune::kNearlyFree * problem_.size) {
+  if (step_.several_trees() && d.overlapping >= tune::kDrifts &&
+      d.trial.worst < tune::kNearlyFree * problem_.size) {
     damping_ = 10.0 * std::max(damping_, tune::kFirstDamping);
   } else {
     AdaptDamping(d.current, d.trial);

@@ -16,8 +16,10 @@ bool IsOnTerrain(const SceneTables& tables, const std::vector<NearPair>& overlap
   });
 }
 
-// How many kinematic trees may move.
-int CountTrees(const SceneTables& tables) {
+// How many kinematic trees may move, each for itself: equality constraints may join them.
+int CountTrees(const Workspace& work) {
+  if (work.equality.any()) return 1;
+  const SceneTables& tables = work.problem().tables;
   int trees = 0, last = -1;
   for (const JointEntry& joint : tables.joints) {
     const int tree = tables.model->body_treeid[joint.body];
@@ -32,7 +34,7 @@ int CountTrees(const SceneTables& tables) {
 void StoppingRule::Begin(const EffortPlan& plan, const StrategyInput& input, double depth,
                          bool meshes_overlap) {
   plan_ = plan;
-  trees_ = CountTrees(work_.problem().tables);
+  trees_ = CountTrees(work_);
   sigma_lower_bound_ = input.sigma_lower_bound;
   distances_at_input_ = input.distances_at_input;
   depth_ = depth;

@@ -280,10 +280,10 @@ TEST(PlanTest, NarrowPassagesOfKnownWidthArePassed) {
     const Scene scene =
         Scene::FromFile(std::string(MJCF_PDG_MODEL_DIR) + "/passages/" + name + ".xml",
                         {.exact_mesh = std::string(name) == "piano"});
-    ExpectFree(scene,
-               Plan(scene, scene.KeyQpos(0), scene.KeyQpos(1),
-                    With("birrt-pdg", static_cast<std::uint64_t>(seed))),
-               scene.KeyQpos(0), scene.KeyQpos(1));
+    PlanOptions options = With("birrt-pdg", static_cast<std::uint64_t>(seed));
+    options.max_samples = 200000;  // ten times what was enough for 19 of 20 seeds
+    ExpectFree(scene, Plan(scene, scene.KeyQpos(0), scene.KeyQpos(1), options), scene.KeyQpos(0),
+               scene.KeyQpos(1));
   }
 }
 
