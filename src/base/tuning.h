@@ -275,9 +275,9 @@ inline constexpr double kNearProven = 5.0;
 // on waves, stairs and noise √bound/√σ is 0.43 to 0.5 where it is 0.69 on a plane.
 inline constexpr double kNearProvenOnTerrain = 10.0;
 // So many starts that were given up, since they promised nothing nearer, count as one that ended at
-// the best answer. On 1440 solves of three robots and exact meshes 5, 10 and 20 saved 27, 17 and 6 %
-// of the queries; σ over the best known had a p95 of 1.0113, 1.0100 and 1.0100 (without: 1.0100) and
-// was 1.48, 1.33 and 1.33 at worst (1.33).
+// the best answer. On 1440 solves of three robots and exact meshes 5, 10 and 20 saved 27, 17 and 6
+// % of the queries; σ over the best known had a p95 of 1.0113, 1.0100 and 1.0100 (without: 1.0100)
+// and was 1.48, 1.33 and 1.33 at worst (1.33).
 inline constexpr int kGivenUpPerAgreement = 10;
 // Estimated time of a query, of a pair distance and of an LCP step per degree of freedom, the
 // latter two over the distances at q_in but no fewer than kFewDistances [evaluations]: a regression
