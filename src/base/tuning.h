@@ -74,7 +74,10 @@ inline constexpr double kKept = 0.75, kBroken = 0.25;
 // Where several trees move and many contacts are curved, each step that lowers σ leaves some tree
 // in a small overlap, and all the others wait for it. After so many steps in a row without a free
 // iterate, a step that ends with overlaps below this [size] raises the damping, too, until little
-// is left of a step but that it parts them.
+// is left of a step but that it parts them. Of ten heaps of 60 bodies first descents took 28 steps
+// on average; without the rule 55, and two did not end free. After 5 and 20 steps it is 25 and 33.
+// Below 1e-4 it is 42 and σ 3 % less, below 1e-2 20 and 2 % more; of the answers σ differs by half
+// as much. Heaps of 20 and 40 bodies differ less.
 inline constexpr int kDrifts = 10;
 inline constexpr double kNearlyFree = 1e-3;
 
@@ -272,6 +275,11 @@ inline constexpr double kNearProven = 5.0;
 // The same where something is in a height field, whose bound is that of a solid inside the field:
 // on waves, stairs and noise √bound/√σ is 0.43 to 0.5 where it is 0.69 on a plane.
 inline constexpr double kNearProvenOnTerrain = 10.0;
+// So many starts that were given up, since they promised nothing nearer, count as one that ended at
+// the best answer. On 1440 solves of three robots and exact meshes 5, 10 and 20 saved 27, 17 and 6
+// % of the queries; σ over the best known had a p95 of 1.0113, 1.0100 and 1.0100 (without: 1.0100)
+// and was 1.48, 1.33 and 1.33 at worst (1.33).
+inline constexpr int kGivenUpPerAgreement = 10;
 // Estimated time of a query, of a pair distance and of an LCP step per degree of freedom, the
 // latter two over the distances at q_in but no fewer than kFewDistances [evaluations]: a regression
 // over the solves of nine robots on one machine. It only bounds a search that found no agreement.

@@ -103,7 +103,7 @@ void LocalOptimization::Keep(const Iterate& it, LocalResult& result) const {
   }
 }
 
-// Linearizes at the current iterate and makes one step from there, to the trial.
+// Linearizes at the current iterate and makes one step from there, to next_.
 void LocalOptimization::Step(Descent& d) {
   const double margin = d.options.margin * problem_.size;
   if (!d.finder_at_current) work_.finder.Pose(d.current.q);
@@ -114,6 +114,10 @@ void LocalOptimization::Step(Descent& d) {
   work_.norm.Retract(d.current.q, step_.dq(), next_);
   ClampToLimits(problem_.tables, next_);
   work_.equality.Project(next_);
+}
+
+// The trial: what is at next_.
+void LocalOptimization::LookAtStep(Descent& d) {
   const double reach =
       std::clamp(tune::kMarginPerStep * step_.LargestLength(),
                  d.options.least_margin * problem_.size, tune::kLargestMargin * problem_.size);
@@ -183,8 +187,8 @@ bool LocalOptimization::NearKnown(const VectorXd& q, const LocalOptions& options
   return step_.SquaredLength(apart_) < tune::kNearKnown * tune::kNearKnown * options.known_sigma;
 }
 
-// Whether the descent is to be given up: it promises nothing better than what is known, is near the
-// known optimum, or (exact meshes) has found no lower σ for some steps.
+// Whether the descent is to be given up: it promises nothing better than what is known, or (exact
+// meshes) has found no lower σ for some steps.
 bool LocalOptimization::GivesUp(Descent& d) {
   const LocalOptions& options = d.options;
   const bool all_seen = depths_ == Depths::kSearched;
@@ -192,8 +196,6 @@ bool LocalOptimization::GivesUp(Descent& d) {
   d.hopeless = settling && step_.uncut_sigma() > options.give_up_sigma ? d.hopeless + 1 : 0;
   d.result.hopeless = d.hopeless >= tune::kHopeless;
   if (d.result.hopeless) return true;
-  d.result.reached_known = NearKnown(d.trial.q, options);
-  if (d.result.reached_known) return true;
   const bool lower = !(d.result.sigma > (1.0 - options.convergence) * d.sigma_before);
   d.idle = features_.learning() && d.result.free && !lower ? d.idle + 1 : 0;
   return d.idle == options.last_chances;
@@ -323,8 +325,11 @@ const LocalResult& LocalOptimization::Go(Descent& d) {
     ++d.result.iterations;
     const BudgetMeter::Clock::time_point begin = work_.budget.Now();
     Step(d);
-    work_.budget.Stepped(begin);
     d.result.length += d.length;
+    d.result.reached_known = NearKnown(next_, d.options);
+    if (d.result.reached_known) break;
+    LookAtStep(d);
+    work_.budget.Stepped(begin);
     Observe(d.trial, true);
     d.sigma_before = d.result.sigma;
     Keep(d.trial, d.result);

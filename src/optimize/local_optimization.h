@@ -40,7 +40,8 @@ struct LocalOptions {
   Depths depths = Depths::kMeasured;  // how carefully depths of exact meshes are measured
   int last_chances = tuning::descent::kLastChances;  // exact meshes: steps without a lower σ end it
   double give_up_sigma = kInfinity;  // steps that predict a larger σ end it as hopeless [m²]
-  // An optimum that is known already: a descent that comes close to it ends there.
+  // An optimum that is known already: a descent ends when a step leads close to it, without a query
+  // for what is there.
   const VectorXd* known = nullptr;
   double known_sigma = 0.0;  // [m²]
   bool retreats = false;     // keeps every pair farther apart than required, by a tolerance
@@ -65,7 +66,7 @@ struct LocalOutcome {
   bool free = false;  // q is free by the solver's own distances
   double sigma = std::numeric_limits<double>::infinity();  // of q [m²]
   double violation = 0.0;      // sum over the pairs of their overlap beyond the aim; 0 if free [m]
-  bool reached_known = false;  // ended close to LocalOptions::known
+  bool reached_known = false;  // the last step led close to LocalOptions::known
   bool hopeless = false;       // ended because of LocalOptions::give_up_sigma
   int iterations = 0;
   double length = 0.0;  // of its steps together, each by its linearized norm [√σ, m]
@@ -131,6 +132,7 @@ class LocalOptimization {
   void BeginSteps(const LocalOptions& options, Descent& d);
   const LocalResult& Go(Descent& d);
   void Step(Descent& d);
+  void LookAtStep(Descent& d);
   void Observe(const Iterate& it, bool stepped);
   bool GivesUp(Descent& d);
   void Advance(Descent& d);

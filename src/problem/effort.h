@@ -14,10 +14,6 @@ struct EffortPlan {
   // The search ends when this many independent starts have ended at the best answer; the first
   // number holds where that is near the lower bound of σ (search/stopping_rule.h).
   int agree_near_proven = 3, agree = 6;
-  // The second number where something is in a height field: with 4 for 6, 720 problems of
-  // bench/terrain_bench have the same p95 of σ over the best, and take up to a quarter fewer
-  // queries.
-  int agree_on_terrain = 4;
   // Collision queries after which no further start is made, over the kinematic trees that move.
   int queries = 800;
   // Exact meshes: tests of bounding boxes per degree of freedom after which no further start is
@@ -39,7 +35,6 @@ inline EffortPlan PlanFor(Effort effort) {
     case Effort::kFast:
       return {.agree_near_proven = 1,
               .agree = 1,
-              .agree_on_terrain = 1,
               .queries = 0,
               .evaluations = kInfinity,
               .polishes_meshes = false,
@@ -49,7 +44,6 @@ inline EffortPlan PlanFor(Effort effort) {
     case Effort::kMax:
       return {.agree_near_proven = 8,
               .agree = 12,
-              .agree_on_terrain = 12,
               .queries = 4000,
               .box_tests = kInfinity,
               .evaluations = kInfinity,

@@ -40,7 +40,7 @@ void StoppingRule::Begin(const EffortPlan& plan, const StrategyInput& input, dou
   depth_ = depth;
   meshes_overlap_ = meshes_overlap;
   on_terrain_ = IsOnTerrain(work_.problem().tables, input.overlaps);
-  agreeing_ = 0;
+  agreeing_ = given_up_ = 0;
   RenewQueries();
   first_box_test_ = work_.finder.box_tests();
 }
@@ -53,23 +53,28 @@ void StoppingRule::FirstFree(std::int64_t lcp_steps) {
 
 // Hops and translations do not count as independent: a hop starts from the best answer, so that its
 // return there says nothing, and symmetric scenes have equally long translations in several
-// directions.
+// directions. A start that was given up has found nothing nearer either, but where it leads is not
+// known.
 void StoppingRule::Count(const LocalResult& result, Component start, double best_sigma) {
   const bool independent = start != Component::kHop;
+  const bool counts = independent && start != Component::kConstrainedTranslation;
   if (result.free && result.sigma * tune::kSameAnswer < best_sigma) {
     agreeing_ = independent;
+    given_up_ = 0;
   } else if (result.reached_known ||
              (result.free && result.sigma <= tune::kSameAnswer * best_sigma)) {
-    agreeing_ += independent && start != Component::kConstrainedTranslation;
+    agreeing_ += counts;
+  } else if (result.hopeless) {
+    given_up_ += counts;
   }
 }
 
 bool StoppingRule::Done(double best_sigma, std::int64_t lcp_steps) const {
   if (best_sigma <= tune::kSameAnswer * sigma_lower_bound_) return true;  // the nearest: proven
   const double near = on_terrain_ ? tune::kNearProvenOnTerrain : tune::kNearProven;
-  const int far_from_proven = on_terrain_ ? plan_.agree_on_terrain : plan_.agree;
   const bool near_proven = best_sigma <= near * sigma_lower_bound_;
-  if (agreeing_ >= (near_proven ? plan_.agree_near_proven : far_from_proven)) return true;
+  const int agreeing = agreeing_ + given_up_ / tune::kGivenUpPerAgreement;
+  if (agreeing >= (near_proven ? plan_.agree_near_proven : plan_.agree)) return true;
   const std::int64_t queries = work_.finder.queries() - first_query_;
   if (!meshes_overlap_)
     return Evaluations(lcp_steps) >= plan_.evaluations || queries >= plan_.queries / trees_;

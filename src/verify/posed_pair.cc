@@ -26,8 +26,22 @@ double PosedPair::SphereBound() const {
   return std::isnan(bound) ? -std::numeric_limits<double>::infinity() : bound;
 }
 
-double PosedPair::BoxBound() const {
+double PosedPair::BoxGap(int axis) const {
   if (HasPlane()) return -std::numeric_limits<double>::infinity();
+  const int own = axis < 3 ? pair.geom1 : pair.geom2, other = axis < 3 ? pair.geom2 : pair.geom1;
+  const int i = axis < 3 ? axis : axis - 3;
+  const mjtNum* R = data.geom_xmat + 9 * own + i;
+  const Vector3d n_W(R[0], R[3], R[6]);
+  const Vector3d n = GeomRotation(data, other).transpose() * n_W;  // in the other geom's axes
+  const mjtNum* box = model.unblinded.geom_aabb + 6 * own;
+  const mjtNum* other_box = model.unblinded.geom_aabb + 6 * other;
+  const double between =
+      n_W.dot(Origin(data, other) - Origin(data, own)) + n.dot(VectorAt(other_box)) - box[i];
+  return std::abs(between) - box[3 + i] - n.cwiseAbs().dot(VectorAt(other_box + 3));
+}
+
+AxisGap PosedPair::BoxBound() const {
+  if (HasPlane()) return {};
   const int geom[] = {pair.geom1, pair.geom2};
   Matrix3d R[2];
   Vector3d center[2], half[2];
@@ -43,7 +57,12 @@ double PosedPair::BoxBound() const {
       (R[0].transpose() * between).cwiseAbs() - half[0] - turn.cwiseAbs() * half[1];
   const Vector3d second =
       (R[1].transpose() * between).cwiseAbs() - half[1] - turn.transpose().cwiseAbs() * half[0];
-  return std::max(first.maxCoeff(), second.maxCoeff());
+  AxisGap widest;
+  for (int axis = 0; axis < 6; ++axis) {
+    const double gap = axis < 3 ? first[axis] : second[axis - 3];
+    if (gap > widest.gap) widest = {gap, axis};
+  }
+  return widest;
 }
 
 ConvexPair PosedPair::Shapes() const {

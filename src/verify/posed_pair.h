@@ -5,6 +5,8 @@
 
 #include <mujoco/mujoco.h>
 
+#include <limits>
+
 #include "verify/convex/certificate.h"
 #include "verify/verifier_model.h"
 
@@ -15,6 +17,13 @@ namespace mjcf_pdg::verify {
 struct Reading {
   double distance = 0.0;
   Vector3d n_W = Vector3d::UnitX(), p1_W = Vector3d::Zero(), p2_W = Vector3d::Zero();
+};
+
+// The gap of two oriented bounding boxes along an axis: 0 to 2 of the first one's, 3 to 5 of the
+// second one's.
+struct AxisGap {
+  double gap = -std::numeric_limits<double>::infinity();  // [m]
+  int axis = 0;
 };
 
 // Refers to its model, data and pair, which must outlive it.
@@ -29,9 +38,10 @@ struct PosedPair {
 
   // Lower bounds of the pair's signed distance [m]; -infinity if nothing is known. They come from
   // bounding spheres about the geoms' origins, and from the gaps of the oriented bounding boxes
-  // (geom_aabb) along the axes of both.
+  // (geom_aabb) along the axes of both: along one, and the widest with its axis.
   double SphereBound() const;
-  double BoxBound() const;
+  double BoxGap(int axis) const;
+  AxisGap BoxBound() const;
 
   // The shapes of two convex geoms, and a certificate about them in world axes.
   ConvexPair Shapes() const;

@@ -66,6 +66,7 @@ Verifier::Verifier(std::shared_ptr<const VerifierModel> model, const Options& op
   const std::size_t pairs = shared_->pairs.size();
   required_.resize(pairs);
   plane_.assign(pairs, Vector3d::Zero());
+  box_axis_.assign(pairs, 0);
   contact_.assign(pairs, -1);
   touching_.reserve(pairs);
   order_.reserve(pairs);
@@ -229,33 +230,40 @@ Proof Verifier::Judge(int index) const {
   return AskExact(index, cutoff, depths).distance >= needed ? Proof::kPlane : Proof::kPoints;
 }
 
-// True if Judge says kPlane. Cheaper proofs come first: bounding spheres, oriented boxes, the plane
-// of an earlier call, a plane from one minimum-norm search, and, where cores overlap by less than
-// they may, one from a climb.
+// True if Judge says kPlane. Cheaper proofs come first: bounding spheres, oriented boxes along the
+// axis that was the widest in an earlier call, along all axes, the plane of an earlier call, a
+// plane from one minimum-norm search, and, where cores overlap by less than they may, one from a
+// climb.
 bool Verifier::KeepsApart(int index) {
   const PosedPair posed = Posed(index);
   const double needed = required_[index] - tolerance_;
-  if (posed.SphereBound() >= needed || posed.BoxBound() >= needed) return true;
+  if (posed.SphereBound() >= needed) return true;
+  int& axis = box_axis_[index];
+  if (posed.BoxGap(axis) >= needed) return true;
+  const verify::AxisGap widest = posed.BoxBound();
+  axis = widest.axis;
+  if (widest.gap >= needed) return true;
   if (posed.pair.exact || posed.pair.terrain || posed.HasPlane()) {
     return Judge(index) == Proof::kPlane;
   }
   const ConvexPair placed = posed.Shapes();
-  const double clearly = needed + kClear * placed.size() + placed.radii();
+  const double enough = needed + kClear * placed.size() + placed.radii();
   Vector3d& n = plane_[index];  // in the frame of the first shape; zero: none is known
-  if (n.squaredNorm() > 0.0 && placed.CoreGap(n) >= clearly) return true;
+  const bool had_plane = n.squaredNorm() > 0.0;
+  if (had_plane && placed.CoreGap(n) >= enough) return true;
   verify::MinimumNormQuestion question;
-  question.start = n.squaredNorm() > 0.0 ? n : placed.between;
+  question.start = had_plane ? n : placed.between;
   if (!(question.start.squaredNorm() > 0.0)) question.start = Vector3d::UnitX();
-  question.enough = clearly;
+  question.enough = enough;
   const verify::MinimumNorm found = verify::FindMinimumNorm(placed, question);
-  if (found.holds_origin && clearly < 0.0) {
+  if (found.holds_origin && enough < 0.0) {
     const verify::CoreGap top =
         verify::Climb(placed, question.start.normalized(), verify::kRoundingOfSize);
     n = top.n;
-    if (top.gap >= clearly) return true;
+    if (top.gap >= enough) return true;
   } else {
     n = found.n;
-    if (found.lower >= clearly) return true;
+    if (found.lower >= enough) return true;
   }
   const Certificate decided = posed.Decide(needed);
   if (decided.proof != Proof::kPlane) return false;
@@ -339,7 +347,7 @@ void Verifier::CheckPairs(Depths depths) {
     const PosedPair posed = Posed(k);
     const double cutoff = std::max(verdict_.min_distance, matters);
     if (bound > cutoff) break;
-    if (posed.BoxBound() > cutoff) continue;
+    if (posed.BoxBound().gap > cutoff) continue;
     const Depths asked = required_[k] > 0.0 ? Depths::kMeasured : depths;
     const Reading reading = Read(k, cutoff, asked);
     if (reading.distance >= cutoff) continue;

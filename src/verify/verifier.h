@@ -153,6 +153,7 @@ class Verifier {
   // One entry per pair of shared_->pairs:
   std::vector<double> required_;        // least signed distance, rest considered [m]
   std::vector<Eigen::Vector3d> plane_;  // normal of the last plane, frame of geom 1; 0: none
+  std::vector<int> box_axis_;           // along which its boxes were last widest apart
   std::vector<int> contact_;            // index of MuJoCo's deepest contact; -1: none
   std::vector<int> touching_;           // the pairs that have one, ascending
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "tests/support/heap.h"
 #include "tests/support/test_support.h"
 #include "tests/support/witness.h"
 
@@ -204,6 +205,21 @@ TEST_F(LocalOptimizationTest, LightRoundLimbsDoNotKeepTheDescentFromEnding) {
   EXPECT_LT(steps[30], 50);
 }
 
+// Of a heap's many curved contacts some overlap by a little after each step that lowers σ.
+TEST_F(LocalOptimizationTest, DescentsOfHeapsSoonPartTheirCurvedContacts) {
+  Random rng(5);
+  int steps = 0;
+  constexpr int kHeaps = 6;
+  for (int k = 0; k < kHeaps; ++k) {
+    const Heap heap(40, rng);
+    Local local(heap.xml);
+    const LocalResult result = local.Run(ToEigen(heap.q));
+    EXPECT_TRUE(result.free);
+    steps += result.iterations;
+  }
+  EXPECT_LT(steps, 35 * kHeaps);
+}
+
 TEST_F(LocalOptimizationTest, AFreeStartThatIsTheReferenceStaysWhereItIs) {
   Local p(kBoxOnPlane);
   const VectorXd q = FreePose(Vector3d(0, 0, 0.06));
@@ -262,9 +278,12 @@ TEST_F(LocalOptimizationTest, AKnownOptimumEndsTheRun) {
   LocalOptions options;
   options.known = &first.q;
   options.known_sigma = first.sigma;
+  const std::int64_t before = p.work.finder.queries();
   const LocalResult second = p.Run(q_in, options);
   EXPECT_TRUE(second.reached_known);
   EXPECT_LE(second.iterations, first.iterations);
+  // One at the start and one per step, but none where the last step leads.
+  EXPECT_EQ(p.work.finder.queries() - before, second.iterations);
 }
 
 TEST_F(LocalOptimizationTest, AHopelessPredictionEndsTheRun) {

@@ -54,6 +54,12 @@ LocalResult Ended(bool free, double sigma, bool known = false) {
   return result;
 }
 
+LocalResult GivenUp() {
+  LocalResult result;
+  result.hopeless = true;
+  return result;
+}
+
 EffortPlan NeverByCounts() {
   return {.agree_near_proven = 3, .agree = 6, .queries = 1 << 30, .evaluations = kInfinity};
 }
@@ -110,7 +116,29 @@ TEST_F(StoppingRuleTest, ASearchEndsWhenEnoughIndependentStartsAgree) {
   EXPECT_GT(waited, 50);
 }
 
-// In a height field four starts need to agree instead of six, and three up to ten times the bound.
+// Ten starts that were given up count as one that agrees. Those before the best answer do not, and
+// neither do hops and translations.
+TEST_F(StoppingRuleTest, StartsThatAreGivenUpCountATenth) {
+  Asked p(NeverByCounts());
+  for (const int agree : {1, 2, 5}) {
+    p.Begin(0.0, 0.1, false);
+    p.rule.Count(Ended(true, 2.0), Component::kDirect, kInfinity);
+    for (int k = 0; k < 30; ++k) p.rule.Count(GivenUp(), Component::kNoise, 2.0);
+    p.rule.Count(Ended(true, 1.0), Component::kNoise, 2.0);
+    for (int k = 1; k < agree; ++k) p.rule.Count(Ended(true, 1.0), Component::kNoise, 1.0);
+    for (int k = 0; k < 99; ++k) {
+      p.rule.Count(GivenUp(), Component::kHop, 1.0);
+      p.rule.Count(GivenUp(), Component::kConstrainedTranslation, 1.0);
+    }
+    int given_up = 0;
+    for (; !p.rule.Done(1.0, 0) && given_up < 99; ++given_up) {
+      p.rule.Count(GivenUp(), Component::kNoise, 1.0);
+    }
+    EXPECT_EQ(given_up, 10 * (6 - agree));
+  }
+}
+
+// In a height field three starts are enough up to ten times the bound.
 TEST_F(StoppingRuleTest, FewerStartsNeedToAgreeOnTerrain) {
   Asked p(NeverByCounts());
   const auto needed = [&](double best) {
@@ -128,7 +156,7 @@ TEST_F(StoppingRuleTest, FewerStartsNeedToAgreeOnTerrain) {
   ASSERT_TRUE(p.scene.tables().pairs[0].moves);
   EXPECT_EQ(needed(5.1), 3);
   EXPECT_EQ(needed(9.9), 3);
-  EXPECT_EQ(needed(10.1), 4);
+  EXPECT_EQ(needed(10.1), 6);
   p.plan = PlanFor(Effort::kMax);
   EXPECT_EQ(needed(10.1), 12);
 }

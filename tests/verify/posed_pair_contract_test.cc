@@ -112,7 +112,7 @@ TEST_F(PosedPairContractTest, BoundsAreThoseOfSpheresAndBoxesAndNeverTooGreat) {
       const bool plane = m.geom_type[checked.geom1] == mjGEOM_PLANE;
       EXPECT_EQ(pair.HasPlane(), plane);
       EXPECT_LE(pair.SphereBound(), distance + 1e-9);
-      EXPECT_LE(pair.BoxBound(), distance + 1e-9);
+      EXPECT_LE(pair.BoxBound().gap, distance + 1e-9);
       // No geom is farther from its origin than its extent, and each is as far in some direction.
       double extents = 0.0;
       for (const int geom : {checked.geom1, checked.geom2}) {
@@ -127,13 +127,17 @@ TEST_F(PosedPairContractTest, BoundsAreThoseOfSpheresAndBoxesAndNeverTooGreat) {
       if (plane) {
         const Vector3d up = verify::GeomRotation(*posed.d, checked.geom1).col(2);
         EXPECT_NEAR(pair.SphereBound(), up.dot(between) - extents, 1e-12);
-        EXPECT_EQ(pair.BoxBound(), -std::numeric_limits<double>::infinity());
+        EXPECT_EQ(pair.BoxBound().gap, -std::numeric_limits<double>::infinity());
+        EXPECT_EQ(pair.BoxGap(0), -std::numeric_limits<double>::infinity());
         continue;
       }
-      close += pair.BoxBound() > 0.8 * distance && distance > 0.0;
+      close += pair.BoxBound().gap > 0.8 * distance && distance > 0.0;
       EXPECT_NEAR(pair.size(), extents, 1e-12);
       EXPECT_NEAR(pair.SphereBound(), between.norm() - extents, 1e-12);
-      EXPECT_NEAR(pair.BoxBound(), BoxGap(m, *posed.d, checked.geom1, checked.geom2), 1e-12);
+      const verify::AxisGap widest = pair.BoxBound();
+      EXPECT_NEAR(widest.gap, BoxGap(m, *posed.d, checked.geom1, checked.geom2), 1e-12);
+      EXPECT_NEAR(pair.BoxGap(widest.axis), widest.gap, 1e-12);
+      for (int axis = 0; axis < 6; ++axis) EXPECT_LE(pair.BoxGap(axis), widest.gap + 1e-12);
     }
   }
   EXPECT_EQ(types.size(), 7u);
