@@ -283,6 +283,7 @@ TEST_F(LocalOptimizationTest, AKnownOptimumEndsTheRun) {
   EXPECT_LE(second.iterations, first.iterations);
   // A step that only leads back there is not looked at.
   const std::int64_t before = p.work.finder.queries();
+  options.known_sigma = 0.999 * first.sigma;
   const LocalResult third = p.local.Run(first.q, options);
   EXPECT_TRUE(third.reached_known);
   EXPECT_EQ(third.iterations, 0);
