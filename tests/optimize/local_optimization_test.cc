@@ -281,12 +281,19 @@ TEST_F(LocalOptimizationTest, AKnownOptimumEndsTheRun) {
   const LocalResult second = p.Run(q_in, options);
   EXPECT_TRUE(second.reached_known);
   EXPECT_LE(second.iterations, first.iterations);
-  // A step that only leads back there is not looked at.
+}
+
+TEST_F(LocalOptimizationTest, AStepThatOnlyLeadsToTheKnownOptimumIsNotLookedAt) {
+  Local p(kBoxOnPlane);
+  const LocalResult first = p.Run(FreePose(Vector3d(0, 0, 0.01)));
+  ASSERT_TRUE(first.free);
+  LocalOptions options;
+  options.known = &first.q;
+  options.known_sigma = 0.99 * first.sigma;
   const std::int64_t before = p.work.finder.queries();
-  options.known_sigma = 0.999 * first.sigma;
-  const LocalResult third = p.local.Run(first.q, options);
-  EXPECT_TRUE(third.reached_known);
-  EXPECT_EQ(third.iterations, 0);
+  const LocalResult second = p.local.Run(first.q, options);
+  EXPECT_TRUE(second.reached_known);
+  EXPECT_EQ(second.iterations, 0);
   EXPECT_EQ(p.work.finder.queries() - before, 1);
 }
 
