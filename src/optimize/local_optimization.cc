@@ -187,8 +187,15 @@ bool LocalOptimization::NearKnown(const VectorXd& q, const LocalOptions& options
   return step_.SquaredLength(apart_) < tune::kNearKnown * tune::kNearKnown * options.known_sigma;
 }
 
-// Whether the descent is to be given up: it promises nothing better than what is known, or (exact
-// meshes) has found no lower σ for some steps.
+// Whether the step leads to the known optimum and promises no lower σ: what is there need not be
+// looked at.
+bool LocalOptimization::LeadsToKnown(Descent& d) {
+  d.result.reached_known = step_.sigma() >= d.options.known_sigma && NearKnown(next_, d.options);
+  return d.result.reached_known;
+}
+
+// Whether the descent is to be given up: it promises nothing better than what is known, is near the
+// known optimum, or (exact meshes) has found no lower σ for some steps.
 bool LocalOptimization::GivesUp(Descent& d) {
   const LocalOptions& options = d.options;
   const bool all_seen = depths_ == Depths::kSearched;
@@ -196,6 +203,8 @@ bool LocalOptimization::GivesUp(Descent& d) {
   d.hopeless = settling && step_.uncut_sigma() > options.give_up_sigma ? d.hopeless + 1 : 0;
   d.result.hopeless = d.hopeless >= tune::kHopeless;
   if (d.result.hopeless) return true;
+  d.result.reached_known = NearKnown(d.trial.q, options);
+  if (d.result.reached_known) return true;
   const bool lower = !(d.result.sigma > (1.0 - options.convergence) * d.sigma_before);
   d.idle = features_.learning() && d.result.free && !lower ? d.idle + 1 : 0;
   return d.idle == options.last_chances;
@@ -322,15 +331,11 @@ const LocalResult& LocalOptimization::Go(Descent& d) {
       d.result.ended = false;
       break;
     }
-    ++d.result.iterations;
     const BudgetMeter::Clock::time_point begin = work_.budget.Now();
     Step(d);
     d.result.length += d.length;
-    d.result.reached_known = NearKnown(next_, d.options);
-    if (d.result.reached_known) {
-      --d.result.iterations;  // nobody looks at it
-      break;
-    }
+    if (LeadsToKnown(d)) break;
+    ++d.result.iterations;
     LookAtStep(d);
     work_.budget.Stepped(begin);
     Observe(d.trial, true);

@@ -40,8 +40,8 @@ struct LocalOptions {
   Depths depths = Depths::kMeasured;  // how carefully depths of exact meshes are measured
   int last_chances = tuning::descent::kLastChances;  // exact meshes: steps without a lower σ end it
   double give_up_sigma = kInfinity;  // steps that predict a larger σ end it as hopeless [m²]
-  // An optimum that is known already: a descent ends when a step leads close to it, without a query
-  // for what is there.
+  // An optimum that is known already: a descent ends when a step leads close to it; if it promises
+  // no lower σ either, without a query for what is there, and the step does not count.
   const VectorXd* known = nullptr;
   double known_sigma = 0.0;  // [m²]
   bool retreats = false;     // keeps every pair farther apart than required, by a tolerance
@@ -134,6 +134,7 @@ class LocalOptimization {
   void Step(Descent& d);
   void LookAtStep(Descent& d);
   void Observe(const Iterate& it, bool stepped);
+  bool LeadsToKnown(Descent& d);
   bool GivesUp(Descent& d);
   void Advance(Descent& d);
   bool HasConverged(Descent& d);

@@ -278,12 +278,24 @@ TEST_F(LocalOptimizationTest, AKnownOptimumEndsTheRun) {
   LocalOptions options;
   options.known = &first.q;
   options.known_sigma = first.sigma;
-  const std::int64_t before = p.work.finder.queries();
   const LocalResult second = p.Run(q_in, options);
   EXPECT_TRUE(second.reached_known);
   EXPECT_LE(second.iterations, first.iterations);
-  // One at the start and one per step; where the last leads nobody looks, and it does not count.
-  EXPECT_EQ(p.work.finder.queries() - before, second.iterations + 1);
+}
+
+TEST_F(LocalOptimizationTest, AStepThatOnlyLeadsToTheKnownOptimumIsNotLookedAt) {
+  Local p(kBoxOnPlane);
+  const LocalResult first = p.Run(FreePose(Vector3d(0, 0, 0.01)));
+  ASSERT_TRUE(first.free);
+  LocalOptions options;
+  options.known = &first.q;
+  options.known_sigma = 0.99 * first.sigma;
+  const std::int64_t before = p.work.finder.queries();
+  const LocalResult second = p.local.Run(first.q, options);
+  EXPECT_TRUE(second.reached_known);
+  // The start and its first step are looked at, the second step is not: else it is 2 and 3.
+  EXPECT_EQ(second.iterations, 1);
+  EXPECT_EQ(p.work.finder.queries() - before, 2);
 }
 
 TEST_F(LocalOptimizationTest, AHopelessPredictionEndsTheRun) {
