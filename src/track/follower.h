@@ -25,7 +25,13 @@ class Follower {
       : work_(work),
         local_(work),
         pace_(pace),
-        apart_(work.problem().tables, work.problem().options.metric) {}
+        apart_(work.problem().tables, work.problem().options.metric) {
+    // Takes the memory that it needs now, and not in the tick that first asks it.
+    const mjModel& m = *work.problem().tables.model;
+    const VectorXd q = Eigen::Map<const VectorXd>(m.qpos0, m.nq);
+    apart_.SetReference(q);
+    apart_.Sigma(q);
+  }
 
   // Where a descent begins, and what is known there.
   struct Start {
