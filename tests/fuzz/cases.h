@@ -21,8 +21,8 @@ CaseOutcome VerdictCase(std::uint64_t seed);
 // says so, and no nearer than the lower bound.
 CaseOutcome SolvingCase(std::uint64_t seed);
 
-// ... from which a path to another is planned, by any planner: it ends in time, and the judge finds
-// nothing against places on the path.
+// ... from which a path to another is planned, by any planner: no tree grows without end, and the
+// judge finds nothing against places on the path.
 CaseOutcome PlanningCase(std::uint64_t seed);
 
 // MJCF, .npy, .csv, .jsonl or a mesh file with bytes that are changed, left out or repeated: it is
