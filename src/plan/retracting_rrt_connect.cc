@@ -41,6 +41,8 @@ RetractingRrtConnect::GrowState RetractingRrtConnect::Grow(TreeData& tree, const
   const bool reaches = distance <= maxDistance_;
   si_->getStateSpace()->interpolate(near->state, target, reaches ? 1.0 : maxDistance_ / distance,
                                     end.get());
+  // Where rounding or constraints keep a step from leading nearer, so would all that follow it.
+  if (!reaches && !(si_->distance(end.get(), target) < distance)) return TRAPPED;
   if (si_->checkMotion(near->state, end.get())) {
     last = Add(tree, near, end.get());
     return reaches ? REACHED : ADVANCED;
