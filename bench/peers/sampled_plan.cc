@@ -46,7 +46,7 @@ std::shared_ptr<ConfigurationSpace> SpaceOf(const Scene& scene, const std::vecto
       scene, MocapPoses{options.mocap_pos, options.mocap_quat}, ToEigen(start), ToEigen(goal));
 }
 
-// What Planning::Keep in src/plan/plan.cc does to shorten a path.
+// What Planning::Shorten in src/plan/plan.cc does.
 void Shorten(og::PathGeometric& path) {
   og::PathSimplifier simplifier(path.getSpaceInformation());
   simplifier.reduceVertices(path);

@@ -41,7 +41,8 @@ RetractingRrtConnect::GrowState RetractingRrtConnect::Grow(TreeData& tree, const
   const bool reaches = distance <= maxDistance_;
   si_->getStateSpace()->interpolate(near->state, target, reaches ? 1.0 : maxDistance_ / distance,
                                     end.get());
-  // Where rounding or constraints keep a step from leading nearer, so would all that follow it.
+  // Where a constraint can be met in two ways, steps towards the other are brought back, all of
+  // them.
   if (!reaches && !(si_->distance(end.get(), target) < distance)) return TRAPPED;
   if (si_->checkMotion(near->state, end.get())) {
     last = Add(tree, near, end.get());

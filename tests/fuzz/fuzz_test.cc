@@ -42,6 +42,12 @@ TEST(FuzzTest, PathsOfRandomModelsAreFree) {
   std::map<std::string, int> kinds = RunCases(PlanningCase, 40);
   EXPECT_GT(kinds["found"], 10);
 }
+
+// A connect that can be met in two ways: the trees grew on the spot.
+TEST(FuzzTest, TreesOnTwoSidesOfAConstraintDoNotGrowWithoutEnd) {
+  const QuietMujoco quiet;
+  EXPECT_EQ(PlanningCase(5139).wrong, "");
+}
 #endif
 
 TEST(FuzzTest, DamagedFilesAreReadAsNumbersOrRefused) {
