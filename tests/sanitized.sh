@@ -18,6 +18,7 @@ status=0
 timeout "$1" bash tests/run.sh sanitize >"$log" 2>&1 || status=$?
 if [ $status -ne 0 ] && { [ $status -ne 124 ] || grep -qE '\*\*\*(Failed|Exception|Timeout)' "$log"; }; then
   tail -n 300 "$log"
+  grep -E '\*\*\*|ERROR: |runtime error' "$log" || true # what failed, again: CI may show only the end of what was printed
   exit 1
 fi
 all=$(grep -oE '/[0-9]+ Test ' "$log" | tail -n 1 | tr -dc 0-9 || true)

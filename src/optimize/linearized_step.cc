@@ -182,7 +182,7 @@ bool LinearizedStep::FindSupports() {
       return false;
     }
   }
-  return true;
+  return !supports_.empty();
 }
 
 // G = L⁻¹ Cᵀ, packed where supports are known.
