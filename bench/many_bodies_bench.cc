@@ -48,22 +48,6 @@ std::vector<double> Grid(int count, int moved, double begin = 0.0) {
   return q;
 }
 
-double EvaluationSeconds(const Scene& scene, const std::vector<double>& q) {
-  const mjModel* m = scene.model();
-  mjData* d = mj_makeData(m);
-  std::copy(q.begin(), q.end(), d->qpos);
-  std::vector<double> seconds;
-  for (int k = 0; k < 21; ++k) {
-    const double begin = CpuSeconds();
-    mj_kinematics(m, d);
-    mj_comPos(m, d);
-    mj_collision(m, d);
-    seconds.push_back(CpuSeconds() - begin);
-  }
-  mj_deleteData(d);
-  return Quantile(seconds, 0.5);
-}
-
 // A row of the first table. The first solve of each pair of boxes makes an island for it, the later
 // ones find it made. Returns the time of the later ones [s].
 double PrintBoxes(int count, double alone) {

@@ -68,6 +68,22 @@ void HandleMujocoMessages() {
   mju_setLogHandler(HandleMessage);
 }
 
+double EvaluationSeconds(const Scene& scene, const std::vector<double>& q) {
+  const mjModel* m = scene.model();
+  mjData* d = mj_makeData(m);
+  std::copy(q.begin(), q.end(), d->qpos);
+  std::vector<double> seconds;
+  for (int k = 0; k < 21; ++k) {
+    const double begin = CpuSeconds();
+    mj_kinematics(m, d);
+    mj_comPos(m, d);
+    mj_collision(m, d);
+    seconds.push_back(CpuSeconds() - begin);
+  }
+  mj_deleteData(d);
+  return Quantile(seconds, 0.5);
+}
+
 double Quantile(std::vector<double> values, double p) {
   if (values.empty()) return std::nan("");
   std::sort(values.begin(), values.end());
