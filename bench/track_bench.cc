@@ -243,6 +243,8 @@ int main(int argc, char** argv) {
                  "Ticks from one solve to compare with to the next");
   app.add_option("--seed", a.seed, "Of obstacles and commands");
   app.add_option("--queries", a.track.queries, "TrackOptions::queries");
+  app.add_option("--switch-gain", a.track.switch_gain,
+                 "TrackOptions::switch_gain; 0.999: only switches that are forced");
   app.add_option("--max-step", a.track.max_step, "TrackOptions::max_step [rad or m]");
   app.add_flag("--certify", a.track.certify_motion, "TrackOptions::certify_motion");
   return mjcf_pdg::bench::RunProgram(app, argc, argv, [&] { mjcf_pdg::bench::Run(a); });
