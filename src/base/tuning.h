@@ -195,9 +195,9 @@ inline constexpr double kMargin = 0.03;
 // Queries of a tick that are kept for the verifier, and the fewest that leave something to follow
 // with.
 inline constexpr int kReserve = 2, kFewestQueries = 6;
-// Queries of two ticks in turn for another optimum, and of two frames of a trajectory, each a step
-// of the descent beside: few, since a deadline sees the search in every tick, not in its bursts.
-inline constexpr int kSearchQueries = 3, kFrameSearchQueries = 2;
+// Queries of a tick for another optimum, each a step of the descent beside: as few as there can be,
+// for the search in every tick, not its bursts, is what a deadline sees.
+inline constexpr int kSearchQueries = 1;
 // Steps of a descent of that search: of those that beat the present answer nine in ten had done so
 // by then, and those that do not become free go on to the end.
 inline constexpr int kSearchSteps = 8;

@@ -13,7 +13,7 @@ Elsewhere::Elsewhere(Workspace& work)
 void Elsewhere::Reset() {
   random_ = Random(problem_.options.seed);
   next_ = 0;
-  running_ = second_ = false;
+  running_ = false;
 }
 
 // The command itself and the own optimum without limits first, because a way that has opened is
@@ -72,8 +72,7 @@ const LocalResult& Elsewhere::Step(const Wanted& wanted) {
 }
 
 bool Elsewhere::Search(const Wanted& wanted) {
-  const std::int64_t last = work_.finder.queries() + (wanted.queries + second_) / 2;
-  second_ = !second_;
+  const std::int64_t last = work_.finder.queries() + wanted.queries;
   while (work_.finder.queries() < last && !work_.Spent()) {
     const LocalResult& result = Step(wanted);
     const bool better = result.free && result.sigma < wanted.sigma;

@@ -22,7 +22,7 @@ class Elsewhere {
     const VectorXd& own;     // nq, the optimum that is followed
     double own_sigma = 0.0;  // [m²]
     double sigma = 0.0;      // less is sought [m²]
-    int queries = 0;         // of this search and the next one or the one before, at most
+    int queries = 0;         // at most
     int obstacles = 0;       // how often obstacles have moved until now
   };
   // Goes on with the present descent, or begins the next one. Returns true if a configuration of
@@ -50,7 +50,6 @@ class Elsewhere {
   bool running_ = false;  // there is a present descent, which has made
   int steps_ = 0;         // so many steps, the last when
   int obstacles_ = 0;     // obstacles had moved so often
-  bool second_ = false;   // the next search is the second of two
 };
 
 }  // namespace mjcf_pdg

@@ -24,8 +24,8 @@ namespace mjcf_pdg {
 // How much a tick may do.
 struct Pace {
   FollowPace follow = {};
-  int search_queries = tuning::track::kSearchQueries;  // see Elsewhere::Wanted
-  bool bounds = false;                                 // computes Result::sigma_lower_bound
+  int search_queries = tuning::track::kSearchQueries;
+  bool bounds = false;  // computes Result::sigma_lower_bound
 };
 
 // `optimum` is the local optimum that is followed; `at` is where the follower stands. They differ
