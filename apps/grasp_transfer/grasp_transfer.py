@@ -23,7 +23,7 @@ import numpy as np
 
 import mjcf_pdg
 
-from lift import RISEN, Lift, lift
+from lift import CRUSHED, Lift, lift
 from scene import FINGERS, for_lift, for_repair, touching_fingers
 from vessels import Vessel, difference, excess, random_cup
 
@@ -37,14 +37,13 @@ RUNS = ("raw", "repaired")
 class Grasp:
     vessel: Vessel
     q: np.ndarray  # (HAND_NQ,), free, the fingers touch
-    force: float  # the largest in its own lift [N]
 
 
 def read_database() -> list[Grasp]:
     grasps = []
     for entry in json.loads(DATABASE.read_text()):
         vessel = Vessel(entry["kind"], tuple(map(tuple, entry["profile"])), entry["wall"])
-        grasps.append(Grasp(vessel, np.array(entry["q"]), entry["force"]))
+        grasps.append(Grasp(vessel, np.array(entry["q"])))
     return grasps
 
 
@@ -83,20 +82,11 @@ def transfer(cup: Vessel, grasp: Grasp) -> Transfer:
     return Transfer(cup, difference(grasp.vessel, cup), result, milliseconds, fingers, lifts)
 
 
-def burst_limit(database: list[Grasp]) -> float:
-    """Twice the largest force in the lifts of the database's grasps, which start free [N]: no hand presses so hard."""
-    return 2.0 * max(grasp.force for grasp in database)
-
-
-def clean(run: Lift, limit: float) -> bool:
-    return run.holds and run.force <= limit
-
-
 # What is written.
 
 HEADING = [
     "cup", "radius mm", "height mm", "unlike mm", "status", "depth mm", "sigma m^2", "rms mm", "ms",
-    "run", "fingers", "rise mm", "slip mm", "overlap mm", "force N", "holds", "clean",
+    "run", "fingers", "rise mm", "slip mm", "overlap mm", "force N", "holds",
 ]  # fmt: skip
 
 
@@ -105,16 +95,16 @@ def depth(t: Transfer) -> float:
     return max(0.0, -t.result.depth_in)
 
 
-def rows(number: int, t: Transfer, limit: float) -> list[list[str]]:
+def rows(number: int, t: Transfer) -> list[list[str]]:
     radius = max(r for r, _ in t.cup.profile)
     lines = []
     for run, made in t.lifts.items():
         about = [str(number), f"{1e3 * radius:.1f}", f"{1e3 * t.cup.height:.1f}", f"{1e3 * t.unlike:.1f}"]
         moved = [f"{t.result.sigma:.3g}", f"{1e3 * t.result.rms:.2f}", f"{t.milliseconds:.0f}"]
         lifted = [f"{1e3 * made.rise:.0f}", f"{1e3 * made.slip:.0f}", f"{1e3 * made.overlap:.2f}", f"{made.force:.0f}"]
-        verdict = ["yes" if each else "no" for each in (made.holds, clean(made, limit))]
+        verdict = "yes" if made.holds else "no"
         lines.append(
-            [*about, t.result.status, f"{1e3 * depth(t):.1f}", *moved, run, str(len(t.fingers[run])), *lifted, *verdict]
+            [*about, t.result.status, f"{1e3 * depth(t):.1f}", *moved, run, str(len(t.fingers[run])), *lifted, verdict]
         )
     return lines
 
@@ -125,7 +115,7 @@ def table(lines: list[list[str]]) -> str:
     return "\n".join("  ".join(cell.rjust(width) for cell, width in zip(cells, widths)) for cells in lines)
 
 
-def summary(transfers: list[Transfer], limit: float) -> str:
+def summary(transfers: list[Transfer]) -> str:
     results = [t.result for t in transfers]
     colliding = [t for t in transfers if t.result.status != "already_free"]
     unsolved = sum(result.status == "unsolved" for result in results)
@@ -133,11 +123,11 @@ def summary(transfers: list[Transfer], limit: float) -> str:
     for run in RUNS:
         lifts = [t.lifts[run] for t in transfers]
         force = np.array([each.force for each in lifts])
-        holding, unhurt = sum(each.holds for each in lifts), sum(clean(each, limit) for each in lifts)
+        risen = [each for each in lifts if each.risen]
         lines.append(
-            f"{run:>8}  in contact {np.mean([len(t.fingers[run]) for t in transfers]):.1f} of 5 fingers; rise "
-            f"{sum(each.rise > RISEN for each in lifts)}, hold {holding}, of these never over {limit:.0f} N {unhurt}; "
-            f"force median {np.median(force):.0f}, most {force.max():.0f} N"
+            f"{run:>8}  in contact {np.mean([len(t.fingers[run]) for t in transfers]):.1f} of 5 fingers; rise {len(risen)}, "
+            f"of these crushed {sum(each.crushed for each in risen)}, pierced {sum(each.pierced for each in risen)}; "
+            f"hold {sum(each.holds for each in lifts)}; force median {np.median(force):.0f}, most {force.max():.0f} N"
         )
     kept, touched = (sum(len(t.fingers["raw"] & t.fingers[run]) for t in colliding) for run in ("repaired", "raw"))
     if colliding:
@@ -158,7 +148,7 @@ def summary(transfers: list[Transfer], limit: float) -> str:
 COLOURS = {"raw": "#D55E00", "repaired": "#009E73"}
 
 
-def plot(path: str, transfers: list[Transfer], limit: float) -> None:
+def plot(path: str, transfers: list[Transfer]) -> None:
     import matplotlib
 
     matplotlib.use("Agg")
@@ -171,7 +161,7 @@ def plot(path: str, transfers: list[Transfer], limit: float) -> None:
             points = [(1e3 * depth(t), t.lifts[run].force) for t in chosen]
             label = f"{run}, {'holds' if holds else 'does not hold'}"
             axis.scatter(*np.reshape(points, (-1, 2)).T, color=COLOURS[run], marker=marker, label=label)
-    axis.axhline(limit, color="black", linewidth=0.8, linestyle="--")
+    axis.axhline(CRUSHED, color="black", linewidth=0.8, linestyle="--")
     axis.set(xlabel="overlap of the grasp as moved over [mm]", ylabel="largest contact force [N]", yscale="log")
     axis.legend()
     figure.savefig(path, dpi=100)
@@ -220,18 +210,17 @@ def main(argv: list[str] | None = None) -> int:
     arguments = parse(argv)
     try:
         database = read_database()
-        limit = burst_limit(database)
         rng = np.random.default_rng([1, arguments.seed])  # the database's vessels have other streams: [0, k]
         cups = [random_cup(rng) for _ in range(arguments.cups)]
         transfers = [transfer(cup, most_similar(database, cup, arguments.any_width)) for cup in cups]
-        lines = [line for number, each in enumerate(transfers) for line in rows(number, each, limit)]
+        lines = [line for number, each in enumerate(transfers) for line in rows(number, each)]
         print(table(lines))
-        print(summary(transfers, limit))
+        print(summary(transfers))
         if arguments.csv:
             with open(arguments.csv, "w", newline="") as file:
                 csv.writer(file).writerows([HEADING, *lines])
         if arguments.png:
-            plot(arguments.png, transfers, limit)
+            plot(arguments.png, transfers)
         if arguments.gif:
             animate(arguments.gif, max(transfers, key=lambda each: each.lifts["raw"].force))
     except (OSError, ValueError, ImportError, mujoco.FatalError) as error:

@@ -12,6 +12,7 @@ LIFT = 0.10  # how far the arm rises [m]
 SQUEEZE = {"mcp": 0.25, "pip": 0.125, "dip": 0.05, "ip": 0.1}  # by which the drives (2 N m/rad) close each joint [rad]
 RISEN = 0.8 * LIFT  # a vessel that rises by less has slipped or fallen
 PIERCED = 0.001  # what squeezed contacts do not reach (0.1 mm): a finger is in the wall [m]
+CRUSHED = 1000.0  # a man's grip of 500 N counts on both sides of the vessel (docs/grasps.md): it breaks, or the hand [N]
 FRAMES_PER_SECOND = 50  # that are kept
 
 
@@ -24,9 +25,21 @@ class Lift:
     force: float  # the largest sum of the normal forces on the vessel [N]
 
     @property
+    def risen(self) -> bool:
+        return self.rise > RISEN
+
+    @property
+    def pierced(self) -> bool:
+        return self.overlap >= PIERCED
+
+    @property
+    def crushed(self) -> bool:
+        return self.force > CRUSHED
+
+    @property
     def holds(self) -> bool:
-        """The vessel is up, and outside the fingers."""
-        return self.rise > RISEN and self.overlap < PIERCED
+        """The vessel is up, whole, and outside the fingers."""
+        return self.risen and not self.pierced and not self.crushed
 
 
 def lift(model: mujoco.MjModel, q: np.ndarray) -> Lift:

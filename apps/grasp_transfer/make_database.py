@@ -80,7 +80,7 @@ def entry(k: int) -> dict:
     rng = np.random.default_rng([SEED, k])
     vessel = random_cup(rng) if k < CUPS else random_bottle(rng)
     q = np.round(best_grasp(vessel, rng), 9)
-    return {**dataclasses.asdict(vessel), "q": q.tolist(), "force": round(lift(for_lift(vessel), q).force, 1)}
+    return {**dataclasses.asdict(vessel), "q": q.tolist()}
 
 
 def main() -> None:
