@@ -51,7 +51,7 @@ enum class Method {
 enum class Effort {
   kFast,     // until a start ends free; tens of poses, for control loops
   kDefault,  // until independent starts agree on the best answer; hundreds of poses
-  kMax,      // until many starts agree; thousands of poses
+  kMax,      // until many starts agree or it is proven; thousands of poses
 };
 
 // How a solve ended.

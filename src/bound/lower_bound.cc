@@ -41,16 +41,12 @@
 #include <limits>
 #include <numeric>
 
+#include "bound/least_chord.h"
+
 namespace mjcf_pdg {
 namespace {
 
 constexpr double kRounding = 1e-3;  // of distances, taken off what we claim [tolerances]
-
-// The least sin²(Δ/2) over Δ in [low, high].
-double LeastChord(double low, double high) {
-  if (std::floor(high / (2 * mjPI)) >= std::ceil(low / (2 * mjPI))) return 0.0;
-  return std::min(std::pow(std::sin(low / 2), 2), std::pow(std::sin(high / 2), 2));
-}
 
 // The least S of a joint's term with which it is inside its limits.
 double LimitS(const JointEntry& joint, const NormTerm& term, const VectorXd& q_in) {

@@ -96,7 +96,13 @@ void MotionBound::SetPath(const VectorXd& dq) {
   bodies_.SetTurning(turning);
   geoms_.SetTurning(turning);
   path_ = dq;
+  any_axis_ = false;
   ++pose_;
+}
+
+void MotionBound::SetReach(const VectorXd& reach) {
+  SetPath(reach);
+  any_axis_ = true;
 }
 
 void MotionBound::Shapes::SetTurning(int motions) {
@@ -188,8 +194,11 @@ void MotionBound::FillMomentArms(Range range, bool from_first, Shape& shape, dou
     } else {
       Far& far = shape.far[motion.turning];
       if (far.pose != pose_) {
-        far = {pose_, shape.extent.FarFrom(motion.anchor_W),
-               shape.extent.FarFromAxis(motion.anchor_W, motion.rate_W / motion.speed)};
+        const double anchor = shape.extent.FarFrom(motion.anchor_W);
+        const bool any_axis = any_axis_ && tables_.joints[motion.joint].ndof > 1;
+        far = {pose_, anchor,
+               any_axis ? anchor
+                        : shape.extent.FarFromAxis(motion.anchor_W, motion.rate_W / motion.speed)};
       }
       arms[k] = far.anchor + horizon * travel;
       if (previous) {
@@ -244,6 +253,22 @@ double MotionBound::BodiesClosing(const PosedModel& posed, int body_pair, double
   FillMomentArms(range, true, first, horizon, arms1_, travels1_);
   FillMomentArms(range, false, second, horizon, arms2_, travels2_);
   return Closing(range);
+}
+
+void MotionBound::SharesOfLast(int body_pair, VectorXd& shares) const {
+  const Range range = active_[body_pair];
+  shares.setZero();
+  for (int k = 0; k < range.end - range.begin; ++k) {
+    const Motion& motion = motions_[active_chains_[range.begin + k].motion];
+    const JointEntry& joint = tables_.joints[motion.joint];
+    const double share = std::min(travels1_[k], travels2_[k]);
+    if (joint.ndof == 1) {
+      shares[joint.col] += share;
+    } else {
+      const int first = motion.rotates ? RotationColumn(joint) : joint.col;
+      shares.segment<3>(first) += share / motion.speed * path_.segment<3>(first).cwiseAbs();
+    }
+  }
 }
 
 RelativeMotion MotionBound::Geoms(const PosedModel& posed, int body_pair, int pair,

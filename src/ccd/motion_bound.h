@@ -41,6 +41,9 @@ class MotionBound {
 
   // The line's tangent, n entries per unit of s.
   void SetPath(const VectorXd& dq);
+  // Bounds for all lines at once whose entries of dq are at most those of `reach`, which are not
+  // negative: what is said of s in [0, 1] then holds for every configuration that they end at.
+  void SetReach(const VectorXd& reach);
   // Joint axes of the pose at s; call after each new pose.
   void SetPose(const PosedModel& posed);
 
@@ -51,6 +54,8 @@ class MotionBound {
   // of the spheres (-inf with a plane).
   double BodiesClosing(const PosedModel& posed, int body_pair, double horizon, double& distance);
   RelativeMotion Geoms(const PosedModel& posed, int body_pair, int pair, double horizon);
+  // After Geoms of that body pair: the part that each entry of dq has in `closing` [m] (n).
+  void SharesOfLast(int body_pair, VectorXd& shares) const;
 
  private:
   // A hinge, slide or ball; the translation or the rotation of a free joint.
@@ -112,7 +117,8 @@ class MotionBound {
                       const std::vector<double>& travels) const;
 
   const SceneTables& tables_;
-  VectorXd path_;  // n
+  VectorXd path_;          // n
+  bool any_axis_ = false;  // balls and free joints may turn about any axis (SetReach)
   std::vector<Motion> motions_;
   std::vector<Range> motions_of_body_;        // nbody
   std::vector<Link> chains_, active_chains_;  // body 1 up to the common ancestor, down to body 2

@@ -22,6 +22,8 @@ const char* NameOf(Component component) {
       return "pair_by_pair";
     case Component::kAnywhere:
       return "anywhere";
+    case Component::kBoxes:
+      return "boxes";
     case Component::kUserPose:
       return "user_pose";
     case Component::kMotionCoherence:
@@ -55,7 +57,7 @@ const std::vector<Component>& ComponentsOf(Method method) {
   static const std::vector<Component> of_auto = {
       kDirect,    kMirror,        kNoise,           kHop,      kConstrainedTranslation,
       kHulls,     kPairByPair,    kAnywhere,        kUserPose, kPolish,
-      kEarlyExit, kWitnessMemory, kMotionCoherence, kDamping};
+      kEarlyExit, kWitnessMemory, kMotionCoherence, kDamping,  kBoxes};
   // The selections in the paper's order (Sec. 6.1).
   static const std::vector<Component> of_paper = {kMotionCoherence,
                                                   kCentroidDifference,

@@ -20,6 +20,7 @@ enum class Component {
   kHulls,                   // the answer of the meshes' convex hulls
   kPairByPair,              // exact meshes parted one pair after the other
   kAnywhere,                // uniform within limits
+  kBoxes,                   // free boxes of joint space (bound/joint_boxes.h)
   kUserPose,                // a hint, qpos0, keyframes
   kMotionCoherence,         // earlier frames
   kCentroidDifference,      // of rigid bodies

@@ -27,6 +27,9 @@ struct EffortPlan {
   bool polishes_meshes = true;
   int bound_cells =
       100;  // cells of the sphere of directions for the lower bound; 0: moment arms only
+  // Of joint space that are looked at where few degrees of freedom move (bound/joint_boxes.h). Of
+  // 116 random problems 115 were closed by 100,000, half of them by 9,000; a box takes 1 to 5 µs.
+  int boxes = 0;
 };
 
 inline EffortPlan PlanFor(Effort effort) {
@@ -49,7 +52,8 @@ inline EffortPlan PlanFor(Effort effort) {
               .evaluations = kInfinity,
               .blind = 80,
               .follows = false,
-              .bound_cells = 2000};
+              .bound_cells = 2000,
+              .boxes = 200'000};
   }
   return {};
 }

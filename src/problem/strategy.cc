@@ -33,6 +33,7 @@ void Outcome::Clear() {
   least_overlap.start = Component::kNone;
   nearest_overlap.sigma = std::numeric_limits<double>::infinity();
   starts = iterations = 0;
+  sigma_lower_bound = 0.0;
 }
 
 }  // namespace mjcf_pdg

@@ -63,6 +63,7 @@ struct Outcome {
   Candidate nearest_overlap;
   int starts = 0;
   int iterations = 0;
+  double sigma_lower_bound = 0.0;  // that the search itself has proven [m²]
 
   void Reserve(int nq);  // makes room for configurations of nq entries
   void Clear();

@@ -6,7 +6,8 @@
 
 namespace mjcf_pdg {
 
-AutoMethod::AutoMethod(Workspace& work) : problem_(work.problem()), work_(work), search_(work) {}
+AutoMethod::AutoMethod(Workspace& work)
+    : problem_(work.problem()), work_(work), boxes_(work), search_(work) {}
 
 Outcome& AutoMethod::Run(const StrategyInput& given) {
   StrategyInput input = given;
@@ -27,9 +28,25 @@ Outcome& AutoMethod::Run(const StrategyInput& given) {
     work_.budget.Charge(hulls_.queries() - before);
     if (q) search_.Try(*q, Component::kHulls);
   }
+  const bool early = search_.trials().HasFree();
+  if (early) SearchBoxes(input);
   search_.Finish(input);
+  if (!early) SearchBoxes(input);
   search_.FrameSearched();
   return search_.trials().outcome();
+}
+
+// Descends from what boxes of joint space show to be free and nearer than the answer, until there
+// is no such thing, or the search is over.
+void AutoMethod::SearchBoxes(const StrategyInput& input) {
+  Trials& trials = search_.trials();
+  const int boxes = PlanFor(problem_.options.effort).boxes;
+  if (!trials.HasFree() || !problem_.Uses(Component::kBoxes)) return;
+  if (trials.BestSigma() <= JointBoxes::kClosed * input.sigma_lower_bound) return;
+  if (!boxes_.Begin(input.overlaps, trials.BestSigma(), boxes)) return;
+  while (boxes_.Search(trials.BestSigma())) search_.Try(boxes_.nearer(), Component::kBoxes);
+  trials.Prove(boxes_.sigma_lower_bound());
+  trials.RenewQueries();  // those of the boxes do not count against the starts
 }
 
 // A search that ends with its first answer does not.

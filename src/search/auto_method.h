@@ -1,10 +1,12 @@
 // Method auto in its stages: the first starts; where links of exact meshes overlap, a whole search
-// on their convex hulls; the search itself; and a last descent from the answer to full precision.
+// on their convex hulls; where few degrees of freedom move, all of joint space; the search itself;
+// and a last descent from the answer to full precision.
 #ifndef MJCF_PDG_SRC_SEARCH_AUTO_METHOD_H_
 #define MJCF_PDG_SRC_SEARCH_AUTO_METHOD_H_
 
 #include <cstdint>
 
+#include "bound/joint_boxes.h"
 #include "problem/strategy.h"
 #include "search/hull_stage.h"
 #include "search/search.h"
@@ -26,10 +28,13 @@ class AutoMethod : public Strategy {
   void Forget() override;
 
  private:
+  void SearchBoxes(const StrategyInput& input);
+
   const Problem& problem_;
   Workspace& work_;
   MotionCoherence coherence_;
   HullStage hulls_;
+  JointBoxes boxes_;
   Search search_;
   VectorXd recalled_;
 };

@@ -15,6 +15,7 @@
 #ifndef MJCF_PDG_SRC_SEARCH_STOPPING_RULE_H_
 #define MJCF_PDG_SRC_SEARCH_STOPPING_RULE_H_
 
+#include <algorithm>
 #include <cstdint>
 
 #include "optimize/local_optimization.h"
@@ -31,6 +32,8 @@ class StoppingRule {
   // Begins a search. `depth` is the deepest overlap at q_in [m]; `meshes_overlap` says whether
   // pairs that collide as triangles overlap there.
   void Begin(const EffortPlan& plan, const StrategyInput& input, double depth, bool meshes_overlap);
+  // No free configuration has a smaller σ than this [m²].
+  void Prove(double sigma) { sigma_lower_bound_ = std::max(sigma_lower_bound_, sigma); }
   // Counts queries from here on, as if the search began here.
   void RenewQueries() { first_query_ = work_.finder.queries(); }
   // The first free configuration has been found; `lcp_steps` is the count of LCP steps then.

@@ -45,6 +45,11 @@ class Trials {
   // Whether the budget of the whole solve is spent.
   bool Spent() const { return work_.Spent(); }
   void RenewQueries() { rule_.RenewQueries(); }
+  // No free configuration has a smaller σ than this [m²].
+  void Prove(double sigma) {
+    rule_.Prove(sigma);
+    outcome_.sigma_lower_bound = sigma;
+  }
 
   Outcome& outcome() { return outcome_; }
   std::int64_t lcp_steps() const { return local_.lcp_steps(); }

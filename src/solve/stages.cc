@@ -1,5 +1,7 @@
 #include "solve/stages.h"
 
+#include <algorithm>
+
 #include "paper/paper_method.h"
 #include "problem/effort.h"
 #include "search/auto_method.h"
@@ -24,11 +26,13 @@ Outcome& Stages::Search(const std::vector<NearPair>& overlaps, int distances, co
   if (options.report_lower_bound || strategy->UsesLowerBound()) {
     sigma_lower_bound_ = bound.Sigma(work, overlaps, PlanFor(options.effort).bound_cells);
   }
-  return strategy->Run({.overlaps = overlaps,
-                        .distances_at_input = distances,
-                        .sigma_lower_bound = sigma_lower_bound_,
-                        .hint = hint,
-                        .of_fewer = of_fewer});
+  Outcome& outcome = strategy->Run({.overlaps = overlaps,
+                                    .distances_at_input = distances,
+                                    .sigma_lower_bound = sigma_lower_bound_,
+                                    .hint = hint,
+                                    .of_fewer = of_fewer});
+  sigma_lower_bound_ = std::max(sigma_lower_bound_, outcome.sigma_lower_bound);
+  return outcome;
 }
 
 }  // namespace mjcf_pdg

@@ -154,6 +154,41 @@ TEST_F(MotionBoundTest, NoSignedDistanceChangesFasterThanTheBound) {
   EXPECT_GT(Median(tightness_short), 0.2);
 }
 
+TEST_F(MotionBoundTest, WithinAReachNoSignedDistanceChangesByMoreWhateverTheLine) {
+  Random rng(3);
+  std::vector<double> tightness;
+  for (const Scene& scene : Scenes(rng)) {
+    Line line(scene);
+    VectorXd shares(line.tables.n);
+    for (int trial = 0; trial < 60; ++trial) {
+      line.Set(RandomConfiguration(scene, rng), RandomTangent(line, rng));
+      const VectorXd reach = rng.Uniform(0.01, 1.0) * line.dq.cwiseAbs();
+      const int pair = rng.Index(scene.num_kept_pairs()), bodies = line.BodyPairOf(pair);
+      line.bound.SetReach(reach);
+      line.Pose(0.0);
+      if (!line.bound.Moves(bodies)) continue;
+      const double most = line.bound.Geoms(line.finder.posed(), bodies, pair, 1.0).closing;
+      line.bound.SharesOfLast(bodies, shares);
+      EXPECT_GE(shares.minCoeff(), 0.0);
+      EXPECT_LE(most, shares.sum() + 1e-9);  // a rotation's share counts by its three entries
+      NearPair before, after;
+      ASSERT_TRUE(line.finder.Distance(pair, 100.0, before));
+      double largest = 0.0;
+      for (int k = 0; k < 40; ++k) {
+        for (int i = 0; i < line.dq.size(); ++i) line.dq[i] = rng.Uniform(-1.0, 1.0) * reach[i];
+        line.Pose(1.0);
+        ASSERT_TRUE(line.finder.Distance(pair, 100.0, after));
+        if (before.distance < 0.0 && after.distance < 0.0) continue;  // depths may jump
+        largest = std::max(largest, std::abs(after.distance - before.distance));
+      }
+      EXPECT_LE(largest, most + 1e-7);
+      if (largest > 0.0) tightness.push_back(largest / most);
+    }
+  }
+  EXPECT_GT(tightness.size(), 100u);
+  EXPECT_GT(Median(tightness), 0.1);
+}
+
 // x(s + h) = x(s) + h (v + ω×x) + at most ½ a h², for points of either geom seen from the other.
 TEST_F(MotionBoundTest, NoPointLeavesItsTangentFasterThanTheAccelerationAllows) {
   Random rng(2);

@@ -61,7 +61,7 @@ TEST_F(ComponentsTest, EveryNameIsTakenAndNoneTwice) {
 
 TEST_F(ComponentsTest, NoStartOfMethodAutoIsMissingHere) {
   std::vector<std::string> starts = Components(Method::kAuto);
-  for (const char* step : {"polish", "early_exit", "witness_memory", "damping"}) {
+  for (const char* step : {"polish", "early_exit", "witness_memory", "damping", "boxes"}) {
     starts = AllBut(starts, step);
   }
   EXPECT_THAT(starts, ::testing::UnorderedElementsAreArray(kStarts));
@@ -170,7 +170,7 @@ double Queries(const std::vector<Result>& results) {
 
 TEST_F(ComponentsTest, StepsThatAreToSaveQueriesDo) {
   const double all = Queries(SolveSome(Method::kAuto, {}));
-  for (const std::string step : {"early_exit", "witness_memory", "damping"}) {
+  for (const std::string step : {"early_exit", "witness_memory", "damping", "boxes"}) {
     EXPECT_GT(Queries(SolveSome(Method::kAuto, {step})), 1.03 * all) << step;
   }
 }
