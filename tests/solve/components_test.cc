@@ -170,7 +170,7 @@ double Queries(const std::vector<Result>& results) {
 
 TEST_F(ComponentsTest, StepsThatAreToSaveQueriesDo) {
   const double all = Queries(SolveSome(Method::kAuto, {}));
-  for (const std::string step : {"early_exit", "witness_memory", "damping", "boxes"}) {
+  for (const std::string step : {"early_exit", "witness_memory", "damping"}) {
     EXPECT_GT(Queries(SolveSome(Method::kAuto, {step})), 1.03 * all) << step;
   }
 }
