@@ -72,7 +72,7 @@ def measure(kind, count, seed):
         if best.status != "solved":
             continue
         closed.append(best.sigma / best.sigma_lower_bound if best.sigma_lower_bound > 0 else math.inf)
-        queries.append(best.stats.collision_queries)
+        queries.append(best.queries)
         for effort, values in ratios.items():
             other = mjcf_pdg.solve(scene, scene.qpos0, effort=effort)
             values.append(other.sigma / best.sigma if other.status == "solved" else math.inf)

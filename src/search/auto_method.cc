@@ -40,10 +40,11 @@ Outcome& AutoMethod::Run(const StrategyInput& given) {
 // is no such thing, or the search is over.
 void AutoMethod::SearchBoxes(const StrategyInput& input) {
   Trials& trials = search_.trials();
-  const int boxes = PlanFor(problem_.options.effort).boxes;
-  if (!trials.HasFree() || !problem_.Uses(Component::kBoxes)) return;
+  const EffortPlan plan = PlanFor(problem_.options.effort);
+  if (problem_.tables.n > plan.box_dofs || !problem_.Uses(Component::kBoxes)) return;
+  if (!trials.HasFree()) return;
   if (trials.BestSigma() <= JointBoxes::kClosed * input.sigma_lower_bound) return;
-  if (!boxes_.Begin(input.overlaps, trials.BestSigma(), boxes)) return;
+  if (!boxes_.Begin(input.overlaps, trials.BestSigma(), plan.boxes)) return;
   while (boxes_.Search(trials.BestSigma())) search_.Try(boxes_.nearer(), Component::kBoxes);
   trials.Prove(boxes_.sigma_lower_bound());
   trials.RenewQueries();  // those of the boxes do not count against the starts
