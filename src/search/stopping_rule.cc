@@ -73,7 +73,9 @@ bool StoppingRule::Done(double best_sigma, std::int64_t lcp_steps) const {
   if (best_sigma <= tune::kSameAnswer * sigma_lower_bound_) return true;  // the nearest: proven
   const double near = on_terrain_ ? tune::kNearProvenOnTerrain : tune::kNearProven;
   const bool near_proven = best_sigma <= near * sigma_lower_bound_;
-  const int agreeing = agreeing_ + given_up_ / tune::kGivenUpPerAgreement;
+  const int per_agreement =
+      on_terrain_ ? tune::kGivenUpPerAgreementOnTerrain : tune::kGivenUpPerAgreement;
+  const int agreeing = agreeing_ + given_up_ / per_agreement;
   if (agreeing >= (near_proven ? plan_.agree_near_proven : plan_.agree)) return true;
   const std::int64_t queries = work_.finder.queries() - first_query_;
   if (!meshes_overlap_)

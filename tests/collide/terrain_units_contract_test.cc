@@ -194,7 +194,7 @@ TEST_F(TerrainUnitsContractTest, AWayOutLeadsOutOfAllPrismsAndABoundOutOfOne) {
     EXPECT_TRUE(free((rough.length + 2e-4) * rough.u)) << trial;
     const NearPrism& one = all[rng.Index(static_cast<int>(all.size()))];
     const Vector3d u = rng.UnitVector();
-    const double exit = on.ExitBound(one.prism, u);
+    const double exit = on.ExitBound(one.prism, on.PlanesOf(u));
     if (!(exit > 0.0) || !std::isfinite(exit)) continue;
     ++bounded;
     EXPECT_GE(DistanceOf(on, one.prism, (exit + 1e-6) * u), on.radius() - 1e-6);
@@ -226,6 +226,15 @@ TEST_F(TerrainUnitsContractTest, ABoxOverlapsAPrismBetweenTheEndsOfAStretch) {
         ++inside;
         EXPECT_FALSE(apart(t)) << trial;
       }
+      // Asked for one place only, it tells the same of a place inside, and of others that they are
+      // not inside.
+      OnTerrain::Stretch there;
+      const double outside = overlap.end + rng.Uniform(0.0, 1.0);
+      ASSERT_TRUE(on.OverlapOfBox(one.prism, u, there, outside));
+      EXPECT_FALSE(there.begin < outside && outside < there.end);
+      ASSERT_TRUE(on.OverlapOfBox(one.prism, u, there, t));
+      EXPECT_EQ(there.begin, overlap.begin);
+      EXPECT_EQ(there.end, overlap.end);
       // At each end a plane parts them, from there on by as much as the way goes along its normal.
       OnTerrain::Stretch back;
       ASSERT_TRUE(on.OverlapOfBox(one.prism, -u, back));

@@ -138,6 +138,20 @@ TEST_F(StoppingRuleTest, StartsThatAreGivenUpCountATenth) {
   }
 }
 
+// In a height field six of them count as one.
+TEST_F(StoppingRuleTest, StartsThatAreGivenUpCountMoreOnTerrain) {
+  Asked p(NeverByCounts());
+  p.overlaps.resize(1);  // of the first pair, which moves
+  p.overlaps[0].kind = PairKind::kTerrain;
+  p.Begin(0.0, 0.1, false);
+  for (int k = 0; k < 5; ++k) p.rule.Count(Ended(true, 1.0), Component::kNoise, 1.0);
+  for (int k = 0; k < 6; ++k) {
+    EXPECT_FALSE(p.rule.Done(1.0, 0)) << k;
+    p.rule.Count(GivenUp(), Component::kNoise, 1.0);
+  }
+  EXPECT_TRUE(p.rule.Done(1.0, 0));
+}
+
 // In a height field three starts are enough up to ten times the bound.
 TEST_F(StoppingRuleTest, FewerStartsNeedToAgreeOnTerrain) {
   Asked p(NeverByCounts());

@@ -39,6 +39,7 @@ HighestBlocks::HighestBlocks(const mjModel& model, int geom) {
           field.Highest({row, std::min(row + kSide, rows), col, std::min(col + kSide, cols)}));
     }
   }
+  most_ = field.Highest({0, rows, 0, cols});
 }
 
 double HighestBlocks::Above(const Eigen::AlignedBox2d& xy) const {

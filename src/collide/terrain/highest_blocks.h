@@ -19,12 +19,14 @@ class HighestBlocks {
   // No point of the surface above the rectangle, its edges included, is higher; -infinity if there
   // is no block.
   double Above(const Eigen::AlignedBox2d& xy) const;
+  double highest() const { return most_; }  // of the whole surface
 
  private:
   double x_begin_ = 0.0, y_begin_ = 0.0;  // where the first block begins
   double per_x_ = 0.0, per_y_ = 0.0;      // blocks per length
   int rows_ = 0, cols_ = 0;               // of blocks
   std::vector<double> highest_;           // rows_ × cols_
+  double most_ = 0.0;
 };
 
 }  // namespace mjcf_pdg

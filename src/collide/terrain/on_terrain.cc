@@ -177,61 +177,85 @@ void OnTerrain::CollectPrisms(const CellRange& cells, const Vector3d& shift, dou
   }
 }
 
-double OnTerrain::ExitBound(const Prism& prism, const Vector3d& u) const {
-  // The plane of unit normal n, through the prism's farthest point: along u, the geom's ball
-  // included.
-  double exit = kInfinity;
-  const auto consider = [&](const Vector3d& n, double farthest) {
+OnTerrain::WayPlanes OnTerrain::PlanesOf(const Vector3d& u) const {
+  WayPlanes way;
+  way.u = u;
+  const auto consider = [&](const Vector3d& n) {
     const double along = n.dot(u);
-    if (!(along > kGrazing)) return;
-    const double nearest = n.dot(center_) - (n.transpose() * half_edges_).cwiseAbs().sum();
-    exit = std::min(exit, (farthest - nearest + radius_) / along);
+    if (along > kGrazing) way.planes[way.count++] = {n, along, CoreNearest(n)};
   };
-  consider(u, prism.Farthest(u));
-  const Vector3d n = prism.Normal();
-  consider(n, n.dot(prism.top[0]));
+  consider(u);
   for (int axis = 0; axis < 3; ++axis) {
-    Vector3d face = axes_.col(axis);
-    if (face.dot(u) < 0.0) face = -face;
-    consider(face, prism.Farthest(face));
+    const Vector3d face = axes_.col(axis);
+    consider(face.dot(u) < 0.0 ? Vector3d(-face) : face);
   }
-  return exit;
+  return way;
 }
 
-bool OnTerrain::OverlapOfBox(const Prism& prism, const Vector3d& u, Stretch& overlap) const {
+double OnTerrain::CoreNearest(const Vector3d& n) const {
+  return n.dot(center_) - (n.transpose() * half_edges_).cwiseAbs().sum();
+}
+
+double OnTerrain::ExitBound(const Prism& prism, const WayPlanes& way) const {
+  double exit = kInfinity;
+  for (int k = 0; k < way.count; ++k) {
+    const WayPlanes::Plane& plane = way.planes[k];
+    const double farthest = prism.Farthest(plane.n);
+    exit = std::min(exit, (farthest - plane.nearest + radius_) / plane.along);
+  }
+  const Vector3d n = prism.Normal();
+  const double along = n.dot(way.u);
+  if (!(along > kGrazing)) return exit;
+  return std::min(exit, (n.dot(prism.top[0]) - CoreNearest(n) + radius_) / along);
+}
+
+bool OnTerrain::OverlapOfBox(const Prism& prism, const Vector3d& u, Stretch& overlap,
+                             std::optional<double> at) const {
   if (core_ != Core::kBox) return false;
   overlap = {-kInfinity, kInfinity, u};
+  // Returns false if more planes need not be considered.
   const auto consider = [&](const Vector3d& n) {
-    const double along = n.dot(u), at = n.dot(center_);
+    const double along = n.dot(u), middle = n.dot(center_);
     const double half = (n.transpose() * half_edges_).cwiseAbs().sum();
+    const auto [least, most] = prism.Extent(n);
     // What the core must move along n to reach the prism, and to be past it.
-    const double to = -prism.Farthest(-n) - at - half, past = prism.Farthest(n) - at + half;
+    const double to = least - middle - half, past = most - middle + half;
     if (along * along <= kNotAcross * kNotAcross * n.squaredNorm()) {
       if (to >= 0.0 || past <= 0.0) overlap.end = -kInfinity;
-      return;
+    } else {
+      overlap.begin = std::max(overlap.begin, (along > 0.0 ? to : past) / along);
+      const double end = (along > 0.0 ? past : to) / along;
+      if (end < overlap.end) {
+        overlap.end = end;
+        overlap.n = along > 0.0 ? n : Vector3d(-n);
+      }
     }
-    overlap.begin = std::max(overlap.begin, (along > 0.0 ? to : past) / along);
-    const double end = (along > 0.0 ? past : to) / along;
-    if (!(end < overlap.end)) return;
-    overlap.end = end;
-    overlap.n = along > 0.0 ? n : Vector3d(-n);
+    return !at || (overlap.begin < *at && *at < overlap.end);
   };
   const auto across_axes = [&](const Vector3d& edge) {
     for (int axis = 0; axis < 3; ++axis) {
       const Vector3d n = edge.cross(Vector3d(axes_.col(axis)));
       // Along the axis itself there is no such plane.
-      if (n.squaredNorm() > kNotAcross * kNotAcross * edge.squaredNorm()) consider(n);
+      if (!(n.squaredNorm() > kNotAcross * kNotAcross * edge.squaredNorm())) continue;
+      if (!consider(n)) return false;
     }
+    return true;
   };
-  consider(Vector3d::UnitZ());
-  consider(prism.Cross());
-  for (int axis = 0; axis < 3; ++axis) consider(axes_.col(axis));
-  across_axes(Vector3d::UnitZ());
-  for (int k = 0; k < 3; ++k) {
-    const Vector3d edge = prism.top[(k + 1) % 3] - prism.top[k];
-    consider(edge.cross(Vector3d::UnitZ()));
-    across_axes(edge);
-  }
+  const auto across_edges = [&] {
+    for (int k = 0; k < 3; ++k) {
+      const Vector3d edge = prism.top[(k + 1) % 3] - prism.top[k];
+      if (!consider(edge.cross(Vector3d::UnitZ())) || !across_axes(edge)) return false;
+    }
+    return true;
+  };
+  const auto all = [&] {
+    if (!consider(Vector3d::UnitZ()) || !consider(prism.Cross())) return false;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!consider(axes_.col(axis))) return false;
+    }
+    return across_axes(Vector3d::UnitZ()) && across_edges();
+  };
+  all();
   overlap.n.normalize();
   return true;
 }

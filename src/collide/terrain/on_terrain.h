@@ -4,7 +4,9 @@
 #define MJCF_PDG_SRC_COLLIDE_TERRAIN_ON_TERRAIN_H_
 
 #include <Eigen/Dense>
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "collide/convex/gjk.h"
@@ -45,9 +47,20 @@ class OnTerrain {
   // the prism. kEnclosed and kTouching: the two overlap, or cannot be told from overlapping.
   GjkEnding Ask(const Prism& prism, const Vector3d& shift, double cutoff,
                 const GjkAccuracy& accuracy, GjkNearest& found) const;
-  // How far the geom must move along the unit vector u to leave the prism, at most: by the planes
-  // of the core's box and of the prism's top, and the plane normal to u.
-  double ExitBound(const Prism& prism, const Vector3d& u) const;
+  // The planes that bound ways along the unit vector u out of any prism: the one normal to u and
+  // those of the core's box.
+  struct WayPlanes {
+    Vector3d u;
+    struct Plane {
+      Vector3d n;
+      double along, nearest;  // n · u; the least n · p of points p of the core [m]
+    };
+    std::array<Plane, 4> planes;
+    int count = 0;
+  };
+  WayPlanes PlanesOf(const Vector3d& u) const;
+  // How far the geom must move to leave the prism, at most: by these planes and that of its top.
+  double ExitBound(const Prism& prism, const WayPlanes& way) const;
   // Where on a way along u the core overlaps a prism: between `begin` and `end` [m], if that is
   // more, else nowhere. The unit vector n is the normal of the plane that parts the two at the end.
   struct Stretch {
@@ -55,8 +68,10 @@ class OnTerrain {
     Vector3d n = Vector3d::UnitZ();
   };
   // Fills `overlap` if the core is a box, otherwise returns false: by all planes that can part the
-  // two, but for those along an edge of the prism's base, without which it may be too long.
-  bool OverlapOfBox(const Prism& prism, const Vector3d& u, Stretch& overlap) const;
+  // two, but for those along an edge of the prism's base, without which it may be too long. If
+  // only the place `at` [m] matters, ends with the first plane that shows that it is not inside.
+  bool OverlapOfBox(const Prism& prism, const Vector3d& u, Stretch& overlap,
+                    std::optional<double> at = std::nullopt) const;
   // Whether the prism overlaps the geom moved by `shift`, or cannot be told from overlapping.
   bool Overlap(const Prism& prism, const Vector3d& shift) const;
   bool CoreOverlaps(const Prism& prism, const Vector3d& shift) const;  // the same of the core
@@ -68,6 +83,7 @@ class OnTerrain {
   std::int64_t asked() const { return asked_; }  // calls of Ask
 
  private:
+  double CoreNearest(const Vector3d& n) const;  // of the core's box: the least n · p
   bool Nearer(const Prism& prism, const Vector3d& shift, double apart) const;
   bool Proves(const NearestPoints& guess, const Prism& prism, const Vector3d& shift, double cutoff,
               const GjkAccuracy& accuracy, GjkNearest& found, GjkEnding& ending) const;

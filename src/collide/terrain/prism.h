@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "model/kinematics.h"
 
@@ -28,6 +29,18 @@ struct Prism {
     }
     return farthest;
   }
+  // The least and the greatest n · p of its points p.
+  std::pair<double, double> Extent(const Vector3d& n) const {
+    const double down = n.z() * base;
+    std::pair<double, double> extent;
+    for (int k = 0; k < 3; ++k) {
+      const double level = n.x() * top[k].x() + n.y() * top[k].y(), up = n.z() * top[k].z();
+      const double least = level + std::min(up, down), most = level + std::max(up, down);
+      extent.first = k == 0 ? least : std::min(extent.first, least);
+      extent.second = k == 0 ? most : std::max(extent.second, most);
+    }
+    return extent;
+  }
   Vector3d Cross() const;  // normal of the top, upwards, of any length
   Vector3d Normal() const { return Cross().normalized(); }
 };
@@ -43,6 +56,7 @@ struct NearPrism {
   bool asked = false, passed = false;
   // Of the search for the nearest ones: which of the answers is this one's, -1: not measured.
   int answer = -1;
+  int planes = 0;  // ... how many planes its bound knows
 };
 
 }  // namespace mjcf_pdg

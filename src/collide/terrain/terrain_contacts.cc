@@ -41,14 +41,18 @@ bool TerrainContacts::IsAbove(const PosedModel& posed, const KeptPair& pair, dou
   const Matrix3d R = AsMatrix(d.geom_xmat + 9 * pair.geom1);
   const Vector3d at = R.transpose() * (AsVector(d.geom_xpos + 3 * pair.geom2) -
                                        AsVector(d.geom_xpos + 3 * pair.geom1));
+  const double apart = std::max(margin, 0.0);
+  const HighestBlocks& blocks = blocks_.at(pair.geom1);
+  // Most of those that are above: farther above all of the field, by the sphere around them.
+  if (at.z() - m.geom_rbound[pair.geom2] - blocks.highest() > apart) return true;
   const Vector3d up = AsMatrix(d.geom_xmat + 9 * pair.geom2).transpose() * R.col(2);
-  const double radius = CoreRadius(m, pair.geom2), apart = std::max(margin, 0.0);
+  const double radius = CoreRadius(m, pair.geom2);
   const Vector3d half = (AsVector(m.geom_aabb + 6 * pair.geom2 + 3).array() - radius).cwiseMax(0.0);
   const double lowest =
       at.z() + up.dot(AsVector(m.geom_aabb + 6 * pair.geom2)) - up.cwiseAbs().dot(half) - radius;
   const Eigen::Vector2d around = Eigen::Vector2d::Constant(m.geom_rbound[pair.geom2] + apart);
   const Eigen::Vector2d level = at.head<2>();
-  return lowest - blocks_.at(pair.geom1).Above({level - around, level + around}) > apart;
+  return lowest - blocks.Above({level - around, level + around}) > apart;
 }
 
 void TerrainContacts::Features(const PosedModel& posed, int pair, double margin,
@@ -106,28 +110,27 @@ bool TerrainContacts::AppendApart(const OnTerrain& on, const Vector3d& shift, do
   const int col = (cells.col_begin + cells.col_end) / 2;
   const bool by_rows = blocks == Blocks::kFour && on.core_box().sizes().y() > on.dy();
   const bool by_cols = blocks == Blocks::kFour && on.core_box().sizes().x() > on.dx();
-  for (int block = 0; block < 4; ++block) {
-    if ((block & 2 && !by_rows) || (block & 1 && !by_cols)) continue;
-    block_.clear();
-    for (NearPrism& near : near_) {
-      const int of = 2 * (by_rows && near.row >= row) + (by_cols && near.col >= col);
-      if (of == block) block_.push_back(&near);
-    }
-    if (!AppendBlock(on, shift, margin, reach, blocks == Blocks::kOne)) return false;
+  for (Block& block : in_blocks_) block.clear();
+  for (NearPrism& near : near_) {
+    in_blocks_[2 * (by_rows && near.row >= row) + (by_cols && near.col >= col)].push_back(&near);
+  }
+  for (Block& block : in_blocks_) {
+    if (!AppendBlock(on, shift, margin, reach, blocks == Blocks::kOne, block)) return false;
   }
   return true;
 }
 
-// The nearest of the prisms in block_; then, unless only that is wanted, the nearest of those that
-// reach above the plane of the first contact; and so on. What is below a plane adds nothing to it.
-// In a valley the walls on both sides have contacts; with the nearest one alone, descents would go
-// from one to the other and back.
+// The nearest of the prisms in the block; then, unless only that is wanted, the nearest of those
+// that reach above the plane of the first contact; and so on. What is below a plane adds nothing to
+// it. In a valley the walls on both sides have contacts; with the nearest one alone, descents would
+// go from one to the other and back.
 bool TerrainContacts::AppendBlock(const OnTerrain& on, const Vector3d& shift, double margin,
-                                  double reach, bool only_nearest) {
+                                  double reach, bool only_nearest, Block& block) {
   const double above = kMeet * on.size() + kAbovePlane * std::max(margin, 0.0);
-  while (!block_.empty()) {
+  planes_.clear();
+  while (!block.empty()) {
     int nearest = -1;
-    if (!Nearest(on, shift, reach, nearest)) return false;
+    if (!Nearest(on, shift, reach, block, nearest)) return false;
     if (nearest < 0) return true;
     const GjkNearest& found = answers_[nearest];
     const double distance = found.distance - on.radius() - found.n.dot(shift);
@@ -137,51 +140,53 @@ bool TerrainContacts::AppendBlock(const OnTerrain& on, const Vector3d& shift, do
       if (only_nearest) return true;
     }
     const double level = found.n.dot(found.corner.p1) + above;
-    std::erase_if(block_, [&](const NearPrism* near) {
+    std::erase_if(block, [&](const NearPrism* near) {
       return near->answer == nearest || near->prism.Farthest(found.n) <= level;
     });
   }
   return true;
 }
 
-// Which of answers_ is that of the nearest of the prisms in block_; stays -1 if none is within
+// Which of answers_ is that of the nearest of the prisms in the block; stays -1 if none is within
 // reach. The ones with the least bounds are asked first. Returns false if the moved core overlaps
 // one.
 bool TerrainContacts::Nearest(const OnTerrain& on, const Vector3d& shift, double reach,
-                              int& nearest) {
+                              Block& block, int& nearest) {
   const GjkAccuracy accuracy{
       .gap = kMeet * on.size(), .share = kMeetShare, .zero = on.radius(), .last = kLastShare};
   const double slack = kMeet * on.size();  // a prism that is no nearer than this much is not
   GjkNearest found;
-  double begin = 0.0;
-  for (bool asked = false;; asked = true) {
+  double measured = reach;  // the least of those that are
+  for (;;) {
     NearPrism* next = nullptr;
-    double least = reach, least_measured = reach;
-    std::size_t kept = 0;
-    for (NearPrism* near : block_) {
-      // What parts the core from one prism parts it from most of its neighbours, too.
-      if (asked && near->answer < 0) {
-        near->at_least = std::max(near->at_least, begin - near->prism.Farthest(found.n));
-      }
-      if (near->at_least >= reach) continue;
-      block_[kept++] = near;
-      double& bound = near->answer < 0 ? least : least_measured;
-      if (near->at_least >= bound) continue;
-      bound = near->at_least;
-      if (near->answer < 0) {
-        next = near;
-      } else {
+    double least = reach;
+    for (NearPrism* near : block) {
+      if (near->answer >= 0) {
+        if (near->at_least >= measured) continue;
+        measured = near->at_least;
         nearest = near->answer;
+      } else if (near->at_least < std::min(least, measured)) {
+        Raise(*near);
+        if (near->at_least >= least) continue;
+        least = near->at_least;
+        next = near;
       }
     }
-    block_.resize(kept);
-    if (!next || least >= least_measured - slack) return true;
+    if (!next || least >= measured - slack) return true;
     const GjkEnding ending = on.Ask(next->prism, shift, reach, accuracy, found);
     if (ending != GjkEnding::kApart && ending != GjkEnding::kBeyond) return false;
     next->answer = static_cast<int>(answers_.size());
     next->at_least = ending == GjkEnding::kApart ? found.distance : reach;
     answers_.push_back(found);
-    begin = found.n.dot(on.Support(-found.n) + shift);
+    planes_.push_back({found.n, found.n.dot(on.Support(-found.n) + shift)});
+  }
+}
+
+// Raises the bound of a prism by the planes that it does not know.
+void TerrainContacts::Raise(NearPrism& near) const {
+  for (; near.planes < static_cast<int>(planes_.size()); ++near.planes) {
+    const Plane& plane = planes_[near.planes];
+    near.at_least = std::max(near.at_least, plane.begin - near.prism.Farthest(plane.n));
   }
 }
 

@@ -10,6 +10,7 @@
 #ifndef MJCF_PDG_SRC_COLLIDE_TERRAIN_TERRAIN_CONTACTS_H_
 #define MJCF_PDG_SRC_COLLIDE_TERRAIN_TERRAIN_CONTACTS_H_
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <vector>
@@ -41,17 +42,27 @@ class TerrainContacts {
   bool IsAbove(const PosedModel& posed, const KeptPair& pair, double margin) const;
   enum class Blocks { kOne, kFour };  // kFour: two along each side
   bool AppendApart(const OnTerrain& on, const Vector3d& shift, double margin, Blocks blocks);
+  using Block = std::vector<NearPrism*>;
   bool AppendBlock(const OnTerrain& on, const Vector3d& shift, double margin, double reach,
-                   bool only_nearest);
-  bool Nearest(const OnTerrain& on, const Vector3d& shift, double reach, int& nearest);
+                   bool only_nearest, Block& block);
+  bool Nearest(const OnTerrain& on, const Vector3d& shift, double reach, Block& block,
+               int& nearest);
+  void Raise(NearPrism& near) const;
   static SignedGap ToWorld(const OnTerrain& on, const SignedGap& gap);
 
   const SceneTables& tables_;
   std::map<int, HighestBlocks> blocks_;  // of the height fields, by geom
   WayOut way_out_;
   std::vector<NearPrism> near_;
-  std::vector<NearPrism*> block_;    // those of near_ in one block that may be nearest
+  std::array<Block, 4> in_blocks_;   // those of near_ that may be nearest in their blocks
   std::vector<GjkNearest> answers_;  // of those that were measured
+  // What parts the core from one prism parts it from most of its neighbours, too: the normals of
+  // all answers in a block, and the least n · p of points p of the core.
+  struct Plane {
+    Vector3d n;
+    double begin;
+  };
+  std::vector<Plane> planes_;
   std::vector<SignedGap> scratch_;
   std::int64_t distances_ = 0;
 };

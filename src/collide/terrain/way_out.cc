@@ -124,8 +124,9 @@ bool WayOut::Shorten(const OnTerrain& on, const Vector3d& u, double met,
     one.exit = one.at_least > met ? -kInfinity : one.prism.Farthest(u) - begin;
     one.asked = one.passed = false;
   }
+  const OnTerrain::WayPlanes planes = on.PlanesOf(u);
   Way way{u, 0.0, u};
-  while (NearPrism* last = LeftLast(on, u, (1.0 + accuracy_.share) * way.length, near)) {
+  while (NearPrism* last = LeftLast(on, planes, (1.0 + accuracy_.share) * way.length, near)) {
     if (last->exit <= (1.0 + accuracy_.share) * way.length) {
       way.length = std::max(way.length, last->exit);
       break;
@@ -135,7 +136,7 @@ bool WayOut::Shorten(const OnTerrain& on, const Vector3d& u, double met,
       way.length = last->exit;
       break;
     }
-    LeaveIfMet(on, *last, near, way);
+    LeaveIfMet(on, planes, *last, near, way);
   }
   if (way.length >= limit) return false;
   best = way;
@@ -144,13 +145,13 @@ bool WayOut::Shorten(const OnTerrain& on, const Vector3d& u, double met,
 
 // The one that seems to be left last, by all planes that are known if that is later than `enough`.
 // Null if the way leads past all of them.
-NearPrism* WayOut::LeftLast(const OnTerrain& on, const Vector3d& u, double enough,
+NearPrism* WayOut::LeftLast(const OnTerrain& on, const OnTerrain::WayPlanes& planes, double enough,
                             std::vector<NearPrism>& near) {
   NearPrism* last = nullptr;
   for (NearPrism& one : near) {
     if (one.passed || (last && one.exit <= last->exit)) continue;
     if (one.exit > enough && !one.asked) {
-      one.exit = std::min(one.exit, on.ExitBound(one.prism, u));
+      one.exit = std::min(one.exit, on.ExitBound(one.prism, planes));
       one.asked = true;
     }
     if (!last || one.exit > last->exit) last = &one;
@@ -159,18 +160,18 @@ NearPrism* WayOut::LeftLast(const OnTerrain& on, const Vector3d& u, double enoug
 }
 
 // If the geom overlaps `one` at the end of the way, lengthens the way so that it leads out of it.
-void WayOut::LeaveIfMet(const OnTerrain& on, NearPrism& one, std::vector<NearPrism>& near,
-                        Way& way) {
+void WayOut::LeaveIfMet(const OnTerrain& on, const OnTerrain::WayPlanes& planes, NearPrism& one,
+                        std::vector<NearPrism>& near, Way& way) {
   Way out = way;
   OnTerrain::Stretch of_box;
-  if (on.OverlapOfBox(one.prism, way.u, of_box)) {
+  if (on.OverlapOfBox(one.prism, way.u, of_box, way.length)) {
     one.passed = !(of_box.begin < way.length && way.length < of_box.end);
     if (one.passed) return;
     out = {way.u, of_box.end, of_box.n};
   } else {
     one.passed = !on.Overlap(one.prism, way.length * way.u);
     if (one.passed) return;
-    if (!one.asked) one.exit = std::min(one.exit, on.ExitBound(one.prism, way.u));
+    if (!one.asked) one.exit = std::min(one.exit, on.ExitBound(one.prism, planes));
     out = LeaveOne(on, one.prism, way.u, one.exit, accuracy_);
   }
   one.asked = true;

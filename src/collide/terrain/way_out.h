@@ -41,9 +41,10 @@ class WayOut {
   void CollectNormals(Effort effort, const std::vector<NearPrism>& near);
   bool Shorten(const OnTerrain& on, const Vector3d& u, double met, std::vector<NearPrism>& near,
                Way& best);
-  void LeaveIfMet(const OnTerrain& on, NearPrism& one, std::vector<NearPrism>& near, Way& way);
-  static NearPrism* LeftLast(const OnTerrain& on, const Vector3d& u, double enough,
-                             std::vector<NearPrism>& near);
+  void LeaveIfMet(const OnTerrain& on, const OnTerrain::WayPlanes& planes, NearPrism& one,
+                  std::vector<NearPrism>& near, Way& way);
+  static NearPrism* LeftLast(const OnTerrain& on, const OnTerrain::WayPlanes& planes,
+                             double enough, std::vector<NearPrism>& near);
 
   std::vector<Vector3d> normals_;  // of the surface that the geom overlaps, no two alike
   Accuracy accuracy_;
