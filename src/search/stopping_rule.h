@@ -5,8 +5,9 @@
 // or when enough independent starts have ended at that answer. Fewer need to agree where σ is close
 // to the lower bound: then contacts hardly interact, and there are few other optima. In a height
 // field the bound is lower, which counts as close there. Starts that were given up, since they
-// promised nothing nearer, count as well, but little; a little more in a height field. Without agreement it ends when it has used
-// its collision queries or its estimated time, both from problem/effort.h.
+// promised nothing nearer, count as well, but little; a little more in a height field. Without
+// agreement it ends when it has used its collision queries or its estimated time, both from
+// problem/effort.h.
 // Trees that move share the queries: a start draws all of them anew, and is of use only if all of
 // them fare well together, which soon becomes unlikely. In heaps of 10 to 40 bodies all later
 // starts together lowered σ by less than 1 % in the median, for 3 to 11 times the queries.
