@@ -29,7 +29,6 @@ JointBoxes::JointBoxes(Workspace& work)
     std::fill(body_pair_of_.begin() + bodies.begin, body_pair_of_.begin() + bodies.end, b);
   }
   y_ = half_ = shares_ = VectorXd::Zero(tables_.n);
-  if (tables_.n > kMostDofs) return;
   axes_.reserve(kMostDofs);
   heap_.reserve(256);  // more than a single degree of freedom needs
 }

@@ -6,8 +6,10 @@
 
 namespace mjcf_pdg {
 
-AutoMethod::AutoMethod(Workspace& work)
-    : problem_(work.problem()), work_(work), boxes_(work), search_(work) {}
+AutoMethod::AutoMethod(Workspace& work) : problem_(work.problem()), work_(work), search_(work) {
+  const bool few = problem_.tables.n <= PlanFor(problem_.options.effort).box_dofs;
+  if (few && problem_.Uses(Component::kBoxes)) boxes_.emplace(work);
+}
 
 Outcome& AutoMethod::Run(const StrategyInput& given) {
   StrategyInput input = given;
@@ -40,13 +42,12 @@ Outcome& AutoMethod::Run(const StrategyInput& given) {
 // is no such thing, or the search is over.
 void AutoMethod::SearchBoxes(const StrategyInput& input) {
   Trials& trials = search_.trials();
-  const EffortPlan plan = PlanFor(problem_.options.effort);
-  if (problem_.tables.n > plan.box_dofs || !problem_.Uses(Component::kBoxes)) return;
-  if (!trials.HasFree()) return;
+  if (!boxes_ || !trials.HasFree()) return;
   if (trials.BestSigma() <= JointBoxes::kClosed * input.sigma_lower_bound) return;
-  if (!boxes_.Begin(input.overlaps, trials.BestSigma(), plan.boxes)) return;
-  while (boxes_.Search(trials.BestSigma())) search_.Try(boxes_.nearer(), Component::kBoxes);
-  trials.Prove(boxes_.sigma_lower_bound());
+  const int boxes = PlanFor(problem_.options.effort).boxes;
+  if (!boxes_->Begin(input.overlaps, trials.BestSigma(), boxes)) return;
+  while (boxes_->Search(trials.BestSigma())) search_.Try(boxes_->nearer(), Component::kBoxes);
+  trials.Prove(boxes_->sigma_lower_bound());
   trials.RenewQueries();  // those of the boxes do not count against the starts
 }
 

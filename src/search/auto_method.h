@@ -5,6 +5,7 @@
 #define MJCF_PDG_SRC_SEARCH_AUTO_METHOD_H_
 
 #include <cstdint>
+#include <optional>
 
 #include "bound/joint_boxes.h"
 #include "problem/strategy.h"
@@ -34,7 +35,7 @@ class AutoMethod : public Strategy {
   Workspace& work_;
   MotionCoherence coherence_;
   HullStage hulls_;
-  JointBoxes boxes_;
+  std::optional<JointBoxes> boxes_;  // where few degrees of freedom move
   Search search_;
   VectorXd recalled_;
 };
