@@ -46,8 +46,6 @@
 namespace mjcf_pdg {
 namespace {
 
-constexpr double kRounding = 1e-3;  // of distances, taken off what we claim [tolerances]
-
 // The least S of a joint's term with which it is inside its limits.
 double LimitS(const JointEntry& joint, const NormTerm& term, const VectorXd& q_in) {
   if (!joint.limited) return 0.0;

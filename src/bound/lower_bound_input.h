@@ -1,4 +1,4 @@
-// What the lower bound is asked about. Part of lower_bound.h.
+// What the lower bound is asked about. Part of lower_bound.h and joint_boxes.h.
 #ifndef MJCF_PDG_SRC_BOUND_LOWER_BOUND_INPUT_H_
 #define MJCF_PDG_SRC_BOUND_LOWER_BOUND_INPUT_H_
 
@@ -10,6 +10,9 @@
 #include "problem/budget.h"
 
 namespace mjcf_pdg {
+
+// Of distances, taken off what bounds claim [tolerances].
+inline constexpr double kRounding = 1e-3;
 
 struct LowerBoundInput {
   const SceneTables& tables;
