@@ -74,6 +74,27 @@ void ContactRow(const SceneTables& tables, const PosedModel& posed, int pair, co
   }
 }
 
+Support RowSupport(const SceneTables& tables, const RowSource& source) {
+  const mjModel& m = *tables.model;
+  if (source.pair < 0 && source.joint < 0) return {{0, tables.n}, {}};
+  if (source.pair < 0) {
+    const int size = m.jnt_type[source.joint] == mjJNT_BALL ? 3 : 1;
+    return {{tables.column_of_dof[m.jnt_dofadr[source.joint]], size}, {}};
+  }
+  int dof1 = LastDof(m, m.geom_bodyid[tables.pairs[source.pair].geom1]);
+  int dof2 = LastDof(m, m.geom_bodyid[tables.pairs[source.pair].geom2]);
+  Support support;
+  while (dof1 != dof2) {
+    const bool second = dof2 > dof1;
+    int& dof = second ? dof2 : dof1;
+    ColumnRange& range = second ? support.second : support.first;
+    const int col = tables.column_of_dof[dof];
+    if (col >= 0) range = {col, range.size == 0 ? 1 : range.begin + range.size - col};
+    dof = m.dof_parentid[dof];
+  }
+  return support;
+}
+
 void AppendLimitRows(const SceneTables& tables, const VectorXd& q, const LimitRowOptions& reach,
                      ContactRows& rows) {
   for (const JointEntry& joint : tables.joints) {

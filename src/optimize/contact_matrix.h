@@ -9,6 +9,7 @@
 
 #include <vector>
 
+#include "base/support.h"
 #include "collide/contacts.h"
 #include "mjcf_pdg/observer.h"
 
@@ -38,6 +39,11 @@ struct ContactRows {
 // give exact zeros. `out` has n entries.
 void ContactRow(const SceneTables& tables, const PosedModel& posed, int pair, const Vector3d& p1_W,
                 const Vector3d& p2_W, const Vector3d& n_W, Eigen::Ref<Eigen::RowVectorXd> out);
+
+// Where a row may be other than 0. Of a pair's, at the joints from each body up to the first that
+// is above both, whose columns are in one range for each; of a limit's, at the joint; else
+// anywhere.
+Support RowSupport(const SceneTables& tables, const RowSource& source);
 
 // Which joint limits get a row, and in which unit.
 struct LimitRowOptions {

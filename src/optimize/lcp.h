@@ -15,7 +15,10 @@
 //   2. Beside Gauss-Seidel, an active-set method (Goldfarb & Idnani's dual steps, with bounds) that
 //      ends in finitely many steps and copes with dependent rows.
 //   3. Where many bodies move, a row concerns two of them: the active-set method takes packed
-//      columns.
+//      columns, and its factor has an envelope (free_factor.h).
+//   4. The active-set method can begin with the rows of an earlier solution. Rows that are
+//   satisfied
+//      are looked at again only when no other is violated.
 #ifndef MJCF_PDG_SRC_OPTIMIZE_LCP_H_
 #define MJCF_PDG_SRC_OPTIMIZE_LCP_H_
 
@@ -23,6 +26,7 @@
 #include <vector>
 
 #include "base/support.h"
+#include "optimize/free_factor.h"
 
 namespace mjcf_pdg {
 
@@ -57,29 +61,39 @@ class GaussSeidelLcp {
   Eigen::VectorXd x_;         // G λ
 };
 
-// Active-set method; what λ was is ignored. μ must be finite. The columns of G may be packed, each
-// from its first row on.
+// Active-set method. μ must be finite. The columns of G may be packed, each from its first row on.
 class ActiveSetLcp {
  public:
   // Room for problems up to n × m.
   void Reserve(int n, int m);
 
+  // What λ was is ignored.
   LcpOutcome Solve(const ConstMatrixRef& G, const ConstVectorRef& b, const ConstVectorRef& mu,
                    const LcpOptions& options, VectorRef lambda, const Packing& packing = {});
+  // Begins with the rows that are between their bounds in the given λ, and those that are at μ
+  // (warm start). As many as it frees of the former count as steps, so that the steps tell what the
+  // problem is like and not where it began.
+  LcpOutcome SolveFrom(const ConstMatrixRef& G, const ConstVectorRef& b, const ConstVectorRef& mu,
+                       const LcpOptions& options, VectorRef lambda, const Packing& packing = {});
 
  private:
   // Where a multiplier is: which sign its row's slack must not have.
   static constexpr double kLow = 1.0, kFree = 0.0, kHigh = -1.0;
 
   void FillNorms(const ConstMatrixRef& G);
-  void UpdateSlack(const ConstMatrixRef& G, const ConstVectorRef& b, const VectorRef& lambda);
-  void FillForward(const ConstMatrixRef& G, int row, VectorRef forward);
+  void UpdateMotion(const ConstMatrixRef& G, const VectorRef& lambda);
+  void UpdateSlack(const ConstMatrixRef& G, const ConstVectorRef& b);
+  void FindViolated(double tolerance);
+  void Begin(const ConstMatrixRef& G, const ConstVectorRef& b, const ConstVectorRef& mu,
+             VectorRef& lambda);
+  void FreeIndependent(const ConstMatrixRef& G, VectorRef& lambda);
+  bool SolveForFree(const ConstVectorRef& mu, VectorRef& lambda);
   int MostViolated(double tolerance) const;
   void Enter(const ConstMatrixRef& G, const ConstVectorRef& mu, int row, VectorRef& lambda);
+  bool Dependent(int row) const;
   void AddFree(int row);
   void RemoveFree(int k);
-  void SolveForward(VectorRef x) const;
-  void SolveBackward(VectorRef x) const;
+  void FillForward(const ConstMatrixRef& G, int row);
   void SolveFree(const ConstMatrixRef& G, int row);
 
   // Of arrays per row the first m_ entries are in use, of those per free row as many as free_ has.
@@ -89,14 +103,15 @@ class ActiveSetLcp {
   std::vector<int> free_;              // rows strictly between their bounds
   Eigen::ArrayXd norms_;               // of G's columns
   Eigen::ArrayXd inverse_norms_;
-  Eigen::VectorXd slack_;  // b - GᵀG λ: positive where a constraint is violated
-  Eigen::VectorXd x_;      // G λ
-  Eigen::VectorXd g_;      // the entering column, with zeros; else all zero
-  // L with L Lᵀ = G_FᵀG_F of the free rows F, row by row.
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> factor_;
-  Eigen::VectorXd forward_;    // L⁻¹ G_Fᵀ g for the entering row g
-  double schur_ = 0.0;         // ‖g‖² - ‖L⁻¹ G_Fᵀ g‖²
-  Eigen::VectorXd direction_;  // how the free multipliers answer to the entering one
+  Eigen::VectorXd slack_;        // b - GᵀG λ: positive where a constraint is violated
+  Eigen::VectorXd x_;            // G λ
+  Eigen::VectorXd g_;            // the entering column, with zeros; else all zero
+  FreeFactor factor_;            // of the free rows
+  std::vector<int> violated_;    // rows that a pass over all found violated
+  std::vector<int> candidates_;  // rows that may become free where a solve begins
+  Eigen::VectorXd forward_;      // L⁻¹ G_Fᵀ g for the entering row g
+  double schur_ = 0.0;           // ‖g‖² - ‖L⁻¹ G_Fᵀ g‖²
+  Eigen::VectorXd direction_;    // how the free multipliers answer to the entering one
 };
 
 }  // namespace mjcf_pdg

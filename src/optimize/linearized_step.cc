@@ -22,25 +22,25 @@ LinearizedStep::LinearizedStep(Workspace& work)
   const int rows = static_cast<int>(contacts_) * (1 + WitnessMemory::kPerPair) + limits;
   rows_.Reserve(rows, n);
   lcp_.Reserve(n, rows);
-  FindTrees();
-  if (trees_.empty()) {
-    GrowTo(n, rows, G_);
-  } else {
-    GrowTo(2 * largest_tree_, rows, packed_G_);
-  }
+  forces_.Reserve(static_cast<std::size_t>(rows), tables.pairs.size(),
+                  static_cast<std::size_t>(tables.model->njnt));
+  GrowTo(static_cast<Eigen::Index>(FindTrees()) * rows, whitened_);
   supports_.reserve(static_cast<std::size_t>(rows));
   for (VectorXd* per_row : {&lambda_, &b_, &bounds_, &slack_}) GrowTo(rows, *per_row);
   nearest_.reserve(tables.pairs.size());
   moved_.resize(work.norm.rows());
 }
 
-// Left empty where there is one tree only, where equality constraints may join them, or where H is
-// not block-diagonal by trees.
-void LinearizedStep::FindTrees() {
+// trees_ is left empty where there is one tree only, where equality constraints may join them, or
+// where H is not block-diagonal by trees. Returns for how many entries of a row in G room is to be
+// made.
+int LinearizedStep::FindTrees() {
   const SceneTables& tables = problem_.tables;
   const mjModel& m = *tables.model;
-  if (work_.norm.blocks().size() != tables.joints.size() || work_.equality.any()) return;
+  if (work_.norm.blocks().size() != tables.joints.size() || work_.equality.any()) return tables.n;
+  packs_ = tables.n > tune::kPackingCost;
   tree_of_.assign(static_cast<std::size_t>(m.ntree), -1);
+  int largest = 0;
   for (const JointEntry& joint : tables.joints) {
     int& tree = tree_of_[m.body_treeid[joint.body]];
     if (tree < 0) {
@@ -48,13 +48,17 @@ void LinearizedStep::FindTrees() {
       trees_.push_back({.columns = {.begin = joint.col}});
     }
     trees_[tree].columns.size += joint.ndof;
-    largest_tree_ = std::max(largest_tree_, trees_[tree].columns.size);
+    largest = std::max(largest, trees_[tree].columns.size);
   }
   if (trees_.size() == 1 && tables.outside_mass == 0.0) trees_.clear();
   for (int body = 1; body < m.nbody && !trees_.empty(); ++body) {
     if (!tables.body_moves[body]) continue;
     trees_[tree_of_[m.body_treeid[body]]].mass += m.body_mass[body] / work_.norm.total_mass();
   }
+  const auto& tendons = tables.held_tendons;
+  const bool packs_all = 2 * largest + tune::kPackingCost < tables.n &&
+                         std::find(tendons.begin(), tendons.end(), 1) == tendons.end();
+  return packs_all ? 2 * largest : tables.n;
 }
 
 void LinearizedStep::Linearize(const VectorXd& q, const std::vector<NearPair>& near,
@@ -71,6 +75,7 @@ void LinearizedStep::Linearize(const VectorXd& q, const std::vector<NearPair>& n
                      [&](const NearPair* a, const NearPair* b) { return slack(a) < slack(b); });
     nearest_.resize(contacts_);
   }
+  forces_.Keep(rows_, lambda_);
   rows_.Clear(tables.n);
   for (const NearPair* pair : nearest_) AppendContactRows(*pair, options);
   contact_rows_ = rows_.m;
@@ -78,6 +83,8 @@ void LinearizedStep::Linearize(const VectorXd& q, const std::vector<NearPair>& n
                   rows_);
   work_.equality.Linearize(q);
   AppendTendonRows();
+  GrowTo(rows_.m, lambda_);
+  lambda_.head(rows_.m).setZero();
   work_.norm.Linearize(q, r_, J_);
 }
 
@@ -158,31 +165,23 @@ double LinearizedStep::DampingShare() const {
   return cost > 0.0 ? cost / squared_length_ : 0.0;
 }
 
-// Of a tendon's row, any entry may be other than 0.
-bool LinearizedStep::FindSupports() {
+// Of the rows of C, where packing them is worth its loops; else there are none. Returns the most
+// entries of a column of G. Of a tendon's row, any entry may be other than 0.
+int LinearizedStep::FindSupports() {
   supports_.clear();
-  if (trees_.empty()) return false;
-  const SceneTables& tables = problem_.tables;
-  const mjModel& m = *tables.model;
-  const auto columns = [&](int body) {
-    const int tree = m.body_treeid[body] < 0 ? -1 : tree_of_[m.body_treeid[body]];
-    return tree < 0 ? ColumnRange{} : trees_[tree].columns;
-  };
+  const int n = problem_.tables.n;
+  int largest = 0, cost = 0;
+  if (!packs_) return n;
   for (int k = 0; k < rows_.m; ++k) {
     const RowSource& source = rows_.sources[k];
-    if (source.pair >= 0) {
-      const KeptPair& pair = tables.pairs[source.pair];
-      const int body1 = m.geom_bodyid[pair.geom1], body2 = m.geom_bodyid[pair.geom2];
-      const bool same = m.body_treeid[body1] == m.body_treeid[body2];
-      supports_.push_back({columns(body1), same ? ColumnRange{} : columns(body2)});
-    } else if (source.joint >= 0) {
-      supports_.push_back({columns(m.jnt_bodyid[source.joint]), {}});
-    } else {
-      supports_.clear();
-      return false;
-    }
+    const bool again = k > 0 && source.pair >= 0 && source.pair == rows_.sources[k - 1].pair;
+    supports_.push_back(again ? supports_.back() : RowSupport(problem_.tables, source));
+    largest = std::max(largest, supports_.back().size());
+    cost += supports_.back().size() + tune::kPackingCost;
   }
-  return !supports_.empty();
+  if (cost < n * rows_.m) return largest;
+  supports_.clear();
+  return n;
 }
 
 // G = L⁻¹ Cᵀ, packed where supports are known.
@@ -206,11 +205,11 @@ void LinearizedStep::FillWhitened(Eigen::Ref<MatrixXd> G) {
 // λ and the whitened step z = G λ - y.
 void LinearizedStep::SolveLcp(const StepOptions& options) {
   const int n = problem_.tables.n, m = rows_.m;
-  const bool packed = FindSupports();
-  MatrixXd& columns = packed ? packed_G_ : G_;
-  GrowTo(packed ? 2 * largest_tree_ : n, m, columns);
+  const int entries = FindSupports();
+  const bool packed = !supports_.empty();
+  GrowTo(static_cast<Eigen::Index>(entries) * m, whitened_);
+  Eigen::Map<MatrixXd> G(whitened_.data(), entries, m);
   for (VectorXd* per_row : {&lambda_, &b_, &bounds_}) GrowTo(m, *per_row);
-  auto G = columns.leftCols(m);
   auto lambda = lambda_.head(m), b = b_.head(m), bounds = bounds_.head(m);
   FillWhitened(G);
   b = -rows_.gap.head(m);
@@ -225,7 +224,9 @@ void LinearizedStep::SolveLcp(const StepOptions& options) {
   LcpOptions lcp;
   lcp.max_steps = tune::kLcpStepsPerVariable * (n + m);
   lcp.tolerance = tune::kLcpTolerance * problem_.tolerances.user;
-  lcp_steps_ += lcp_.Solve(G, b, bounds, lcp, lambda, {n, supports_}).steps;
+  lambda.setZero();
+  if (packed) forces_.Recall(rows_, lambda);  // smaller problems end as soon from nothing
+  lcp_steps_ += lcp_.SolveFrom(G, b, bounds, lcp, lambda, {n, supports_}).steps;
   z_ = -y_;
   if (packed) {
     for (int k = 0; k < m; ++k) AddMultiple(lambda[k], supports_[k], G.col(k).data(), z_);

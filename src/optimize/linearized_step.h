@@ -10,8 +10,10 @@
 //      it is sought in the null space of their Jacobian. Where they do not hold and their rows
 //      depend on each other, what is left may be 1e-3 (a weld, measured); later steps mend it.
 //   4. Levenberg-Marquardt damping, and a trust radius in the units of the object norm.
-//   5. Where several kinematic trees move and no constraint joins them, rows are packed: of each
-//      only the columns of its two trees are looked at (base/support.h).
+//   5. Where many degrees of freedom move, in several kinematic trees or along one, and no
+//      constraint joins them, rows are packed: of each only the columns of the joints between its
+//      two bodies are looked at (base/support.h).
+//   6. There the LCP begins with the forces of the step before, too (force_memory.h).
 #ifndef MJCF_PDG_SRC_OPTIMIZE_LINEARIZED_STEP_H_
 #define MJCF_PDG_SRC_OPTIMIZE_LINEARIZED_STEP_H_
 
@@ -20,6 +22,7 @@
 
 #include "base/block_cholesky.h"
 #include "optimize/contact_matrix.h"
+#include "optimize/force_memory.h"
 #include "optimize/lcp.h"
 #include "optimize/witness_memory.h"
 #include "problem/workspace.h"
@@ -47,8 +50,11 @@ class LinearizedStep {
  public:
   explicit LinearizedStep(Workspace& work);
 
-  // Forgets the witness points of earlier steps.
-  void Clear() { memory_.Clear(problem_.tables.pairs.size()); }
+  // Forgets the witness points and the forces of earlier steps.
+  void Clear() {
+    memory_.Clear(problem_.tables.pairs.size());
+    rows_.Clear(problem_.tables.n);
+  }
 
   // The rows of `near`, the pairs close to q, of joint limits, and the norm's Jacobian. The finder
   // must be posed at q.
@@ -89,8 +95,8 @@ class LinearizedStep {
   void AddDamping();
   double DampingOf(const JointEntry& joint, int k) const;
   void SolveLcp(const StepOptions& options);
-  void FindTrees();
-  bool FindSupports();  // false, and no supports: rows are not packed
+  int FindTrees();
+  int FindSupports();
   void FillWhitened(Eigen::Ref<MatrixXd> G);
   void HoldEqualities(Eigen::Ref<MatrixXd> G, Eigen::Ref<VectorXd> b);
   double LargestTurn() const;  // of dq [rad]
@@ -100,6 +106,7 @@ class LinearizedStep {
   Workspace& work_;
   const std::size_t contacts_;  // pairs that get rows: the nearest, if there are more
   WitnessMemory memory_;
+  ForceMemory forces_;
   ContactRows rows_;
   int contact_rows_ =
       0;  // rows_ begins with these; the rows after them are limits of joints and tendons
@@ -115,14 +122,15 @@ class LinearizedStep {
   };
   std::vector<Tree> trees_;
   std::vector<int> tree_of_;       // per tree of the model, an index into trees_; -1: none
-  int largest_tree_ = 0;           // its columns
+  bool packs_ = false;             // rows may be packed: no constraint or block of H joins joints
   std::vector<Support> supports_;  // of the rows of C; empty: they are not packed
 
   // Scratch. Of what has an entry or a column per row, those past the rows in use mean nothing.
   std::vector<const NearPair*> nearest_;
   VectorXd moved_, r_, z_, dq_, y_;
   VectorXd lambda_, b_, bounds_, slack_;  // per row
-  MatrixXd J_, H_, G_, packed_G_;
+  VectorXd whitened_;                     // the columns of G, packed or not
+  MatrixXd J_, H_;
   BlockCholesky whitening_;
   // Of the equality constraints, whitened: the step that makes them hold, and its decomposition.
   VectorXd held_;

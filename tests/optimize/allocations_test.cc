@@ -132,6 +132,7 @@ TEST_F(AllocationsTest, AreNotMadeByTheLcp) {
     const VectorXd b = rng.Normals(m), mu = VectorXd::Constant(m, 3.0);
     const AllocationCounter counter;
     active_set.Solve(G, b, mu, {}, lambda.head(m));
+    active_set.SolveFrom(G, b, mu, {}, lambda.head(m));
     gauss_seidel.Solve(G, b, mu, {}, lambda.head(m));
     if (k > 0) {
       EXPECT_EQ(counter.count(), 0) << m;

@@ -115,6 +115,19 @@ TEST_F(ContactMatrixTest, RowsOfPiercingCapsulesAreTheRateOfTheDepth) {
   EXPECT_GT(tally.overlapping, 60);
 }
 
+// What `row` has outside of `support` is 0, and each range begins and ends with another entry, so
+// that none is wider than it has to be.
+void ExpectSupport(const Eigen::RowVectorXd& row, const Support& support) {
+  Eigen::RowVectorXd rest = row;
+  for (const ColumnRange& range : {support.first, support.second}) {
+    if (range.size == 0) continue;
+    EXPECT_NE(rest[range.begin], 0.0);  // also: the ranges do not overlap
+    EXPECT_NE(rest[range.begin + range.size - 1], 0.0);
+    rest.segment(range.begin, range.size).setZero();
+  }
+  EXPECT_TRUE(rest.isZero(0.0)) << Join(row);
+}
+
 bool Above(const mjModel& m, int dof, int body) {
   while (body > m.dof_bodyid[dof]) body = m.body_parentid[body];
   return body == m.dof_bodyid[dof];
@@ -138,6 +151,7 @@ TEST_F(ContactMatrixTest, RowsAreJacobianDifferencesAndExactlyZeroAboveBothBodie
         jac2.Fill(scene->tables(), posed, body2, p2);
         Eigen::RowVectorXd row = Eigen::RowVectorXd::Constant(scene->dof(), 7.0);
         ContactRow(scene->tables(), posed, i, p1, p2, n, row);
+        ExpectSupport(row, RowSupport(scene->tables(), {.pair = i}));
         for (int dof = 0; dof < m.nv; ++dof) {
           const int col = scene->tables().column_of_dof[dof];
           if (col < 0) continue;

@@ -343,7 +343,58 @@ TEST(LcpTest, PackedColumnsHaveTheSolutionOfTheWholeOnes) {
     EXPECT_TRUE(outcome.converged) << ::testing::PrintToString(outcome);
     EXPECT_LT(KktResidual(lcp, lambda), 1e-8);
     EXPECT_NEAR(DualObjective(lcp, lambda), DualObjective(lcp, ActiveSet(lcp)), 1e-8);
+    const VectorXd cold = lambda;
+    for (int i = 0; i < m; ++i) lambda[i] = rng.Chance(0.3) ? rng.Uniform(0.0, 12.0) : 0.0;
+    EXPECT_TRUE(
+        solver.SolveFrom(packed, lcp.b, lcp.mu, {}, lambda, {.rows = n, .supports = supports})
+            .converged);
+    EXPECT_LT(KktResidual(lcp, lambda), 1e-8);
+    EXPECT_LT((lcp.G * (lambda - cold)).norm(), 1e-7);
   }
+}
+
+// Of any number of rows, some of them dependent or in conflict, and guesses that are wrong by much.
+TEST(LcpTest, AnyStartEndsAtTheSameMotion) {
+  Random rng(18);
+  int at_bound = 0, guessed = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const int n = 2 + rng.Index(20), m = 1 + rng.Index(3 * n);
+    Lcp lcp = RandomLcp(rng, n, m, rng.Chance(0.5) ? 0.5 : 50.0);
+    for (int i = 1; i < m; ++i) {
+      if (rng.Chance(0.3)) lcp.G.col(i) = (rng.Chance(0.7) ? 1.0 : -0.5) * lcp.G.col(i - 1);
+    }
+    const VectorXd cold = ActiveSet(lcp);
+    VectorXd lambda(m);
+    for (int i = 0; i < m; ++i) lambda[i] = rng.Chance(0.5) ? 0.0 : rng.Uniform(0.0, 60.0);
+    guessed += static_cast<int>((lambda.array() > 0.0 && lambda.array() < lcp.mu.array()).count());
+    ActiveSetLcp solver;
+    const LcpOutcome outcome = solver.SolveFrom(lcp.G, lcp.b, lcp.mu, {}, lambda);
+    EXPECT_TRUE(outcome.converged) << ::testing::PrintToString(outcome);
+    EXPECT_LT(KktResidual(lcp, lambda), 1e-8);
+    EXPECT_LT((lcp.G * (lambda - cold)).norm(), 1e-7);
+    at_bound += static_cast<int>((lambda.array() == lcp.mu.array()).count());
+  }
+  EXPECT_GT(at_bound, 300);
+  EXPECT_GT(guessed, 500);
+}
+
+// Which is what an estimate of its cost by its steps relies on.
+TEST(LcpTest, AStartAtTheSolutionTakesAStepForEachFreeRow) {
+  Random rng(19);
+  int all = 0;
+  for (int trial = 0; trial < 50; ++trial) {
+    const int n = 6 + rng.Index(20);
+    const Lcp lcp = RandomLcp(rng, n, n / 2, 0.5);
+    const VectorXd cold = ActiveSet(lcp);
+    VectorXd lambda = cold;
+    ActiveSetLcp solver;
+    const LcpOutcome outcome = solver.SolveFrom(lcp.G, lcp.b, lcp.mu, {}, lambda);
+    EXPECT_TRUE(outcome.converged);
+    EXPECT_EQ(outcome.steps, (cold.array() > 0.0 && cold.array() < lcp.mu.array()).count());
+    EXPECT_LT((lambda - cold).lpNorm<Eigen::Infinity>(), 1e-9);
+    all += outcome.steps;
+  }
+  EXPECT_GT(all, 100);
 }
 
 TEST(LcpTest, TheActiveSetMethodEndsWithinTheStepsOfALocalOptimization) {

@@ -329,6 +329,40 @@ TEST_F(LinearizedStepTest, TreesThatDoNotMeetStepAsTheyDoAlone) {
   EXPECT_NEAR(all.step.LargestLength(), longest, 1e-6 * longest);
 }
 
+// A chain of 60 links in random poses, with a ball that it meets: rows are packed, and each step's
+// LCP begins with the forces of the one before.
+TEST_F(LinearizedStepTest, StepsOfALongChainAreOptimaOneAfterTheOther) {
+  std::string xml = "<mujoco><compiler angle='degree'/><worldbody>", end;
+  for (int k = 0; k < 60; ++k) {
+    xml += std::string("<body pos='0 0 .1'><joint range='-120 120' axis='") +
+           (k % 2 == 0 ? "1 0 0" : "0 1 0") +
+           "'/><geom type='capsule' size='.02' fromto='0 0 0 0 0 .1'/>";
+    end += "</body>";
+  }
+  xml += end + "<body><freejoint/><geom type='sphere' size='.2'/></body></worldbody></mujoco>";
+  Options options;
+  options.without = {"witness_memory"};  // which would add rows
+  Stepper p(xml, {}, options);
+  for (int trial = 0; trial < 30; ++trial) {
+    const VectorXd q_in = RandomConfiguration(p.scene, rng_);
+    VectorXd q, next;
+    Integrate(p.scene.tables(), q_in, 0.2 * rng_.Normals(p.scene.dof()), q);
+    ClampToLimits(p.scene.tables(), q);
+    p.work.Begin(q_in);
+    p.step.Clear();
+    for (int k = 0; k < 6; ++k) {
+      p.Linearize(q, 0.01, {.margin = 0.01});
+      const StepOptions how = {.penalty = 10.0, .trust_radius = 1e3};
+      const double length = p.step.Solve(how);
+      if (p.LargestTurn() < 1.0 - 1e-12) p.ExpectOptimum(how, length);
+      Integrate(p.scene.tables(), q, 0.5 * p.step.dq(), next);
+      std::swap(q, next);
+    }
+  }
+  EXPECT_GT(p.active, 300);
+  EXPECT_GT(p.limits, 5);
+}
+
 // Fourteen boxes in one another and in a floor: 105 pairs, 84 degrees of freedom.
 TEST_F(LinearizedStepTest, AsManyPairsGetRowsAsThereAreDegreesOfFreedom) {
   std::string xml = "<geom type='plane' size='9 9 1'/>";
