@@ -32,6 +32,8 @@
 //
 // Of a height field, A is a convex solid inside it (lower_bound_terrain.h).
 //
+// Several pairs at once: normals_tree.h.
+//
 // Pairs whose movers have nothing in common add up, since terms of S do; so do joints outside their
 // limits: the least σ_j with which the joint gets back inside.
 #include "bound/lower_bound.h"
@@ -45,6 +47,9 @@
 
 namespace mjcf_pdg {
 namespace {
+
+// So many pairs are parted together at most: those that promise most alone.
+constexpr int kMostTogether = 16;
 
 // The least S of a joint's term with which it is inside its limits.
 double LimitS(const JointEntry& joint, const NormTerm& term, const VectorXd& q_in) {
@@ -117,11 +122,13 @@ void LowerBound::AddOverlap(const LowerBoundInput& in, const NearPair& near) {
     overlaps_.pop_back();
     return;
   }
-  added.movers.begin = static_cast<int>(concerned_.size());
-  for (const std::span<const int> own : {own1, own2}) {
+  const auto append = [this](std::span<const int> own) {
+    const int begin = static_cast<int>(concerned_.size());
     concerned_.insert(concerned_.end(), own.begin(), own.end());
-  }
-  added.movers.end = static_cast<int>(concerned_.size());
+    return Range{begin, begin + static_cast<int>(own.size())};
+  };
+  added.movers1 = append(own1);
+  added.movers2 = append(own2);
   pair.geom[1].Fill(in.posed, *in.tables.support, kept.geom2);
   if (terrain) {
     added.on_terrain = &near;
@@ -136,7 +143,7 @@ void LowerBound::AddOverlap(const LowerBoundInput& in, const NearPair& near) {
 // Of the convex solids inside the height field, the one that promises most, by the directions in
 // which it might be left for least: those of its top, of the contact, of its sides, and between.
 // Nothing is claimed by moment arms.
-void LowerBound::ChooseInscribed(const LowerBoundInput& in, const NearPair& near,
+bool LowerBound::ChooseInscribed(const LowerBoundInput& in, const NearPair& near,
                                  PairProblem& pair) {
   const int field = in.tables.pairs[near.pair].geom1;
   const Matrix3d R = AsMatrix(in.posed.data()->geom_xmat + 9 * field);
@@ -160,6 +167,7 @@ void LowerBound::ChooseInscribed(const LowerBoundInput& in, const NearPair& near
     best = &solid;
   }
   if (best) pair.geom[0].Fill(best->corners_W);
+  return best != nullptr;
 }
 
 // Pair by pair, the most promising first. Those that hardly raise the sum are passed over.
@@ -179,12 +187,16 @@ void LowerBound::ClaimOverlaps(const LowerBoundInput& in) {
   double floor = 0.0;  // √S
   int cells_left = in.max_cells;
   for (const int k : order_) {
-    auto& [pair, movers, on_terrain] = overlaps_[k];
+    PairProblem& pair = overlaps_[k].problem;
+    const Range movers = overlaps_[k].movers();
+    const NearPair* const on_terrain = overlaps_[k].on_terrain;
     const auto passed_over = [&] {
-      return pair.hope <= floor && Share(In(movers), In(overlaps_[order_[0]].movers));
+      return pair.hope <= floor && Share(In(movers), In(overlaps_[order_[0]].movers()));
     };
     if (passed_over()) continue;
-    if (on_terrain) ChooseInscribed(in, *on_terrain, pair);
+    if (on_terrain) {
+      overlaps_[k].has_solid = ChooseInscribed(in, *on_terrain, pair);
+    }
     if (passed_over()) continue;
     double root = pair.plane ? pair.hope : 0.0;
     if (!pair.plane && pair.hope > floor && cells_left > 0) {
@@ -223,14 +235,32 @@ double LowerBound::SumOfDisjoint() {
 }
 
 double LowerBound::Sigma(const LowerBoundInput& in) {
+  overlaps_.clear();
+  sigma_ = 0.0;
   if (!(in.norm.total_mass() > 0.0)) return 0.0;
   pool_.clear();
-  overlaps_.clear();
   claims_.clear();
   concerned_.clear();
   ClaimOverlaps(in);
   if (in.metric == Metric::kSequential) ClaimLimits(in);
-  return SumOfDisjoint() / in.norm.total_mass();
+  mass_ = in.norm.total_mass();
+  sigma_ = SumOfDisjoint() / mass_;
+  return sigma_;
+}
+
+double LowerBound::Tighten(double known_sigma, int nodes, const BudgetMeter* budget) {
+  OrderFalling(
+      static_cast<int>(overlaps_.size()), [this](int k) { return overlaps_[k].problem.hope; },
+      order_);
+  tree_.Begin(chains_.movers(), std::sqrt(mass_ * known_sigma));
+  for (const int k : order_) {
+    const Overlap& overlap = overlaps_[k];
+    if ((overlap.on_terrain && !overlap.has_solid) || tree_.rows().num_pairs() == kMostTogether)
+      continue;
+    tree_.rows().AddPair(overlap.problem, In(overlap.movers1), In(overlap.movers2));
+  }
+  const double root = tree_.Search(nodes, budget);
+  return std::max(sigma_, root * root / mass_);
 }
 
 }  // namespace mjcf_pdg

@@ -12,6 +12,7 @@
 #include "bound/lower_bound_input.h"
 #include "bound/lower_bound_pair.h"
 #include "bound/lower_bound_terrain.h"
+#include "bound/normals_tree.h"
 #include "problem/workspace.h"
 
 namespace mjcf_pdg {
@@ -23,6 +24,11 @@ class LowerBound {
 
   // A lower bound of σ over all free configurations [m²], >= 0.
   double Sigma(const LowerBoundInput& input);
+
+  // After Sigma, of the same problem: a bound that is no lower, and may be much higher, where free
+  // configurations are known and the nearest of them has `known_sigma` [m²]. `nodes`: effort
+  // (normals_tree.h).
+  double Tighten(double known_sigma, int nodes, const BudgetMeter* budget);
 
   // The same for the workspace's problem; its finder is posed at q_in. `cells`: as max_cells.
   double Sigma(const Workspace& work, const std::vector<NearPair>& overlaps, int cells) {
@@ -38,9 +44,11 @@ class LowerBound {
   };
   struct Overlap {
     PairProblem problem;
-    Range movers;  // of both chains
+    Range movers1, movers2;  // of the chains of the two geoms, one behind the other
+    Range movers() const { return {movers1.begin, movers2.end}; }
     // Of a height field; then `hope` is that of a plane until a solid inside the field is chosen.
     const NearPair* on_terrain = nullptr;
+    bool has_solid = false;  // such a solid has been chosen
   };
   // What is proven of one pair or joint, and the movers it concerns.
   struct Claim {
@@ -49,15 +57,20 @@ class LowerBound {
   };
 
   void AddOverlap(const LowerBoundInput& in, const NearPair& near);
-  void ChooseInscribed(const LowerBoundInput& in, const NearPair& near, PairProblem& pair);
+  // False if none promises anything.
+  bool ChooseInscribed(const LowerBoundInput& in, const NearPair& near, PairProblem& pair);
   void ClaimOverlaps(const LowerBoundInput& in);
   void ClaimLimits(const LowerBoundInput& in);
   double SumOfDisjoint();
+
   std::span<const int> In(Range range) const {
     return std::span(concerned_).subspan(range.begin, range.end - range.begin);
   }
 
+  double mass_ = 0.0;   // M
+  double sigma_ = 0.0;  // of the last Sigma
   Chains chains_;
+  NormalsTree tree_;
   MoverPool pool_;  // of the chains of all overlaps
   std::vector<Overlap> overlaps_;
   std::vector<Claim> claims_;

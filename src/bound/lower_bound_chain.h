@@ -17,7 +17,7 @@ namespace mjcf_pdg {
 struct Mover {
   Matrix3d T = Matrix3d::Zero(), C = Matrix3d::Zero();
   Vector3d anchor = Vector3d::Zero();
-  Vector3d axis = Vector3d::Zero();  // hinge only
+  Vector3d axis = Vector3d::Zero();  // hinge and slide only
   bool hinge = false;
   double slide = 0.0;  // √λmax(T): farthest slide per √S
   double turn = 0.0;   // √λmax(C): largest |w| per √S
@@ -49,6 +49,8 @@ class Chains {
   // no rotation lies between them.
   void AppendAlong(std::span<const int> path, MoverPool& pool) const;
 
+  const MoverPool& movers() const { return movers_; }
+
  private:
   Mover MoverOf(const NormTerm& term) const;
   // The body that carries `body` rigidly: up to the next movable joint.
@@ -63,7 +65,7 @@ class Chains {
 
   const LowerBoundInput* in_ = nullptr;
   const mjModel* m_ = nullptr;
-  std::vector<Mover> movers_;     // per term of the norm; per body for the displacement metric
+  MoverPool movers_;              // per term of the norm; per body for the displacement metric
   std::vector<NormTerm> pieces_;  // scratch: per body
   std::vector<int> above_;        // scratch: bodies on the way up
 };

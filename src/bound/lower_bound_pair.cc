@@ -116,6 +116,13 @@ double PairProblem::Overlap(const Vector3d& v, const Cap& cap) const {
   return required + std::min(along, along * cap.cos) - across * cap.sin;
 }
 
+Matrix3d PairProblem::Compliance(const Vector3d& a, const Vector3d& b) const {
+  Matrix3d G = Matrix3d::Zero();
+  for (const Mover& mover : ChainOf(0)) G += mover.T + TurnCompliance(mover, a);
+  for (const Mover& mover : ChainOf(1)) G += mover.T + TurnCompliance(mover, b);
+  return G;
+}
+
 double PairProblem::RootAt(const Vector3d& a, const Vector3d& b, const Cap& cap,
                            const Wanted& wanted) const {
   const Vector3d& n = cap.n;
@@ -123,9 +130,7 @@ double PairProblem::RootAt(const Vector3d& a, const Vector3d& b, const Cap& cap,
   const double t = Overlap(a - b, cap);
   if (!(t > 0.0)) return floor;
   if (t >= wanted.overlap) return std::max(floor, wanted.enough);
-  Matrix3d G = Matrix3d::Zero();
-  for (const Mover& mover : ChainOf(0)) G += mover.T + TurnCompliance(mover, a);
-  for (const Mover& mover : ChainOf(1)) G += mover.T + TurnCompliance(mover, b);
+  const Matrix3d G = Compliance(a, b);
   double gamma = std::sqrt(std::max(0.0, n.dot(G * n)));
   if (cap.eps > 0.0) gamma += cap.sin * std::sqrt(LambdaMax(G));
   if (t <= floor * gamma) return floor;
@@ -138,8 +143,6 @@ double PairProblem::RootAt(const Vector3d& a, const Vector3d& b, const Cap& cap,
   return std::max(floor, 2.0 * t / divisor);
 }
 
-// For a cap, points whose overlap holds all over it are sought by a few Frank-Wolfe steps from the
-// farthest ones along n.
 double PairProblem::EnoughOverlap(const Ease& ease, double root) {
   return (ease.gamma + ease.kappa * root) * root;
 }
@@ -155,17 +158,18 @@ PairProblem::Ease PairProblem::MostEase() const {
   return ease;
 }
 
-double PairProblem::RootFor(const Vector3d& n, double eps, const Wanted& wanted) const {
-  Cap cap{n};
-  if (eps > 0.0) cap = {n, eps, std::cos(eps), std::sin(eps)};
+// Points whose overlap holds all over the cap, by a few Frank-Wolfe steps from the farthest ones
+// along n.
+std::pair<Vector3d, Vector3d> PairProblem::FarthestOver(const Cap& cap, double enough) const {
+  const Vector3d& n = cap.n;
   Vector3d a = geom[0].Support(n), b = geom[1].Support(-n);
   auto held = [&](const Vector3d& v) {
     const double along = n.dot(v);
     return cap.cos * along - cap.sin * (v - along * n).norm();
   };
-  for (int step = 0; eps > 0.0 && step < 3; ++step) {
+  for (int step = 0; cap.eps > 0.0 && step < 3; ++step) {
     const Vector3d v = a - b;
-    if (Overlap(v, cap) >= wanted.overlap) break;
+    if (Overlap(v, cap) >= enough) break;
     const Vector3d across = v - n.dot(v) * n;
     if (across.norm() <= kAligned * v.norm()) break;
     const Vector3d gradient = cap.cos * n - cap.sin * across.normalized();
@@ -182,7 +186,37 @@ double PairProblem::RootFor(const Vector3d& n, double eps, const Wanted& wanted)
     a += share * (a2 - a);
     b += share * (b2 - b);
   }
+  return {a, b};
+}
+
+double PairProblem::RootFor(const Vector3d& n, double eps, const Wanted& wanted) const {
+  const Cap cap = CapOf(n, eps);
+  const auto [a, b] = FarthestOver(cap, wanted.overlap);
   return RootAt(a, b, cap, wanted);
+}
+
+PairProblem::Cap PairProblem::CapOf(const Vector3d& n, double eps) {
+  if (!(eps > 0.0)) return {n};
+  return {n, eps, std::cos(eps), std::sin(eps)};
+}
+
+double PairProblem::Overlap(const Vector3d& v, const Vector3d& n, double eps) const {
+  return Overlap(v, CapOf(n, eps));
+}
+
+double PairProblem::MostGamma(const Vector3d& a, const Vector3d& b) const {
+  return std::sqrt(LambdaMax(Compliance(a, b)));
+}
+
+std::pair<Vector3d, Vector3d> PairProblem::FarthestOver(const Vector3d& n, double eps) const {
+  return plane ? FarthestAlong(n, n, n) : FarthestOver(CapOf(n, eps), kInfinity);
+}
+
+std::pair<Vector3d, Vector3d> PairProblem::FarthestAlong(const Vector3d& n, const Vector3d& n1,
+                                                         const Vector3d& n2) const {
+  const Vector3d b = geom[1].Support(-n2);
+  if (plane) return {b + n.dot(geom[0].center - b) * n, b};
+  return {geom[0].Support(n1), b};
 }
 
 double PairProblem::RootIfPlane(const Vector3d& n, double depth) const {
@@ -223,15 +257,6 @@ double DirectionCell::Radius(const Vector3d& n) const {
   return std::acos(least) + 1e-12;
 }
 
-namespace {
-
-// A cell with which a search begins, its middle and its radius.
-struct FirstCell {
-  DirectionCell cell;
-  Vector3d n;
-  double radius = 0.0;
-};
-
 const std::array<FirstCell, kFirstCells>& FirstCells() {
   static const std::array<FirstCell, kFirstCells> kCells = [] {
     std::array<FirstCell, kFirstCells> cells;
@@ -245,8 +270,6 @@ const std::array<FirstCell, kFirstCells>& FirstCells() {
   }();
   return kCells;
 }
-
-}  // namespace
 
 double SearchDirections(const PairProblem& pair, double floor, const BudgetMeter* budget,
                         int& cells_left, std::vector<DirectionCell>& heap) {

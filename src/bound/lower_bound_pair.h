@@ -6,6 +6,7 @@
 
 #include <array>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "base/tuning.h"
@@ -60,13 +61,27 @@ struct PairProblem {
   // √S if geom 1 is a plane: a half-space is left along its normal only.
   double RootForPlane(const BudgetMeter* budget) const;
 
+  // t of (2) for a - b = v, the least for all unit vectors within eps, at most a right angle, of n.
+  double Overlap(const Vector3d& v, const Vector3d& n, double eps) const;
+  // What γ is nowhere larger than for the points a and b, in any direction.
+  double MostGamma(const Vector3d& a, const Vector3d& b) const;
+  // Points a, b whose overlap is large for all unit vectors within eps of n.
+  std::pair<Vector3d, Vector3d> FarthestOver(const Vector3d& n, double eps) const;
+  // The points of geom 1 farthest along n1, and of geom 2 farthest against n2. Of a plane with the
+  // normal n, the point below the other.
+  std::pair<Vector3d, Vector3d> FarthestAlong(const Vector3d& n, const Vector3d& n1,
+                                              const Vector3d& n2) const;
+
  private:
   // The unit vectors within eps of n.
   struct Cap {
     Vector3d n;
     double eps = 0.0, cos = 1.0, sin = 0.0;
   };
+  static Cap CapOf(const Vector3d& n, double eps);
   double Overlap(const Vector3d& v, const Cap& cap) const;
+  Matrix3d Compliance(const Vector3d& a, const Vector3d& b) const;  // G
+  std::pair<Vector3d, Vector3d> FarthestOver(const Cap& cap, double enough) const;
   // √S by (2) for the points a and b and all of the cap.
   double RootAt(const Vector3d& a, const Vector3d& b, const Cap& cap, const Wanted& wanted) const;
 };
@@ -86,6 +101,14 @@ struct DirectionCell {
 
 // Cells with which SearchDirections begins. It goes on by cutting one cell into four.
 inline constexpr int kFirstCells = 6 * 3 * 3;
+
+// A cell with which a search begins, its middle and its radius.
+struct FirstCell {
+  DirectionCell cell;
+  Vector3d n;
+  double radius = 0.0;
+};
+const std::array<FirstCell, kFirstCells>& FirstCells();
 
 // √S for all directions, by branch and bound. Gives up once the pair cannot beat `floor` (√S) or no
 // cells are left; sooner in a budget of time (null: none). `heap` is scratch.

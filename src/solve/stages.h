@@ -35,6 +35,8 @@ struct Stages {
   Acceptance acceptance;
 
  private:
+  void Tighten(double sigma);
+
   double sigma_lower_bound_ = 0.0;
 };
 

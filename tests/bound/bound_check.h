@@ -18,6 +18,10 @@ namespace mjcf_pdg::test {
 
 inline constexpr double kTolerance = 1e-6;
 
+inline VectorXd Configuration(std::initializer_list<double> values) {
+  return ToEigen(std::vector<double>(values));
+}
+
 // A scene at q_in, and what the bound needs to know of it.
 struct AtStart {
   AtStart(const Scene& s, const VectorXd& q, Metric m = Metric::kSequential,
@@ -43,6 +47,13 @@ struct AtStart {
   double Bound(int max_cells = 200) const {
     return LowerBound().Sigma({scene.tables(), norm, finder.posed(), near, required, metric,
                                options.tolerance, max_cells});
+  }
+  // With all pairs at once, where `known` is the σ of a free configuration.
+  double Tightened(double known, int nodes, int max_cells = 200) const {
+    LowerBound bound;
+    bound.Sigma({scene.tables(), norm, finder.posed(), near, required, metric, options.tolerance,
+                 max_cells});
+    return bound.Tighten(known, nodes, nullptr);
   }
   bool Free(const VectorXd& q) { return verifier.Check(ToVector(q)).free; }
 
@@ -88,7 +99,8 @@ inline double SearchFree(AtStart& at, Random& rng) {
 
 // For random configurations of a scene: the bound holds, and is no trifle.
 struct Ratios {
-  std::vector<double> values;  // √(bound / σ of a free configuration)
+  std::vector<double> values;     // √(bound / σ of a free configuration)
+  std::vector<double> tightened;  // the same of all pairs at once
 
   void Try(const Scene& scene, Random& rng, Metric metric, double spread = 0.3) {
     AtStart at(scene, RandomConfiguration(scene, rng, spread), metric);
@@ -101,11 +113,22 @@ struct Ratios {
       EXPECT_LE(bound, sigma) << "max_cells " << cells << ", q_in " << Join(at.q_in);
     }
     values.push_back(std::sqrt(at.Bound() / sigma));
+    for (const int nodes : {1, 30, 400}) {
+      const double known = nodes == 30 ? 9.0 * sigma : 1.5 * sigma;  // need not be the nearest
+      const double bound = at.Tightened(known, nodes);
+      EXPECT_GE(bound, at.Bound());
+      EXPECT_LE(bound, sigma) << "nodes " << nodes << ", q_in " << Join(at.q_in);
+    }
+    tightened.push_back(std::sqrt(at.Tightened(sigma, 400) / sigma));
   }
-  double Median() {
-    if (values.empty()) return 0.0;
-    std::sort(values.begin(), values.end());
-    return values[values.size() / 2];
+  double Median() { return MedianOf(values); }
+  double MedianTightened() { return MedianOf(tightened); }
+
+ private:
+  static double MedianOf(std::vector<double>& ratios) {
+    if (ratios.empty()) return 0.0;
+    std::sort(ratios.begin(), ratios.end());
+    return ratios[ratios.size() / 2];
   }
 };
 

@@ -12,11 +12,6 @@ namespace {
 
 class LowerBoundPairContractTest : public MujocoTest {};
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kSlack = 1.0 + 1e-6;  // for the rounding of distances
-
-const std::vector<int> kSolids = {mjGEOM_SPHERE,   mjGEOM_CAPSULE, mjGEOM_ELLIPSOID,
-                                  mjGEOM_CYLINDER, mjGEOM_BOX,     mjGEOM_MESH};
 const std::vector<Moves> kAllMoves = {Moves::kSlide, Moves::kHinge, Moves::kBall, Moves::kFree};
 
 Parting RandomParting(const std::vector<Moves>& kinds, Random& rng) {
@@ -29,12 +24,6 @@ Vector3d Within(double eps, const Vector3d& n, Random& rng) {
   const double angle = rng.Chance(0.3) ? eps : eps * rng.Uniform();
   const Vector3d axis = n.cross(rng.UnitVector()).normalized();
   return Eigen::AngleAxisd(angle, axis) * n;
-}
-
-double Median(std::vector<double>& values) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
 }
 
 TEST_F(LowerBoundPairContractTest, NoMotionPartsThePairAcrossADirectionOfACapForLess) {

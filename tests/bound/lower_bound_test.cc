@@ -20,10 +20,6 @@ std::string SliderAndWall(const std::string& geom = "type='box' size='.1 .1 .1'"
          geom + "/></body></worldbody></mujoco>";
 }
 
-VectorXd Configuration(std::initializer_list<double> values) {
-  return ToEigen(std::vector<double>(values));
-}
-
 TEST_F(LowerBoundTest, ASliderInAWallIsBoundExactly) {
   const AtStart at(Scene::FromString(SliderAndWall()), Configuration({0.07}));
   const double way_out = 0.03 - kTolerance;

@@ -14,6 +14,18 @@
 
 namespace mjcf_pdg::test {
 
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+inline constexpr double kSlack = 1.0 + 1e-6;  // for the rounding of distances
+
+inline const std::vector<int> kSolids = {mjGEOM_SPHERE,   mjGEOM_CAPSULE, mjGEOM_ELLIPSOID,
+                                         mjGEOM_CYLINDER, mjGEOM_BOX,     mjGEOM_MESH};
+
+inline double Median(std::vector<double>& values) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
 enum class Moves { kSlide, kHinge, kBall, kFree };
 
 // A mover with slide = `slides` z and w = `turns` z for a part z of a motion whose share of S is
@@ -35,6 +47,7 @@ inline Limb RandomLimb(Moves moves, double scale, Random& rng) {
   limb.slides = limb.turns = Eigen::Matrix3Xd::Zero(3, slides + turns);
   mover.anchor = scale * rng.InBox(0.5);
   const Vector3d axis = rng.UnitVector();
+  if (slides == 1) mover.axis = axis;
   if (slides == 1) limb.slides.col(0) = axis / std::sqrt(mass);
   if (slides == 3) limb.slides.leftCols(3) = Matrix3d::Identity() / std::sqrt(mass);
   if (turns == 1) {
@@ -89,13 +102,21 @@ class Parting {
   double Excess(const Vector3d& n, const VectorXd& z) const {
     double gap = -pair.required;
     for (const int chain : {0, 1}) {
-      Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
-      for (int k = pair.first[chain]; k < pair.first[chain + 1]; ++k) moved = moved * Of(k, z);
+      const Eigen::Isometry3d moved = Carried(chain, z);
       const Vector3d way = chain == 0 ? n : Vector3d(-n);
       gap -= way.dot(moved.translation()) + geoms.Reach(chain, moved.linear().transpose() * way);
     }
     return gap;
   }
+
+  // How the motion z carries geom 1 (chain 0) or geom 2.
+  Eigen::Isometry3d Carried(int chain, const VectorXd& z) const {
+    Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
+    for (int k = pair.first[chain]; k < pair.first[chain + 1]; ++k) moved = moved * Of(k, z);
+    return moved;
+  }
+  const std::vector<Limb>& limbs() const { return limbs_; }
+  int size() const { return size_; }  // of a motion z
 
   // √S of a cheap motion after which such a slab parts the geoms; infinite if none is found.
   double CheapRoot(const Vector3d& n, Random& rng, int tries = 40) const {

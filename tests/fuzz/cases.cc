@@ -44,6 +44,39 @@ std::string WrongResult(const Problem& problem, const Result& result) {
   return Refute(problem, result.q);
 }
 
+// What is free must not be nearer than the bound: answers of other seeds, and configurations near
+// and on this side of the answer.
+std::string FreeBelowBound(const Problem& problem, const Result& result, Random& rng) {
+  const double bound = result.sigma_lower_bound * (1.0 - 1e-9);
+  if (!(bound > 0.0)) return "";
+  ObjectNorm norm(*problem.scene, problem.options.metric, problem.q);
+  const mjModel* m = problem.scene->model();
+  const auto below = [&](const std::vector<double>& q) {
+    return norm.Sigma(q) < bound && Verify(*problem.scene, q, problem.options).free;
+  };
+  Options options = problem.options;
+  options.report_lower_bound = false;
+  for (const std::uint64_t seed : {101, 102}) {
+    options.seed = seed;
+    Solver solver(*problem.scene, options);
+    solver.SetBudget({kQueries, 0.0});
+    const Result other = solver.Solve(std::span<const double>(problem.q));
+    if (other.status == Status::kSolved && below(other.q))
+      return "another seed's answer is below the bound";
+  }
+  std::vector<double> dq(m->nv), q;
+  for (int k = 0; k < 60; ++k) {
+    q = problem.q;
+    mj_differentiatePos(m, dq.data(), 1.0, problem.q.data(), result.q.data());
+    double length = 0.0;
+    for (const double d : dq) length = std::max(length, std::abs(d));
+    for (double& d : dq) d = rng.Uniform(0.5, 1.0) * d + 0.2 * length * rng.Normal();
+    mj_integratePos(m, q.data(), dq.data(), 1.0);
+    if (below(q)) return "something free is below the bound";
+  }
+  return "";
+}
+
 }  // namespace
 
 QuietMujoco::QuietMujoco() { mju_setLogHandler(HandleMessage); }
@@ -90,6 +123,9 @@ CaseOutcome SolvingCase(std::uint64_t seed) {
   const Result result = solver.Solve(std::span<const double>(problem.q));
   const char* kinds[] = {"already free", "solved", "unsolved"};
   CaseOutcome outcome{kinds[static_cast<int>(result.status)], WrongResult(problem, result)};
+  if (result.status == Status::kSolved && outcome.wrong.empty()) {
+    outcome.wrong = FreeBelowBound(problem, result, rng);
+  }
   if (!outcome.wrong.empty()) {
     outcome.wrong += " (" + outcome.kind + ")" + problem.Words() + ", q " +
                      Join(result.q.data(), static_cast<int>(result.q.size()));
