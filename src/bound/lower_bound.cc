@@ -88,6 +88,8 @@ LowerBound::LowerBound() {
   overlaps_.reserve(kOverlaps);
   claims_.reserve(kOverlaps);
   order_.reserve(kOverlaps);
+  group_.reserve(kOverlaps);
+  pending_.reserve(kOverlaps);
   pool_.reserve(kOverlaps * kMoversPerOverlap);
   concerned_.reserve(kOverlaps * kMoversPerOverlap);
   used_.reserve(kOverlaps * kMoversPerOverlap);
@@ -132,11 +134,13 @@ void LowerBound::AddOverlap(const LowerBoundInput& in, const NearPair& near) {
   pair.geom[1].Fill(in.posed, *in.tables.support, kept.geom2);
   if (terrain) {
     added.on_terrain = &near;
+    pair.n_W = near.n_W;
     pair.hope = pair.RootIfPlane(near.n_W, pair.needed);
     pair.needed = 0.0;  // how deep the geom is in a solid inside the field is not known
     return;
   }
   pair.geom[0].Fill(in.posed, *in.tables.support, kept.geom1);
+  pair.n_W = pair.plane ? Vector3d(pair.geom[0].R.col(2)) : near.n_W;
   pair.hope = pair.plane ? pair.RootForPlane(in.budget) : pair.RootFor(near.n_W, 0.0);
 }
 
@@ -248,19 +252,43 @@ double LowerBound::Sigma(const LowerBoundInput& in) {
   return sigma_;
 }
 
+// Marks the overlaps that share movers with one of them, and with each other, as this group.
+void LowerBound::Group(int first, int group) {
+  group_[first] = group;
+  pending_.assign(1, first);
+  while (!pending_.empty()) {
+    const Overlap& overlap = overlaps_[pending_.back()];
+    pending_.pop_back();
+    for (const int k : order_) {
+      if (group_[k] >= 0 || !Share(In(overlap.movers()), In(overlaps_[k].movers()))) continue;
+      group_[k] = group;
+      pending_.push_back(k);
+    }
+  }
+}
+
+// Groups of overlaps that have no mover in common add up.
 double LowerBound::Tighten(double known_sigma, int nodes, const BudgetMeter* budget) {
   OrderFalling(
       static_cast<int>(overlaps_.size()), [this](int k) { return overlaps_[k].problem.hope; },
       order_);
-  tree_.Begin(chains_.movers(), std::sqrt(mass_ * known_sigma));
-  for (const int k : order_) {
-    const Overlap& overlap = overlaps_[k];
-    if ((overlap.on_terrain && !overlap.has_solid) || tree_.rows().num_pairs() == kMostTogether)
-      continue;
-    tree_.rows().AddPair(overlap.problem, In(overlap.movers1), In(overlap.movers2));
+  group_.assign(overlaps_.size(), -1);
+  const double known = std::sqrt(mass_ * known_sigma);
+  double S = 0.0;
+  for (const int first : order_) {
+    if (group_[first] >= 0) continue;
+    Group(first, first);
+    tree_.Begin(chains_.movers(), known);
+    for (const int k : order_) {
+      const Overlap& overlap = overlaps_[k];
+      if (group_[k] != first || tree_.rows().num_pairs() == kMostTogether) continue;
+      if (overlap.on_terrain && !overlap.has_solid) continue;
+      tree_.rows().AddPair(overlap.problem, In(overlap.movers1), In(overlap.movers2));
+    }
+    const double root = tree_.Search(nodes, budget);
+    S += root * root;
   }
-  const double root = tree_.Search(nodes, budget);
-  return std::max(sigma_, root * root / mass_);
+  return std::max(sigma_, std::min(known_sigma, S / mass_));
 }
 
 }  // namespace mjcf_pdg

@@ -62,6 +62,7 @@ class LowerBound {
   void ClaimOverlaps(const LowerBoundInput& in);
   void ClaimLimits(const LowerBoundInput& in);
   double SumOfDisjoint();
+  void Group(int first, int group);
 
   std::span<const int> In(Range range) const {
     return std::span(concerned_).subspan(range.begin, range.end - range.begin);
@@ -77,6 +78,7 @@ class LowerBound {
   std::vector<int> concerned_;      // movers, range after range
   std::vector<int> path1_, path2_;  // of the bodies of one pair
   std::vector<int> order_, used_;
+  std::vector<int> group_, pending_;  // per overlap: the first of its group; scratch of Group
   std::vector<InscribedSolid> inscribed_;
   std::vector<DirectionCell> heap_;
 };

@@ -31,6 +31,7 @@ struct PairProblem {
   double required = 0.0;  // δ [m]
   double needed = 0.0;    // δ - d [m]
   bool plane = false;     // geom 1 is a plane that does not move relative to geom 2's base
+  Vector3d n_W = Vector3d::UnitZ();  // of the overlap, from geom 1 to geom 2; a plane's normal
   // √S along one direction, from the farthest points: SearchDirections looks for no more than this,
   // though other points may prove a little more.
   double hope = 0.0;

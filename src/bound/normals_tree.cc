@@ -27,6 +27,9 @@ constexpr int kTimesDeeper = 2;       // such rows are looked for so often
 constexpr double kLeastShare = 0.02;  // of a mover in the profile [its length]
 constexpr double kNoGain = 0.01;      // nodes are branched where that promises more [their root]
 
+// Directions in which pairs are looked at that are not in a node.
+constexpr int kMiddles = 1 + kFirstCells;
+
 }  // namespace
 
 void NormalsTree::Begin(std::span<const Mover> movers, double known) {
@@ -67,7 +70,7 @@ void NormalsTree::AddFirstCaps(int pair) {
   const PairProblem& problem = rows_.problem(pair);
   ease_[pair] = problem.MostEase();
   if (problem.plane) {
-    AddCap(pair, {}, problem.geom[0].R.col(2), 0.0);
+    AddCap(pair, {}, problem.n_W, 0.0);
     return;
   }
   for (const FirstCell& first : FirstCells()) AddCap(pair, first.cell, first.n, first.radius);
@@ -215,27 +218,25 @@ bool NormalsTree::AddDeepest(const Node& node) {
   return added;
 }
 
-void NormalsTree::AddMiddles(int pair) {
-  const PairProblem& problem = rows_.problem(pair);
-  const auto add = [&](const Vector3d& n) {
+// The row of the farthest points along one of kMiddles directions: the overlap's normal comes
+// first.
+const PartingRow& NormalsTree::Middle(int pair, int direction) {
+  int& row = middles_[pair * kMiddles + direction];
+  if (row < 0) {
+    const PairProblem& problem = rows_.problem(pair);
+    const Vector3d& n = direction == 0 ? problem.n_W : FirstCells()[direction - 1].n;
     const auto [a, b] = problem.FarthestAlong(n, n, n);
-    rows_.AddMiddle(pair, n, a, b);
-  };
-  middles_[pair][0] = rows_.num_rows();
-  if (problem.plane) {
-    add(problem.geom[0].R.col(2));
-  } else {
-    for (const FirstCell& first : FirstCells()) add(first.n);
+    row = rows_.AddMiddle(pair, n, a, b);
   }
-  middles_[pair][1] = rows_.num_rows();
+  return rows_.row(row);
 }
 
 // How far a pair is from being parted by x, in all directions [√S]; exact if more than `enough`.
 double NormalsTree::Overlapping(int pair, double enough) {
-  if (middles_[pair][1] < 0) AddMiddles(pair);
+  const int directions = rows_.problem(pair).plane ? 1 : kMiddles;
   double least = kInfinity;
-  for (int k = middles_[pair][0]; k < middles_[pair][1] && least > enough; ++k) {
-    const PartingRow& row = rows_.row(k);
+  for (int k = 0; k < directions && least > enough; ++k) {
+    const PartingRow& row = Middle(pair, k);
     if (!(row.gg > 0.0)) continue;
     least = std::min(least, (row.t_middle - rows_.Dot(pair, row, x_)) / std::sqrt(row.gg));
   }
@@ -306,7 +307,7 @@ bool NormalsTree::Branch(const Node& node) {
 void NormalsTree::Reserve(int nodes) {
   constexpr int kRoom = 100;
   nodes = std::min(nodes, kRoom);
-  rows_.Reserve(nodes * (2 + kTimesDeeper * kMostPairs), kFirstCells * rows_.num_pairs());
+  rows_.Reserve(nodes * (2 + kTimesDeeper * kMostPairs), kMiddles * rows_.num_pairs());
   caps_.reserve(kFirstCells * rows_.num_pairs() + 4 * nodes);
   heap_.reserve(kFirstCells * nodes);
   terms_.reserve(kMostPairs * kMostRows);
@@ -316,7 +317,7 @@ double NormalsTree::Search(int nodes, const BudgetMeter* budget) {
   Reserve(nodes);
   ease_.resize(rows_.num_pairs());
   first_caps_.assign(rows_.num_pairs(), -1);
-  middles_.assign(rows_.num_pairs(), {0, -1});
+  middles_.assign(kMiddles * rows_.num_pairs(), -1);
   Push(Node());
   for (; nodes > 0 && !heap_.empty(); --nodes) {
     if (BoundIsLate(budget)) break;

@@ -84,7 +84,7 @@ class NormalsTree {
   void Shape(double guess);
   double Prove(const Node& node, int rounds);
 
-  void AddMiddles(int pair);
+  const PartingRow& Middle(int pair, int direction);
   double Overlapping(int pair, double enough);
   Gain ByCutting(const Node& node) const;
   Gain ByAdding(const Node& node);
@@ -93,9 +93,9 @@ class NormalsTree {
   PartingRows rows_;
   double known_ = 0.0;  // √S
   std::vector<Cap> caps_;
-  std::vector<PairProblem::Ease> ease_;      // per pair
-  std::vector<int> first_caps_;              // per pair; -1: not made yet
-  std::vector<std::array<int, 2>> middles_;  // per pair: the rows of Overlapping, begin and end
+  std::vector<PairProblem::Ease> ease_;  // per pair
+  std::vector<int> first_caps_;          // per pair; -1: not made yet
+  std::vector<int> middles_;             // per pair and direction: a row, -1: not made yet
   std::vector<Node> heap_;
   std::vector<Term> terms_;
   Eigen::VectorXd x_, farthest_;  // Σ λ_k g_k; where (3) is largest

@@ -28,9 +28,9 @@ struct EffortPlan {
   int bound_cells =
       100;  // cells of the sphere of directions for the lower bound; 0: moment arms only
   // Nodes of the tree of normals (bound/normals_tree.h), where the bound is asked for. On 120
-  // problems √(bound/σ) is 0.59 in the median without, 0.70, 0.72 and 0.73 with 60, 80 and 100, of
-  // 3 to 4 µs each.
-  int bound_nodes = 80;
+  // problems √(bound/σ) is 0.59 in the median without, 0.70, 0.71 and 0.73 with 50, 60 and 80, of
+  // 3 to 5 µs each.
+  int bound_nodes = 60;
   // Where no more degrees of freedom than this move, so many boxes of joint space are looked at
   // (bound/joint_boxes.h). On 666 random problems of one to three all of one are closed by 1,650,
   // half of them by 33, which is what starts take that prove nothing; all of two by 27,000, and 98

@@ -93,6 +93,7 @@ class Parting {
     pair.required = scale * rng.Uniform(-0.02, 0.05);
     pair.needed = pair.required - gap.distance;
     pair.plane = type1 == mjGEOM_PLANE;
+    pair.n_W = pair.plane ? Vector3d(pair.geom[0].R.col(2)) : n_W;
   }
   Parting(const Parting&) = delete;
 
