@@ -48,9 +48,6 @@
 namespace mjcf_pdg {
 namespace {
 
-// So many pairs are parted together at most: those that promise most alone.
-constexpr int kMostTogether = 16;
-
 // The least S of a joint's term with which it is inside its limits.
 double LimitS(const JointEntry& joint, const NormTerm& term, const VectorXd& q_in) {
   if (!joint.limited) return 0.0;
@@ -281,7 +278,7 @@ double LowerBound::Tighten(double known_sigma, int nodes, const BudgetMeter* bud
     tree_.Begin(chains_.movers(), known);
     for (const int k : order_) {
       const Overlap& overlap = overlaps_[k];
-      if (group_[k] != first || tree_.rows().num_pairs() == kMostTogether) continue;
+      if (group_[k] != first || tree_.rows().num_pairs() == NormalsTree::kMostTogether) continue;
       if (overlap.on_terrain && !overlap.has_solid) continue;
       tree_.rows().AddPair(overlap.problem, In(overlap.movers1), In(overlap.movers2));
     }

@@ -34,11 +34,14 @@ constexpr int kMiddles = 1 + kFirstCells;
 
 void NormalsTree::Begin(std::span<const Mover> movers, double known) {
   known_ = known;
-  rows_.Begin(movers, known);
+  rows_.Begin(movers, known, kMostTogether);
   constexpr int kMostDims = 6;  // of a mover
   for (Eigen::VectorXd* x : {&x_, &farthest_}) {
     GrowTo(kMostDims * static_cast<Eigen::Index>(movers.size()), *x);
   }
+  ease_.reserve(kMostTogether);
+  first_caps_.reserve(kMostTogether);
+  middles_.reserve(kMostTogether * kMiddles);
   profile_.reserve(movers.size());
   bends_.reserve(movers.size());
   caps_.clear();

@@ -5,7 +5,7 @@
 
 namespace mjcf_pdg {
 
-void PartingRows::Begin(std::span<const Mover> movers, double length) {
+void PartingRows::Begin(std::span<const Mover> movers, double length, int pairs) {
   all_ = movers;
   length_ = length;
   pairs_.clear();
@@ -19,6 +19,11 @@ void PartingRows::Begin(std::span<const Mover> movers, double length) {
   values_.clear();
   bends_.clear();
   crosses_.clear();
+  constexpr int kMostDims = 6;  // of a mover
+  pairs_.reserve(pairs);
+  movers_.reserve(pairs * movers.size());
+  columns_.reserve(kMostDims * pairs * movers.size());
+  shares_.reserve(movers.size());
   used_.reserve(movers.size());
   coordinates_.reserve(movers.size());
 }

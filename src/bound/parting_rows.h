@@ -30,8 +30,8 @@ struct PartingRow {
 class PartingRows {
  public:
   // Begins anew with these movers, which must stay. Only motions with |x| <= `length` are of
-  // interest.
-  void Begin(std::span<const Mover> movers, double length);
+  // interest. Makes room for so many pairs.
+  void Begin(std::span<const Mover> movers, double length, int pairs);
   // Adds a pair, which must stay, and whose movers are own1 (of geom 1) and own2. Returns its
   // number.
   int AddPair(const PairProblem& pair, std::span<const int> own1, std::span<const int> own2);

@@ -20,7 +20,7 @@ struct Posed {
   Posed(const std::vector<Moves>& kinds, Random& rng)
       : parting(mjGEOM_BOX, mjGEOM_BOX, kinds, false, rng.Uniform(-2.0, 2.0), rng),
         length(parting.scale * std::pow(10.0, rng.Uniform(-2.0, 0.3))) {
-    rows.Begin(parting.pool, length);
+    rows.Begin(parting.pool, length, 1);
     std::vector<int> movers(parting.pool.size());
     std::iota(movers.begin(), movers.end(), 0);
     const std::span<const int> all(movers);
