@@ -14,6 +14,7 @@ namespace mjcf_pdg {
 // A mover's coordinates in x, which are whitened: their squares add up to the mover's term of S.
 // First come its slides (0, 1 or 3), then its turns (0, 1 or 3).
 struct Coordinates {
+  static constexpr int kMost = 6;
   int at = 0, slides = 0, turns = 0;
 
   int size() const { return slides + turns; }

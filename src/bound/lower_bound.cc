@@ -48,6 +48,10 @@
 namespace mjcf_pdg {
 namespace {
 
+// Pairs between which more joints lie are parted alone: cross terms (parting_rows.h) grow as their
+// square.
+constexpr std::size_t kMostMovers = 24;
+
 // The least S of a joint's term with which it is inside its limits.
 double LimitS(const JointEntry& joint, const NormTerm& term, const VectorXd& q_in) {
   if (!joint.limited) return 0.0;
@@ -280,6 +284,7 @@ double LowerBound::Tighten(double known_sigma, int nodes, const BudgetMeter* bud
       const Overlap& overlap = overlaps_[k];
       if (group_[k] != first || tree_.rows().num_pairs() == NormalsTree::kMostTogether) continue;
       if (overlap.on_terrain && !overlap.has_solid) continue;
+      if (In(overlap.movers()).size() > kMostMovers) continue;
       tree_.rows().AddPair(overlap.problem, In(overlap.movers1), In(overlap.movers2));
     }
     const double root = tree_.Search(nodes, budget);

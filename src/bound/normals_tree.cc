@@ -35,9 +35,8 @@ constexpr int kMiddles = 1 + kFirstCells;
 void NormalsTree::Begin(std::span<const Mover> movers, double known) {
   known_ = known;
   rows_.Begin(movers, known, kMostTogether);
-  constexpr int kMostDims = 6;  // of a mover
   for (Eigen::VectorXd* x : {&x_, &farthest_}) {
-    GrowTo(kMostDims * static_cast<Eigen::Index>(movers.size()), *x);
+    GrowTo(Coordinates::kMost * static_cast<Eigen::Index>(movers.size()), *x);
   }
   ease_.reserve(kMostTogether);
   first_caps_.reserve(kMostTogether);

@@ -31,9 +31,10 @@ namespace mjcf_pdg {
 
 class NormalsTree {
  public:
+  static constexpr int kMostTogether = 16;
+
   // Begins anew, where motions with √S of `known` part all pairs. Pairs are added to rows() then,
   // at most kMostTogether, those that promise most alone.
-  static constexpr int kMostTogether = 16;
   void Begin(std::span<const Mover> movers, double known);
   PartingRows& rows() { return rows_; }
 

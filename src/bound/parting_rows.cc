@@ -19,10 +19,9 @@ void PartingRows::Begin(std::span<const Mover> movers, double length, int pairs)
   values_.clear();
   bends_.clear();
   crosses_.clear();
-  constexpr int kMostDims = 6;  // of a mover
   pairs_.reserve(pairs);
   movers_.reserve(pairs * movers.size());
-  columns_.reserve(kMostDims * pairs * movers.size());
+  columns_.reserve(Coordinates::kMost * pairs * movers.size());
   shares_.reserve(movers.size());
   used_.reserve(movers.size());
   coordinates_.reserve(movers.size());

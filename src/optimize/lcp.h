@@ -16,9 +16,8 @@
 //      ends in finitely many steps and copes with dependent rows.
 //   3. Where many bodies move, a row concerns two of them: the active-set method takes packed
 //      columns, and its factor has an envelope (free_factor.h).
-//   4. The active-set method can begin with the rows of an earlier solution. Rows that are
-//   satisfied
-//      are looked at again only when no other is violated.
+//   4. The active-set method can begin with the rows of an earlier solution. Satisfied rows are
+//      looked at again only when no other is violated.
 #ifndef MJCF_PDG_SRC_OPTIMIZE_LCP_H_
 #define MJCF_PDG_SRC_OPTIMIZE_LCP_H_
 

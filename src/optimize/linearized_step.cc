@@ -75,7 +75,7 @@ void LinearizedStep::Linearize(const VectorXd& q, const std::vector<NearPair>& n
                      [&](const NearPair* a, const NearPair* b) { return slack(a) < slack(b); });
     nearest_.resize(contacts_);
   }
-  forces_.Keep(rows_, lambda_);
+  if (packs_) forces_.Keep(rows_, lambda_);
   rows_.Clear(tables.n);
   for (const NearPair* pair : nearest_) AppendContactRows(*pair, options);
   contact_rows_ = rows_.m;
