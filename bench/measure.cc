@@ -141,6 +141,9 @@ void Tally::Add(const Series& series, const std::vector<double>& best) {
     }
     ratio.push_back(solve.verified ? solve.result.sigma / best[solve.problem]
                                    : std::numeric_limits<double>::infinity());
+    if (solve.verified) {
+      bound.push_back(std::sqrt(solve.result.sigma_lower_bound / best[solve.problem]));
+    }
     queries.push_back(solve.result.stats.collision_queries);
     evaluations.push_back(solve.seconds / u);
     iterations.push_back(solve.result.stats.iterations);

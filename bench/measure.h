@@ -28,8 +28,8 @@ double CpuSeconds();
 // next to an infinite value, and NaN if there are no values.
 double Quantile(std::vector<double> values, double p);
 
-// The time of one evaluation of a configuration: mj_kinematics, mj_comPos and mj_collision, median of
-// 21 [s].
+// The time of one evaluation of a configuration: mj_kinematics, mj_comPos and mj_collision, median
+// of 21 [s].
 double EvaluationSeconds(const Scene& scene, const std::vector<double>& q);
 
 // One solve of one problem.
@@ -71,6 +71,7 @@ void LowerBest(const Series& series, std::vector<double>& best);
 struct Tally {
   int n = 0, already_free = 0, ok = 0;  // solves; of free problems; verified
   std::vector<double> ratio;            // σ / best known σ; infinite for a failure
+  std::vector<double> bound;            // √(proven lower bound of σ / best known σ)
   std::vector<double> queries, evaluations, iterations, starts;
   std::map<std::string, int> winners;  // verified solves by the start that won
 

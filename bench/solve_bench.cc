@@ -51,22 +51,22 @@ Series MeasureEffort(const Scene& scene, const ProblemSet& set, const std::strin
 }
 
 void PrintHeader() {
-  std::printf("%-36s %-8s %4s %5s %6s %7s %7s %8s %7s %7s %7s %7s %6s %5s %6s  %s\n", "set",
-              "effort", "n", "free%", "ok%", "ratio", "p95", "max", "queries", "p99", "evals",
-              "p99", "iter", "start", "u [us]", "winning starts");
+  std::printf("%-36s %-8s %4s %5s %6s %7s %7s %8s %5s %7s %7s %7s %7s %6s %5s %6s  %s\n", "set",
+              "effort", "n", "free%", "ok%", "ratio", "p95", "max", "bound", "queries", "p99",
+              "evals", "p99", "iter", "start", "u [us]", "winning starts");
 }
 
 void PrintRow(const ProblemSet& set, const Series& series, const std::vector<double>& best) {
   Tally t;
   t.Add(series, best);
   std::printf(
-      "%-36s %-8s %4d %5.1f %6.1f %7.4f %7.4f %8.3f %7.0f %7.0f %7.1f %7.0f %6.0f %5.0f "
+      "%-36s %-8s %4d %5.1f %6.1f %7.4f %7.4f %8.3f %5.2f %7.0f %7.0f %7.1f %7.0f %6.0f %5.0f "
       "%6.1f ",
       set.name.c_str(), series.label.c_str(), t.n, 100.0 * t.already_free / t.n, 100.0 * t.ok / t.n,
       Quantile(t.ratio, 0.5), Quantile(t.ratio, 0.95), Quantile(t.ratio, 1.0),
-      Quantile(t.queries, 0.5), Quantile(t.queries, 0.99), Quantile(t.evaluations, 0.5),
-      Quantile(t.evaluations, 0.99), Quantile(t.iterations, 0.5), Quantile(t.starts, 0.5),
-      1e6 * series.EvaluationSeconds());
+      Quantile(t.bound, 0.5), Quantile(t.queries, 0.5), Quantile(t.queries, 0.99),
+      Quantile(t.evaluations, 0.5), Quantile(t.evaluations, 0.99), Quantile(t.iterations, 0.5),
+      Quantile(t.starts, 0.5), 1e6 * series.EvaluationSeconds());
   for (const auto& [name, count] : t.winners) std::printf(" %s %d", name.c_str(), count);
   std::printf("\n");
   std::fflush(stdout);
