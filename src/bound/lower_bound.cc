@@ -269,7 +269,7 @@ void LowerBound::Group(int first, int group) {
 }
 
 // Groups of overlaps that have no mover in common add up.
-double LowerBound::Tighten(double known_sigma, int nodes, const BudgetMeter* budget) {
+double LowerBound::Tighten(double known_sigma, int nodes_per_pair, const BudgetMeter* budget) {
   OrderFalling(
       static_cast<int>(overlaps_.size()), [this](int k) { return overlaps_[k].problem.hope; },
       order_);
@@ -287,7 +287,7 @@ double LowerBound::Tighten(double known_sigma, int nodes, const BudgetMeter* bud
       if (In(overlap.movers()).size() > kMostMovers) continue;
       tree_.rows().AddPair(overlap.problem, In(overlap.movers1), In(overlap.movers2));
     }
-    const double root = tree_.Search(nodes, budget);
+    const double root = tree_.Search(nodes_per_pair * tree_.rows().num_pairs(), budget);
     S += root * root;
   }
   return std::max(sigma_, std::min(known_sigma, S / mass_));

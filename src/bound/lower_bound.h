@@ -26,9 +26,9 @@ class LowerBound {
   double Sigma(const LowerBoundInput& input);
 
   // After Sigma, of the same problem: a bound that is no lower, and may be much higher, where free
-  // configurations are known and the nearest of them has `known_sigma` [m²]. `nodes`: effort
-  // (normals_tree.h).
-  double Tighten(double known_sigma, int nodes, const BudgetMeter* budget);
+  // configurations are known and the nearest of them has `known_sigma` [m²]. `nodes_per_pair`:
+  // effort (normals_tree.h).
+  double Tighten(double known_sigma, int nodes_per_pair, const BudgetMeter* budget);
 
   // The same for the workspace's problem; its finder is posed at q_in. `cells`: as max_cells.
   double Sigma(const Workspace& work, const std::vector<NearPair>& overlaps, int cells) {

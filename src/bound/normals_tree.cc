@@ -304,19 +304,18 @@ bool NormalsTree::Branch(const Node& node) {
   return true;
 }
 
-// Room for searches of default effort, which are to take nothing from the heap once warm: a node
+// Room for any search of default effort, which is to take nothing from the heap once warm: a node
 // has one cap that others do not, which gets its first rows and those that are deeper.
-void NormalsTree::Reserve(int nodes) {
-  constexpr int kRoom = 100;
-  nodes = std::min(nodes, kRoom);
-  rows_.Reserve(nodes * (2 + kTimesDeeper * kMostPairs), kMiddles * rows_.num_pairs());
-  caps_.reserve(kFirstCells * rows_.num_pairs() + 4 * nodes);
-  heap_.reserve(kFirstCells * nodes);
+void NormalsTree::Reserve() {
+  constexpr int kNodes = 10 * kMostTogether;
+  rows_.Reserve(kNodes * (2 + kTimesDeeper * kMostPairs), kMiddles * kMostTogether);
+  caps_.reserve(kFirstCells * kMostTogether + 4 * kNodes);
+  heap_.reserve(kFirstCells * kNodes);
   terms_.reserve(kMostPairs * kMostRows);
 }
 
 double NormalsTree::Search(int nodes, const BudgetMeter* budget) {
-  Reserve(nodes);
+  Reserve();
   ease_.resize(rows_.num_pairs());
   first_caps_.assign(rows_.num_pairs(), -1);
   middles_.assign(kMiddles * rows_.num_pairs(), -1);

@@ -73,7 +73,7 @@ class NormalsTree {
     int of = -1;
   };
 
-  void Reserve(int nodes);
+  void Reserve();
   void AddFirstCaps(int pair);
   void AddCap(int pair, const DirectionCell& cell, const Vector3d& n, double eps);
   void AddFirstRows(Cap& cap);

@@ -27,10 +27,11 @@ struct EffortPlan {
   bool polishes_meshes = true;
   int bound_cells =
       100;  // cells of the sphere of directions for the lower bound; 0: moment arms only
-  // Nodes of the tree of normals (bound/normals_tree.h), where the bound is asked for. On 120
-  // problems √(bound/σ) is 0.59 in the median without, 0.70, 0.71 and 0.73 with 50, 60 and 80, of
-  // 3 to 5 µs each.
-  int bound_nodes = 60;
+  // Nodes of the tree of normals (bound/normals_tree.h) for each pair that is parted, where the
+  // bound is asked for. On 120 problems √(bound/σ) is 0.59 in the median without, 0.72, 0.74 and
+  // 0.75 with 10, 15 and 20, of 3 to 5 µs each. 60 whatever the pairs gave 0.71, and took longer
+  // than the search where two boxes overlap.
+  int bound_nodes = 10;
   // Where no more degrees of freedom than this move, so many boxes of joint space are looked at
   // (bound/joint_boxes.h). On 666 random problems of one to three all of one are closed by 1,650,
   // half of them by 33, which is what starts take that prove nothing; all of two by 27,000, and 98
@@ -62,7 +63,7 @@ inline EffortPlan PlanFor(Effort effort) {
               .blind = 80,
               .follows = false,
               .bound_cells = 2000,
-              .bound_nodes = 3000,
+              .bound_nodes = 400,
               .box_dofs = 3,
               .boxes = 200'000};
   }

@@ -39,9 +39,9 @@ Outcome& Stages::Search(const std::vector<NearPair>& overlaps, int distances, co
 
 // For the report alone, after the search: it takes longer than a search gains by it.
 void Stages::Tighten(double sigma) {
-  const int nodes = PlanFor(work.problem().options.effort).bound_nodes;
-  if (nodes == 0 || sigma <= tuning::stopping::kSameAnswer * sigma_lower_bound_) return;
-  sigma_lower_bound_ = std::max(sigma_lower_bound_, bound.Tighten(sigma, nodes, &work.budget));
+  const int per_pair = PlanFor(work.problem().options.effort).bound_nodes;
+  if (per_pair == 0 || sigma <= tuning::stopping::kSameAnswer * sigma_lower_bound_) return;
+  sigma_lower_bound_ = std::max(sigma_lower_bound_, bound.Tighten(sigma, per_pair, &work.budget));
 }
 
 }  // namespace mjcf_pdg
