@@ -35,13 +35,13 @@ constexpr int kMiddles = 1 + kFirstCells;
 void NormalsTree::Begin(std::span<const Mover> movers, double known) {
   known_ = known;
   rows_.Begin(movers, known, kMostTogether);
-  for (Eigen::VectorXd* x : {&x_, &farthest_}) {
-    GrowTo(Coordinates::kMost * static_cast<Eigen::Index>(movers.size()), *x);
-  }
+  const auto most = static_cast<Eigen::Index>(movers.size());
+  for (Eigen::VectorXd* x : {&x_, &farthest_}) GrowTo(Coordinates::kMost * most, *x);
+  for (Eigen::VectorXd* y : {&lengths_, &profile_, &shared_}) GrowTo(most, *y);
+  GrowTo(most * most, crosses_);
   ease_.reserve(kMostTogether);
   first_caps_.reserve(kMostTogether);
   middles_.reserve(kMostTogether * kMiddles);
-  profile_.reserve(movers.size());
   bends_.reserve(movers.size());
   caps_.clear();
   heap_.clear();
@@ -129,40 +129,44 @@ void NormalsTree::Weigh(double length) {
   }
 }
 
-// Each mover's share of where x is farthest.
-void NormalsTree::SetProfile() {
-  const double length = farthest_.norm();
-  profile_.resize(rows_.coordinates().size());
-  for (std::size_t k = 0; k < profile_.size(); ++k) {
-    const double share = std::sqrt(rows_.coordinates()[k].SquaredNorm(farthest_)) / length;
-    profile_[k] = std::max(kLeastShare, share);
+void NormalsTree::SetLengths() {
+  for (std::size_t k = 0; k < rows_.coordinates().size(); ++k) {
+    lengths_[k] = std::sqrt(rows_.coordinates()[k].SquaredNorm(farthest_));
   }
 }
 
-// Sets Q. The profile with which its cross terms are least is that of the farthest x, which follows
-// from Q: steps of the power method for (μ - Q) y = |g|.
+// Sets Q. A cross term k |x_i| |x_j| is at most ½ k (|x_i|² y_j / y_i + |x_j|² y_i / y_j) for any
+// profile y > 0. Least is what that of the farthest x gives, which follows from Q: steps of the
+// power method for (μ - Q) y = |g|.
 void NormalsTree::Shape(double guess) {
   const std::vector<Coordinates>& coordinates = rows_.coordinates();
-  for (int time = 1;; ++time) {
-    SetProfile();
-    bends_.assign(profile_.size(), BendBlock());
-    for (const Term& term : terms_) {
-      if (term.lambda > 0.0) {
-        rows_.AddBends(term.pair, rows_.row(term.row), term.lambda, profile_, bends_);
-      }
+  const auto movers = static_cast<Eigen::Index>(coordinates.size());
+  bends_.assign(coordinates.size(), BendBlock());
+  Eigen::Map<Eigen::MatrixXd> crosses(crosses_.data(), movers, movers);
+  crosses.setZero();
+  const auto lengths = lengths_.head(movers);
+  auto profile = profile_.head(movers), shared = shared_.head(movers);
+  for (const Term& term : terms_) {
+    if (term.lambda > 0.0) {
+      rows_.AddBends(term.pair, rows_.row(term.row), term.lambda, bends_, crosses);
     }
+  }
+  for (int time = 1;; ++time) {
+    SetLengths();
+    profile = lengths.cwiseMax(kLeastShare * lengths.norm());
+    shared.noalias() = crosses * profile;
+    for (Eigen::Index k = 0; k < movers; ++k) bends_[k].d = shared[k] / profile[k];
     if (time == kProfiles) break;
-    double mu = x_.norm() / guess;
-    for (std::size_t k = 0; k < profile_.size(); ++k) mu += bends_[k].d * profile_[k] * profile_[k];
+    const double length = profile.norm();
+    const double mu = x_.norm() / guess + shared.dot(profile) / (length * length);
     constexpr double kStiff = 0.3;  // of μ: where a mover bends almost as much
-    const double length = farthest_.norm();
-    for (std::size_t k = 0; k < profile_.size(); ++k) {
+    for (std::size_t k = 0; k < coordinates.size(); ++k) {
       for (int c = 0; c < coordinates[k].size(); ++c) {
         const int turn = c - coordinates[k].slides;
         const double bend = turn < 0 ? 0.0 : bends_[k].B(turn, turn);
         double& y = farthest_[coordinates[k].at + c];
         y = (std::abs(x_[coordinates[k].at + c]) +
-             bends_[k].d * std::max(kLeastShare, std::abs(y) / length)) /
+             bends_[k].d * std::max(kLeastShare * length, std::abs(y))) /
             std::max(mu - bend, kStiff * mu);
       }
     }
@@ -187,9 +191,9 @@ double NormalsTree::Prove(const Node& node, int rounds) {
     root = std::max(root, undoing.LeastLength(T, guess, kLooks, farthest_));
     const double squared = farthest_.squaredNorm();
     if (round == rounds || !(squared > 0.0)) break;
-    SetProfile();
+    SetLengths();
     for (Term& term : terms_) {
-      term.bend = rows_.BendAlong(term.pair, rows_.row(term.row), profile_, farthest_) / squared;
+      term.bend = rows_.BendAlong(term.pair, rows_.row(term.row), lengths_, farthest_) / squared;
     }
   }
   return root;

@@ -83,7 +83,7 @@ class NormalsTree {
 
   void Collect(const Node& node);
   void Weigh(double length);
-  void SetProfile();
+  void SetLengths();
   void Shape(double guess);
   double Prove(const Node& node, int rounds);
 
@@ -101,9 +101,10 @@ class NormalsTree {
   std::vector<int> middles_;             // per pair and direction: a row, -1: not made yet
   std::vector<Node> heap_;
   std::vector<Term> terms_;
-  Eigen::VectorXd x_, farthest_;  // Σ λ_k g_k; where (3) is largest
-  std::vector<double> profile_;   // y, of all movers
-  std::vector<BendBlock> bends_;  // Q
+  Eigen::VectorXd x_, farthest_;                // Σ λ_k g_k; where (3) is largest
+  Eigen::VectorXd lengths_, profile_, shared_;  // of farthest_, by mover; y; Q y
+  std::vector<BendBlock> bends_;                // Q
+  Eigen::VectorXd crosses_;                     // the sizes of its cross terms, movers × movers
 };
 
 }  // namespace mjcf_pdg

@@ -22,7 +22,6 @@ void PartingRows::Begin(std::span<const Mover> movers, double length, int pairs)
   pairs_.reserve(pairs);
   movers_.reserve(pairs * movers.size());
   columns_.reserve(Coordinates::kMost * pairs * movers.size());
-  shares_.reserve(movers.size());
   used_.reserve(movers.size());
   coordinates_.reserve(movers.size());
 }
@@ -77,7 +76,6 @@ int PartingRows::AddPair(const PairProblem& problem, std::span<const int> own1,
   }
   pair.end = static_cast<int>(movers_.size());
   pair.size = static_cast<int>(columns_.size()) - pair.columns;
-  shares_.resize(std::max<std::size_t>(shares_.size(), pair.end - pair.movers));
   return num_pairs() - 1;
 }
 
@@ -232,48 +230,42 @@ std::pair<Vector3d, Vector3d> PartingRows::Deepest(int number, const Vector3d& n
   return pair.problem->FarthestAlong(n, n1.normalized(), n2.normalized());
 }
 
-// A cross term k |x_i| |x_j| is at most ½ k (|x_i|² y_j / y_i + |x_j|² y_i / y_j) for any profile
-// y.
 template <typename Visit>
-void PartingRows::ForEachBend(const Pair& pair, const PartingRow& row,
-                              std::span<const double> profile, const Visit& visit) const {
+void PartingRows::ForEachCross(const Pair& pair, const PartingRow& row, const Visit& visit) const {
   const double* cross = crosses_.data() + row.crosses;
-  const Bend* bend = bends_.data() + row.bends;
   for (const auto& [begin, end] :
        {std::pair(pair.movers, pair.split), std::pair(pair.split, pair.end)}) {
-    for (int j = begin; j < end; ++j) shares_[j - begin] = 0.0;
     for (int j = begin + 1; j < end; ++j) {
-      for (int i = begin; i < j; ++i, ++cross) {
-        shares_[i - begin] += *cross * profile[movers_[j]];
-        shares_[j - begin] += *cross * profile[movers_[i]];
-      }
-    }
-    for (int j = begin; j < end; ++j) {
-      visit(movers_[j], shares_[j - begin] / profile[movers_[j]], *bend++);
+      for (int i = begin; i < j; ++i) visit(movers_[i], movers_[j], *cross++);
     }
   }
 }
 
 void PartingRows::AddBends(int number, const PartingRow& row, double factor,
-                           std::span<const double> profile, std::span<BendBlock> bends) const {
+                           std::span<BendBlock> bends, Eigen::Map<Eigen::MatrixXd>& crosses) const {
   const Pair& pair = pairs_[number];
-  ForEachBend(pair, row, profile, [&](int mover, double d, const Bend& bend) {
-    bends[mover].d += factor * d;
-    bends[mover].B += factor * bend;
+  ForEachCross(pair, row, [&](int i, int j, double size) {
+    crosses(i, j) += factor * size;
+    crosses(j, i) += factor * size;
   });
+  const Bend* bend = bends_.data() + row.bends;
+  for (int k = pair.movers; k < pair.end; ++k) bends[movers_[k]].B += factor * *bend++;
 }
 
-double PartingRows::BendAlong(int number, const PartingRow& row, std::span<const double> profile,
+double PartingRows::BendAlong(int number, const PartingRow& row, const Eigen::VectorXd& lengths,
                               const Eigen::VectorXd& x) const {
+  const Pair& pair = pairs_[number];
   double sum = 0.0;
-  ForEachBend(pairs_[number], row, profile, [&](int mover, double d, const Bend& bend) {
-    const Coordinates& at = coordinates_[mover];
-    sum += d * at.SquaredNorm(x);
+  ForEachCross(pair, row,
+               [&](int i, int j, double size) { sum += size * lengths[i] * lengths[j]; });
+  const Bend* bend = bends_.data() + row.bends;
+  for (int k = pair.movers; k < pair.end; ++k, ++bend) {
+    const Coordinates& at = coordinates_[movers_[k]];
     const int turn = at.at + at.slides;
-    if (at.turns == 1) sum += bend(0, 0) * x[turn] * x[turn];
-    if (at.turns == 3) sum += x.segment<3>(turn).dot(bend * x.segment<3>(turn));
-  });
-  return 0.5 * sum;
+    if (at.turns == 1) sum += 0.5 * (*bend)(0, 0) * x[turn] * x[turn];
+    if (at.turns == 3) sum += 0.5 * x.segment<3>(turn).dot(*bend * x.segment<3>(turn));
+  }
+  return sum;
 }
 
 }  // namespace mjcf_pdg

@@ -58,12 +58,12 @@ class PartingRows {
   std::pair<Vector3d, Vector3d> Deepest(int pair, const Vector3d& n,
                                         const Eigen::VectorXd& x) const;
 
-  // Adds `factor` times Q of a row, whose cross terms are shared out by `profile`: positive
-  // lengths, one per mover.
-  void AddBends(int pair, const PartingRow& row, double factor, std::span<const double> profile,
-                std::span<BendBlock> bends) const;
-  // ½ xᵀQx of a row, with the profile of x itself.
-  double BendAlong(int pair, const PartingRow& row, std::span<const double> profile,
+  // Adds `factor` times Q of a row: the turns' own terms to `bends`, one per mover, and the cross
+  // terms, by their size, to both halves of `crosses`, movers × movers.
+  void AddBends(int pair, const PartingRow& row, double factor, std::span<BendBlock> bends,
+                Eigen::Map<Eigen::MatrixXd>& crosses) const;
+  // ½ xᵀQx of a row at most, where `lengths` are those of x, one per mover.
+  double BendAlong(int pair, const PartingRow& row, const Eigen::VectorXd& lengths,
                    const Eigen::VectorXd& x) const;
 
  private:
@@ -85,10 +85,9 @@ class PartingRows {
   void AddBend(const Used& used, const Vector3d& n, double wide, const Vector3d& p);
   void AddCrosses(int begin, int end, const Vector3d& n, double wide, const Vector3d& p);
   Vector3d Turn(int begin, int end, const Eigen::VectorXd& x) const;
-  // Calls visit(mover, d, bend) for all movers of a row.
+  // Calls visit(i, j, size) for the cross terms of a row.
   template <typename Visit>
-  void ForEachBend(const Pair& pair, const PartingRow& row, std::span<const double> profile,
-                   const Visit& visit) const;
+  void ForEachCross(const Pair& pair, const PartingRow& row, const Visit& visit) const;
 
   std::span<const Mover> all_;
   double length_ = 0.0;
@@ -103,7 +102,6 @@ class PartingRows {
   std::vector<double> values_;
   std::vector<Bend> bends_;
   std::vector<double> crosses_;
-  mutable std::vector<double> shares_;  // scratch
 };
 
 }  // namespace mjcf_pdg

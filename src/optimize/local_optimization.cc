@@ -198,9 +198,15 @@ bool LocalOptimization::LeadsToKnown(Descent& d) {
 // known optimum, or (exact meshes) has found no lower σ for some steps.
 bool LocalOptimization::GivesUp(Descent& d) {
   const LocalOptions& options = d.options;
-  const bool all_seen = depths_ == Depths::kSearched;
-  const bool settling = Free(d.trial) || all_seen || d.result.iterations >= tune::kGiveUpFrom;
-  d.hopeless = settling && step_.uncut_sigma() > options.give_up_sigma ? d.hopeless + 1 : 0;
+  // A descent that is far from its optimum gets nearer by a like share with each step.
+  const double promised = step_.uncut_sigma();
+  double falls = 1.0;
+  if (options.looks_ahead) {
+    falls = d.promised > 0.0 ? std::min(1.0, promised / d.promised) : 0.0;
+  }
+  d.promised = promised;
+  const bool settling = Free(d.trial) || d.result.iterations >= tune::kGiveUpFrom;
+  d.hopeless = settling && falls * promised > options.give_up_sigma ? d.hopeless + 1 : 0;
   d.result.hopeless = d.hopeless >= tune::kHopeless;
   if (d.result.hopeless) return true;
   d.result.reached_known = NearKnown(d.trial.q, options);

@@ -39,7 +39,9 @@ struct LocalOptions {
   double convergence = tuning::descent::kConvergence;  // a smaller relative decrease of σ ends it
   Depths depths = Depths::kMeasured;  // how carefully depths of exact meshes are measured
   int last_chances = tuning::descent::kLastChances;  // exact meshes: steps without a lower σ end it
-  double give_up_sigma = kInfinity;  // steps that predict a larger σ end it as hopeless [m²]
+  double give_up_sigma = kInfinity;  // steps that promise no σ below end it as hopeless [m²]
+  // Whether they promise what the next one would lead to if it lowered σ by the same share, too.
+  bool looks_ahead = true;
   // An optimum that is known already: a descent ends when a step leads close to it; if it promises
   // no lower σ either, without a query for what is there, and the step does not count.
   const VectorXd* known = nullptr;
@@ -120,6 +122,7 @@ class LocalOptimization {
     // Steps in a row that: hardly changed σ; promised nothing better than what is known; found no
     // lower σ.
     int settled = 0, hopeless = 0, idle = 0;
+    double promised = 0.0;  // the σ that the last step predicted [m²]
   };
   // All that one Run knows.
   struct Descent : Progress {

@@ -8,12 +8,13 @@
 
 namespace mjcf_pdg {
 
-// The numbers of default and max were chosen on 7700 random problems of nine robots, by success
+// The numbers of default and max were chosen on random problems of nine robots, by success
 // first, then σ, then time (bench/README.md, Agreement).
 struct EffortPlan {
-  // The search ends when this many independent starts have ended at the best answer; the first
-  // number holds where that is near the lower bound of σ (search/stopping_rule.h).
-  int agree_near_proven = 3, agree = 6;
+  // The search ends when so many independent starts have ended at the best answer as this many
+  // times √(σ/bound), or when `agree` have (search/stopping_rule.h).
+  double agree_over_bound = 2.0;
+  int agree = 7;
   // Collision queries after which no further start is made, over the kinematic trees that move.
   int queries = 800;
   // Exact meshes: tests of bounding boxes per degree of freedom after which no further start is
@@ -44,8 +45,7 @@ inline EffortPlan PlanFor(Effort effort) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   switch (effort) {
     case Effort::kFast:
-      return {.agree_near_proven = 1,
-              .agree = 1,
+      return {.agree = 1,
               .queries = 0,
               .evaluations = kInfinity,
               .polishes_meshes = false,
@@ -55,7 +55,7 @@ inline EffortPlan PlanFor(Effort effort) {
     case Effort::kDefault:
       return {};
     case Effort::kMax:
-      return {.agree_near_proven = 8,
+      return {.agree_over_bound = 4.0,
               .agree = 12,
               .queries = 4000,
               .box_tests = kInfinity,

@@ -1,6 +1,7 @@
 #include "search/stopping_rule.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "base/tuning.h"
 
@@ -9,12 +10,6 @@ namespace mjcf_pdg {
 namespace tune = tuning::stopping;
 
 namespace {
-
-bool IsOnTerrain(const SceneTables& tables, const std::vector<NearPair>& overlaps) {
-  return std::any_of(overlaps.begin(), overlaps.end(), [&](const NearPair& near) {
-    return near.kind == PairKind::kTerrain && tables.pairs[near.pair].moves;
-  });
-}
 
 // How many kinematic trees may move, each for itself: equality constraints may join them.
 int CountTrees(const Workspace& work) {
@@ -36,10 +31,11 @@ void StoppingRule::Begin(const EffortPlan& plan, const StrategyInput& input, dou
   plan_ = plan;
   trees_ = CountTrees(work_);
   sigma_lower_bound_ = input.sigma_lower_bound;
+  tighten_ = input.tighten;
+  tightened_ = std::numeric_limits<double>::infinity();
   distances_at_input_ = input.distances_at_input;
   depth_ = depth;
   meshes_overlap_ = meshes_overlap;
-  on_terrain_ = IsOnTerrain(work_.problem().tables, input.overlaps);
   agreeing_ = given_up_ = 0;
   RenewQueries();
   first_box_test_ = work_.finder.box_tests();
@@ -69,14 +65,21 @@ void StoppingRule::Count(const LocalResult& result, Component start, double best
   }
 }
 
-bool StoppingRule::Done(double best_sigma, std::int64_t lcp_steps) const {
+bool StoppingRule::Agreed(double best_sigma) {
+  const int agreeing = agreeing_ + given_up_ / tune::kGivenUpPerAgreement;
+  if (agreeing >= plan_.agree) return true;
+  if (agreeing < plan_.agree_over_bound) return false;  // too few, were the bound σ itself
+  if (tighten_ && tightened_ > tune::kSameAnswer * best_sigma) {
+    tightened_ = best_sigma;
+    Prove(tighten_(best_sigma));
+  }
+  const double over_bound = agreeing / plan_.agree_over_bound;
+  return over_bound * over_bound * sigma_lower_bound_ >= best_sigma;
+}
+
+bool StoppingRule::Done(double best_sigma, std::int64_t lcp_steps) {
   if (best_sigma <= tune::kSameAnswer * sigma_lower_bound_) return true;  // the nearest: proven
-  const double near = on_terrain_ ? tune::kNearProvenOnTerrain : tune::kNearProven;
-  const bool near_proven = best_sigma <= near * sigma_lower_bound_;
-  const int per_agreement =
-      on_terrain_ ? tune::kGivenUpPerAgreementOnTerrain : tune::kGivenUpPerAgreement;
-  const int agreeing = agreeing_ + given_up_ / per_agreement;
-  if (agreeing >= (near_proven ? plan_.agree_near_proven : plan_.agree)) return true;
+  if (Agreed(best_sigma)) return true;
   const std::int64_t queries = work_.finder.queries() - first_query_;
   if (!meshes_overlap_)
     return Evaluations(lcp_steps) >= plan_.evaluations || queries >= plan_.queries / trees_;

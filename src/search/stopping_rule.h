@@ -2,22 +2,22 @@
 // up to EffortPlan::blind starts, or until the budget is spent.)
 //
 // A search ends when its best answer is proven to be the nearest (σ within 1 % of the lower bound),
-// or when enough independent starts have ended at that answer. Fewer need to agree where σ is close
-// to the lower bound: then contacts hardly interact, and there are few other optima. In a height
-// field the bound is lower, which counts as close there. Starts that were given up, since they
-// promised nothing nearer, count as well, but little; a little more in a height field. Without
-// agreement it ends when it has used its collision queries or its estimated time, both from
-// problem/effort.h.
+// or when enough independent starts have ended at that answer: the more, the farther √σ is above
+// its bound, for near the bound there is little room for another optimum. An answer on which so
+// many agree as could be enough gets a tighter bound of its own. Starts that were given up, since
+// they promised nothing nearer, count as well, but little. Without agreement it ends when it has
+// used its collision queries or its estimated time, both from problem/effort.h.
 // Trees that move share the queries: a start draws all of them anew, and is of use only if all of
 // them fare well together, which soon becomes unlikely. In heaps of 10 to 40 bodies all later
 // starts together lowered σ by less than 1 % in the median, for 3 to 11 times the queries.
 // Time is estimated from counts instead of read from a clock, so that answers repeat. The numbers
-// were chosen on 7700 random problems of nine robots (bench/README.md, Agreement).
+// were chosen on random problems of nine robots (bench/README.md, Agreement).
 #ifndef MJCF_PDG_SRC_SEARCH_STOPPING_RULE_H_
 #define MJCF_PDG_SRC_SEARCH_STOPPING_RULE_H_
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 
 #include "optimize/local_optimization.h"
 #include "problem/effort.h"
@@ -45,7 +45,7 @@ class StoppingRule {
   void Count(const LocalResult& result, Component start, double best_sigma);
 
   // Whether a search whose best answer has `best_sigma`, finite, may end [m²].
-  bool Done(double best_sigma, std::int64_t lcp_steps) const;
+  bool Done(double best_sigma, std::int64_t lcp_steps);
   // Whether √(best_sigma) is more than `depths` times the deepest overlap at q_in; true if there is
   // no answer.
   bool Exceeds(double depths, double best_sigma) const {
@@ -53,13 +53,16 @@ class StoppingRule {
   }
 
  private:
+  // Whether enough starts agree. May tighten the bound.
+  bool Agreed(double best_sigma);
   double Evaluations(std::int64_t lcp_steps) const;
 
   const Workspace& work_;
   EffortPlan plan_;
   double sigma_lower_bound_ = 0.0;  // [m²]
-  bool on_terrain_ = false;         // something that moves is in a height field at q_in
-  int trees_ = 1;                   // kinematic trees that may move
+  std::function<double(double)> tighten_;
+  double tightened_ = 0.0;  // the σ for which the bound was tightened last; infinite: none [m²]
+  int trees_ = 1;           // kinematic trees that may move
   int distances_at_input_ = 0;
   double depth_ = 0.0;  // [m]
   bool meshes_overlap_ = false;

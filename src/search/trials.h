@@ -40,7 +40,7 @@ class Trials {
   double BestSigma() const {
     return HasFree() ? outcome_.free.front().sigma : std::numeric_limits<double>::infinity();
   }
-  bool Done() const { return HasFree() && rule_.Done(BestSigma(), local_.lcp_steps()); }
+  bool Done() { return HasFree() && rule_.Done(BestSigma(), local_.lcp_steps()); }
   bool Exceeds(double depths) const { return rule_.Exceeds(depths, BestSigma()); }
   // Whether the budget of the whole solve is spent.
   bool Spent() const { return work_.Spent(); }

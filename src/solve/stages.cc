@@ -1,6 +1,7 @@
 #include "solve/stages.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "base/tuning.h"
 #include "paper/paper_method.h"
@@ -27,9 +28,11 @@ Outcome& Stages::Search(const std::vector<NearPair>& overlaps, int distances, co
   if (options.report_lower_bound || strategy->UsesLowerBound()) {
     sigma_lower_bound_ = bound.Sigma(work, overlaps, PlanFor(options.effort).bound_cells);
   }
+  tightened_ = std::numeric_limits<double>::infinity();
   Outcome& outcome = strategy->Run({.overlaps = overlaps,
                                     .distances_at_input = distances,
                                     .sigma_lower_bound = sigma_lower_bound_,
+                                    .tighten = [this](double sigma) { return Tighten(sigma); },
                                     .hint = hint,
                                     .of_fewer = of_fewer});
   sigma_lower_bound_ = std::max(sigma_lower_bound_, outcome.sigma_lower_bound);
@@ -37,11 +40,14 @@ Outcome& Stages::Search(const std::vector<NearPair>& overlaps, int distances, co
   return outcome;
 }
 
-// For the report alone, after the search: it takes longer than a search gains by it.
-void Stages::Tighten(double sigma) {
+double Stages::Tighten(double sigma) {
+  constexpr double kSame = tuning::stopping::kSameAnswer;
   const int per_pair = PlanFor(work.problem().options.effort).bound_nodes;
-  if (per_pair == 0 || sigma <= tuning::stopping::kSameAnswer * sigma_lower_bound_) return;
-  sigma_lower_bound_ = std::max(sigma_lower_bound_, bound.Tighten(sigma, per_pair, &work.budget));
+  if (per_pair > 0 && sigma > kSame * sigma_lower_bound_ && tightened_ > kSame * sigma) {
+    tightened_ = sigma;
+    sigma_lower_bound_ = std::max(sigma_lower_bound_, bound.Tighten(sigma, per_pair, &work.budget));
+  }
+  return sigma_lower_bound_;
 }
 
 }  // namespace mjcf_pdg

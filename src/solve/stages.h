@@ -35,9 +35,12 @@ struct Stages {
   Acceptance acceptance;
 
  private:
-  void Tighten(double sigma);
+  // A bound that may be tighter, where a free configuration with this σ is known [m²]. As it takes
+  // longer than some queries, the search asks for it when starts agree, and the report in the end.
+  double Tighten(double sigma);
 
   double sigma_lower_bound_ = 0.0;
+  double tightened_ = 0.0;  // the σ for which the bound was tightened last [m²]
 };
 
 }  // namespace mjcf_pdg

@@ -54,6 +54,7 @@ const LocalResult& Elsewhere::Step(const Wanted& wanted) {
   LocalOptions options;
   options.convergence = tuning::descent::kCoarseConvergence;
   options.give_up_sigma = wanted.sigma;
+  options.looks_ahead = false;  // few steps are left to keep promises
   if (start_ != Component::kMotionCoherence) options.known = &wanted.own;
   options.known_sigma = wanted.own_sigma;
   const bool same = obstacles_ == wanted.obstacles;

@@ -71,12 +71,12 @@ struct Posed {
   }
 };
 
-std::vector<double> Profile(const PartingRows& rows, const VectorXd& x) {
-  std::vector<double> profile;
-  for (const Coordinates& at : rows.coordinates()) {
-    profile.push_back(std::max(1e-6 * x.norm(), std::sqrt(at.SquaredNorm(x))));
+VectorXd Lengths(const PartingRows& rows, const VectorXd& x) {
+  VectorXd lengths(rows.coordinates().size());
+  for (Eigen::Index k = 0; k < lengths.size(); ++k) {
+    lengths[k] = std::sqrt(rows.coordinates()[k].SquaredNorm(x));
   }
-  return profile;
+  return lengths;
 }
 
 // For one kind of movers and one width of caps; says how often the bends were needed.
@@ -100,7 +100,7 @@ int ExpectHolds(const std::vector<Moves>& kinds, double widest, int seed) {
       const Vector3d n2 = Eigen::AngleAxisd(eps, aside) * n;
       const double left = posed.Left(n2, row, z);
       const double unbent = row.t - posed.rows.Dot(0, row, straight) - row.e * x.norm();
-      const double bend = posed.rows.BendAlong(0, row, Profile(posed.rows, x), x);
+      const double bend = posed.rows.BendAlong(0, row, Lengths(posed.rows, x), x);
       EXPECT_GE(left, unbent - bend - 1e-9 * parting.scale) << "trial " << trial;
       // The bends hold for the whole cap by themselves.
       const PartingRow there = posed.rows.row(posed.rows.AddMiddle(0, n2, a, b));
@@ -145,7 +145,7 @@ TEST_F(PartingRowsContractTest, ABendIsWhatIsLeftOfTheSecondOrder) {
     z *= 1e-3 / posed.MostTurn(z);
     const VectorXd x = posed.Whitened(z, straight);
     const double second = row.t - posed.rows.Dot(0, row, straight) - posed.Left(n, row, z);
-    const double bend = posed.rows.BendAlong(0, row, Profile(posed.rows, x), x);
+    const double bend = posed.rows.BendAlong(0, row, Lengths(posed.rows, x), x);
     EXPECT_NEAR(bend / parting.scale, second / parting.scale, 1e-9) << "trial " << trial;
     compared += std::abs(bend) > 1e-7 * parting.scale;
   }
@@ -169,8 +169,8 @@ TEST_F(PartingRowsContractTest, ARowThatIsDroppedLeavesTheOthers) {
   EXPECT_EQ(posed.rows.num_rows(), 2);
   const PartingRow row1 = posed.rows.row(first), row2 = posed.rows.row(again);
   EXPECT_EQ(posed.rows.Dot(0, row1, x), posed.rows.Dot(0, row2, x));
-  const std::vector<double> profile = Profile(posed.rows, x);
-  EXPECT_EQ(posed.rows.BendAlong(0, row1, profile, x), posed.rows.BendAlong(0, row2, profile, x));
+  const VectorXd lengths = Lengths(posed.rows, x);
+  EXPECT_EQ(posed.rows.BendAlong(0, row1, lengths, x), posed.rows.BendAlong(0, row2, lengths, x));
 }
 
 }  // namespace

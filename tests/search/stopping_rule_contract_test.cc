@@ -1,6 +1,7 @@
 // When a search ends and what its trials keep, by slow models of what the headers say.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -30,7 +31,10 @@ struct Asked {
   }
   void Begin(double bound, double depth, bool meshes, int distances = 10) {
     rule.Begin(plan,
-               {.overlaps = overlaps, .distances_at_input = distances, .sigma_lower_bound = bound},
+               {.overlaps = overlaps,
+                .distances_at_input = distances,
+                .sigma_lower_bound = bound,
+                .tighten = tighten},
                depth, meshes);
   }
   void Query(int count) {
@@ -44,6 +48,7 @@ struct Asked {
   StoppingRule rule;
   EffortPlan plan;
   std::vector<NearPair> overlaps;
+  std::function<double(double)> tighten;
 };
 
 LocalResult Ended(bool free, double sigma, bool known = false) {
@@ -61,7 +66,7 @@ LocalResult GivenUp() {
 }
 
 EffortPlan NeverByCounts() {
-  return {.agree_near_proven = 3, .agree = 6, .queries = 1 << 30, .evaluations = kInfinity};
+  return {.agree_over_bound = 2.0, .agree = 6, .queries = 1 << 30, .evaluations = kInfinity};
 }
 
 TEST_F(StoppingRuleTest, AProvenAnswerEndsTheSearchAndOnlyThat) {
@@ -102,11 +107,13 @@ TEST_F(StoppingRuleTest, ASearchEndsWhenEnoughIndependentStartsAgree) {
       }
       if (result.free) best = std::min(best, result.sigma);
       if (best == kInfinity || best <= 1.01 * bound) continue;
-      const int enough = best <= tuning::stopping::kNearProven * bound ? 3 : 6;
+      int enough = 6;
+      if (bound > 0.0)
+        enough = std::min(6, static_cast<int>(std::ceil(2.0 * std::sqrt(best / bound))));
       ASSERT_EQ(p.rule.Done(best, 0), agree >= enough) << agree << " of " << enough;
       ended += agree >= enough;
-      ended_early += enough == 3 && agree >= 3 && agree < 6;
-      waited += agree < enough && agree >= 3;
+      ended_early += agree >= enough && agree < 6;
+      waited += agree < enough && agree >= 2;
     }
     p.Begin(bound, 0.1, false);
     EXPECT_FALSE(p.rule.Done(1e9, 0)) << "a new search begins without agreement";
@@ -116,9 +123,9 @@ TEST_F(StoppingRuleTest, ASearchEndsWhenEnoughIndependentStartsAgree) {
   EXPECT_GT(waited, 50);
 }
 
-// Ten starts that were given up count as one that agrees. Those before the best answer do not, and
+// Six starts that were given up count as one that agrees. Those before the best answer do not, and
 // neither do hops and translations.
-TEST_F(StoppingRuleTest, StartsThatAreGivenUpCountATenth) {
+TEST_F(StoppingRuleTest, StartsThatAreGivenUpCountASixth) {
   Asked p(NeverByCounts());
   for (const int agree : {1, 2, 5}) {
     p.Begin(0.0, 0.1, false);
@@ -134,50 +141,66 @@ TEST_F(StoppingRuleTest, StartsThatAreGivenUpCountATenth) {
     for (; !p.rule.Done(1.0, 0) && given_up < 99; ++given_up) {
       p.rule.Count(GivenUp(), Component::kNoise, 1.0);
     }
-    EXPECT_EQ(given_up, 10 * (6 - agree));
+    EXPECT_EQ(given_up, 6 * (6 - agree));
   }
 }
 
-// In a height field six of them count as one.
-TEST_F(StoppingRuleTest, StartsThatAreGivenUpCountMoreOnTerrain) {
-  Asked p(NeverByCounts());
-  p.overlaps.resize(1);  // of the first pair, which moves
-  p.overlaps[0].kind = PairKind::kTerrain;
-  p.Begin(0.0, 0.1, false);
-  for (int k = 0; k < 5; ++k) p.rule.Count(Ended(true, 1.0), Component::kNoise, 1.0);
-  for (int k = 0; k < 6; ++k) {
-    EXPECT_FALSE(p.rule.Done(1.0, 0)) << k;
-    p.rule.Count(GivenUp(), Component::kNoise, 1.0);
+// How many starts must agree on `best` where the bound is 1.
+int Needed(Asked& p, double best) {
+  p.Begin(1.0, 0.1, false);
+  int agree = 0;
+  for (double before = kInfinity; !p.rule.Done(best, 0); before = best, ++agree) {
+    p.rule.Count(Ended(true, best), Component::kNoise, before);
   }
-  EXPECT_TRUE(p.rule.Done(1.0, 0));
+  return agree;
 }
 
-// In a height field three starts are enough up to ten times the bound.
-TEST_F(StoppingRuleTest, FewerStartsNeedToAgreeOnTerrain) {
-  Asked p(NeverByCounts());
-  const auto needed = [&](double best) {
-    p.Begin(1.0, 0.1, false);
-    int agree = 0;
-    for (double before = kInfinity; !p.rule.Done(best, 0); before = best, ++agree) {
-      p.rule.Count(Ended(true, best), Component::kNoise, before);
-    }
-    return agree;
-  };
-  EXPECT_EQ(needed(4.9), 3);
-  EXPECT_EQ(needed(5.1), 6);
-  p.overlaps.resize(1);  // of the first pair, which moves
-  p.overlaps[0].kind = PairKind::kTerrain;
-  ASSERT_TRUE(p.scene.tables().pairs[0].moves);
-  EXPECT_EQ(needed(5.1), 3);
-  EXPECT_EQ(needed(9.9), 3);
-  EXPECT_EQ(needed(10.1), 6);
+TEST_F(StoppingRuleTest, TheFartherAnAnswerIsAboveItsBoundTheMoreStartsMustAgree) {
+  Asked p(PlanFor(Effort::kDefault));
+  EXPECT_EQ(Needed(p, 1.009), 0);
+  EXPECT_EQ(Needed(p, std::pow(1.499, 2)), 3);
+  EXPECT_EQ(Needed(p, std::pow(1.501, 2)), 4);
+  EXPECT_EQ(Needed(p, std::pow(2.499, 2)), 5);
+  EXPECT_EQ(Needed(p, std::pow(3.499, 2)), 7);
+  EXPECT_EQ(Needed(p, 1e6), 7);
   p.plan = PlanFor(Effort::kMax);
-  EXPECT_EQ(needed(10.1), 12);
+  EXPECT_EQ(Needed(p, std::pow(1.249, 2)), 5);
+  EXPECT_EQ(Needed(p, 1e6), 12);
+  p.plan = PlanFor(Effort::kFast);
+  p.plan.queries = 1 << 30;
+  EXPECT_EQ(Needed(p, 1e6), 1);
+}
+
+// Not before two starts agree on an answer, and once for each answer that they agree on.
+TEST_F(StoppingRuleTest, ATighterBoundIsAskedForWhenStartsAgree) {
+  Asked p(NeverByCounts());
+  std::vector<double> asked;
+  p.tighten = [&](double sigma) {
+    asked.push_back(sigma);
+    return sigma == 1.0 ? 0.6 : sigma;
+  };
+  p.Begin(0.01, 0.1, false);
+  p.rule.Count(Ended(true, 2.0), Component::kNoise, kInfinity);
+  EXPECT_FALSE(p.rule.Done(2.0, 0));
+  p.rule.Count(Ended(true, 1.0), Component::kNoise, 2.0);
+  EXPECT_FALSE(p.rule.Done(1.0, 0));
+  EXPECT_TRUE(asked.empty());
+  p.rule.Count(Ended(true, 1.0), Component::kNoise, 1.0);
+  EXPECT_FALSE(p.rule.Done(1.0, 0)) << "twice the root of 1 / 0.6 is more than 2";
+  EXPECT_FALSE(p.rule.Done(1.0, 0));
+  EXPECT_EQ(asked, std::vector<double>({1.0}));
+  p.rule.Count(Ended(true, 1.0), Component::kNoise, 1.0);
+  EXPECT_TRUE(p.rule.Done(1.0, 0)) << "the bound is 0.6 now";
+  p.rule.Count(Ended(true, 0.8), Component::kNoise, 1.0);
+  EXPECT_FALSE(p.rule.Done(0.8, 0));
+  p.rule.Count(Ended(true, 0.8), Component::kNoise, 0.8);
+  EXPECT_TRUE(p.rule.Done(0.8, 0)) << "twice the root of 0.8 / 0.8 is 2";
+  EXPECT_EQ(asked, std::vector<double>({1.0, 0.8}));
 }
 
 // The scene's two trees share the queries.
 TEST_F(StoppingRuleTest, QueriesCountFromTheBeginOfTheSearchOrItsRenewal) {
-  Asked p({.agree_near_proven = 99, .agree = 99, .queries = 20, .evaluations = kInfinity});
+  Asked p({.agree_over_bound = 99.0, .agree = 99, .queries = 20, .evaluations = kInfinity});
   p.Begin(0.0, 0.1, false);
   for (int round = 0; round < 2; ++round) {
     p.Query(9);
@@ -192,7 +215,7 @@ TEST_F(StoppingRuleTest, QueriesCountFromTheBeginOfTheSearchOrItsRenewal) {
 TEST_F(StoppingRuleTest, TheEstimatedTimeCountsQueriesDistancesAndLcpStepsFromTheFirstFree) {
   namespace tune = tuning::stopping;
   for (const int distances : {0, 2, 7, 20}) {
-    Asked p({.agree_near_proven = 99, .agree = 99, .queries = 1 << 30, .evaluations = 20.0});
+    Asked p({.agree_over_bound = 99.0, .agree = 99, .queries = 1 << 30, .evaluations = 20.0});
     p.Begin(0.0, 0.1, false, distances);
     p.Query(30);
     p.rule.FirstFree(500);
@@ -213,7 +236,7 @@ TEST_F(StoppingRuleTest, TheEstimatedTimeCountsQueriesDistancesAndLcpStepsFromTh
 
 TEST_F(StoppingRuleTest, OverlappingMeshesHaveMoreQueriesWhileTheAnswerIsVeryFar) {
   namespace tune = tuning::exact_meshes;
-  Asked p({.agree_near_proven = 99, .agree = 99, .queries = 10, .evaluations = 0.0});
+  Asked p({.agree_over_bound = 99.0, .agree = 99, .queries = 10, .evaluations = 0.0});
   p.Begin(0.0, 0.2, true);
   const double far = std::pow(1.01 * tune::kVeryFar * 0.2, 2);
   p.Query(static_cast<int>(tune::kQueries * 10) - 1);
@@ -338,7 +361,7 @@ TEST_F(StoppingRuleTest, WithoutBudgetATrialIsMadeOnlyIfThereIsNone) {
 // From q_in, which is easy, every start ends at the same answer.
 TEST_F(StoppingRuleTest, TrialsEndWhenStartsAgreeOrTheTimeSinceTheFirstFreeIsSpent) {
   for (const double evaluations : {kInfinity, 20.0}) {
-    Asked p({.agree_near_proven = 3,
+    Asked p({.agree_over_bound = 99.0,
              .agree = evaluations < kInfinity ? 99 : 3,
              .queries = 1 << 30,
              .evaluations = evaluations});

@@ -134,7 +134,7 @@ class Watched {
 };
 
 EffortPlan ByQueries(int queries) {
-  return {.agree_near_proven = 1000,
+  return {.agree_over_bound = 1000.0,
           .agree = 1000,
           .queries = queries,
           .evaluations = kInfinity,
