@@ -310,6 +310,39 @@ TEST_F(LocalOptimizationTest, AHopelessPredictionEndsTheRun) {
   EXPECT_LT(p.local.Run(far, options).iterations, patient);
 }
 
+// Steps from far lower σ by a like share each, which looking ahead takes into account: it leaves
+// more descents alone that do get below the σ asked for, and still ends those soon that do not.
+TEST_F(LocalOptimizationTest, LookingAheadSparesDescentsThatArrive) {
+  Random rng(9);
+  int arrive = 0, spared[2] = {}, steps[2] = {}, patient = 0;
+  for (int model = 0; model < 12; ++model) {
+    Local p(RandomRobotXml(rng, {.bodies = 4 + model % 4}));
+    for (int k = 0; k < 25; ++k) {
+      p.Refer(RandomConfiguration(p.scene, rng, 0.3));
+      const VectorXd start = RandomConfiguration(p.scene, rng);
+      const LocalResult whole = p.local.Run(start, {});
+      if (!whole.free || whole.iterations < 4) continue;
+      ++arrive;
+      patient += whole.iterations;
+      for (const bool looks_ahead : {false, true}) {
+        LocalOptions options;
+        options.looks_ahead = looks_ahead;
+        options.give_up_sigma = 1.01 * whole.sigma;
+        const LocalResult asked = p.local.Run(start, options);
+        spared[looks_ahead] += asked.free && asked.sigma <= options.give_up_sigma;
+        options.give_up_sigma = 0.5 * whole.sigma;
+        steps[looks_ahead] += p.local.Run(start, options).iterations;
+      }
+    }
+  }
+  EXPECT_GT(arrive, 100);
+  EXPECT_GT(spared[true], spared[false] + arrive / 10);
+  EXPECT_LT(steps[true], patient / 2);
+  EXPECT_LE(steps[false], steps[true]);
+  std::printf("  of %d that arrive %d are spared, %d without; %d steps, %d, %d\n", arrive,
+              spared[true], spared[false], patient, steps[true], steps[false]);
+}
+
 TEST_F(LocalOptimizationTest, EarlierRunsLeaveNoTrace) {
   Random rng(5);
   Local p(RandomRobotXml(rng));
