@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/grow.h"
+#include "problem/effort.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -311,7 +312,7 @@ bool NormalsTree::Branch(const Node& node) {
 // Room for any search of default effort, which is to take nothing from the heap once warm: a node
 // has one cap that others do not, which gets its first rows and those that are deeper.
 void NormalsTree::Reserve() {
-  constexpr int kNodes = 10 * kMostTogether;
+  constexpr int kNodes = EffortPlan{}.bound_nodes * kMostTogether;
   rows_.Reserve(kNodes * (2 + kTimesDeeper * kMostPairs), kMiddles * kMostTogether);
   caps_.reserve(kFirstCells * kMostTogether + 4 * kNodes);
   heap_.reserve(kFirstCells * kNodes);

@@ -40,7 +40,7 @@ struct Stages {
   double Tighten(double sigma);
 
   double sigma_lower_bound_ = 0.0;
-  double tightened_ = 0.0;  // the σ for which the bound was tightened last [m²]
+  double tightened_ = 0.0;  // the σ for which the bound was tightened last; infinite: none [m²]
 };
 
 }  // namespace mjcf_pdg
