@@ -15,16 +15,17 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // No more is asked for, nor said, than this share of the √S that is known: σ is within 1 % of its
 // bound then. The rest is left to those who call free what overlaps by a little more.
 constexpr double kProven = 0.9955;
-// Any weights, multipliers and rows prove something; how well they are chosen is decided here. In
-// the median of 120 problems √(bound/σ) rises by 0.001 with 3 rounds, 5 looks and 3 times deeper
-// rows, and falls by 0.008 with 2 profiles.
-constexpr int kSweeps = 12;           // of coordinate ascent over all rows; or until they change x
+// Any weights, multipliers and rows prove something; how well they are chosen is decided here. On
+// 120 problems √(bound/σ) rises by 0.001 with 4 looks, 12 sweeps and deeper rows looked for twice,
+// in the median or the mean, for a seventh more instructions; it falls by 0.003 with one round at
+// the most nodes that are ever looked at, by 0.008 with 2 profiles, by 0.02 with 2 looks, by 0.04
+// without deeper rows.
+constexpr int kSweeps = 6;            // of coordinate ascent over all rows; or until they change x
 constexpr double kSteady = 1e-3;      // by no more than this [its length]
-constexpr int kRounds = 2;            // weights and bends are fitted to each other so often
+constexpr int kRounds = 2;            // weights and bends are fitted to each other so often, last
 constexpr int kProfiles = 3;          // profiles that share out cross terms, in each
 constexpr int kLooks = 3;             // multipliers, in each
 constexpr double kDeeper = 0.02;      // a row is of points deeper by this [of the cap's overlap]
-constexpr int kTimesDeeper = 2;       // such rows are looked for so often
 constexpr double kLeastShare = 0.02;  // of a mover in the profile [its length]
 constexpr double kNoGain = 0.01;      // nodes are branched where that promises more [their root]
 
@@ -42,7 +43,9 @@ void NormalsTree::Begin(std::span<const Mover> movers, double known) {
   GrowTo(most * most, crosses_);
   ease_.reserve(kMostTogether);
   first_caps_.reserve(kMostTogether);
-  middles_.reserve(kMostTogether * kMiddles);
+  for (std::vector<int>* per_direction : {&middles_, &order_}) {
+    per_direction->reserve(kMostTogether * kMiddles);
+  }
   bends_.reserve(movers.size());
   caps_.clear();
   heap_.clear();
@@ -239,13 +242,16 @@ const PartingRow& NormalsTree::Middle(int pair, int direction) {
 }
 
 // How far a pair is from being parted by x, in all directions [√S]; exact if more than `enough`.
+// The direction that parted it last is asked first.
 double NormalsTree::Overlapping(int pair, double enough) {
   const int directions = rows_.problem(pair).plane ? 1 : kMiddles;
+  const auto order = order_.begin() + pair * kMiddles;
   double least = kInfinity;
   for (int k = 0; k < directions && least > enough; ++k) {
-    const PartingRow& row = Middle(pair, k);
+    const PartingRow& row = Middle(pair, order[k]);
     if (!(row.gg > 0.0)) continue;
     least = std::min(least, (row.t_middle - rows_.Dot(pair, row, x_)) / std::sqrt(row.gg));
+    if (least <= enough) std::swap(order[0], order[k]);
   }
   return least;
 }
@@ -270,23 +276,24 @@ NormalsTree::Gain NormalsTree::ByCutting(const Node& node) const {
 }
 
 // If one more pair were parted, of those that x leaves overlapping the one that is farthest from
-// it.
-NormalsTree::Gain NormalsTree::ByAdding(const Node& node) {
-  Gain farthest;
-  if (node.size == kMostPairs) return farthest;
+// it; none if that gains no more than cutting does.
+NormalsTree::Gain NormalsTree::ByAdding(const Node& node, double by_cutting) {
+  if (node.size == kMostPairs) return {};
+  Gain farthest{.by = std::sqrt(by_cutting * (2.0 * node.root + by_cutting))};
   for (int pair = 0; pair < rows_.num_pairs(); ++pair) {
     const auto has = [&](int cap) { return caps_[cap].pair == pair; };
     if (std::any_of(node.caps.begin(), node.caps.begin() + node.size, has)) continue;
     const double by = Overlapping(pair, farthest.by);
     if (by > farthest.by) farthest = {by, pair};
   }
+  if (farthest.of < 0) return {};
   return {std::hypot(node.root, farthest.by) - node.root, farthest.of};
 }
 
 // Replaces a solved node, which is not in the heap any more. False if that promises too little.
 bool NormalsTree::Branch(const Node& node) {
   const Gain cutting = ByCutting(node);
-  const Gain adding = std::isfinite(cutting.by) ? ByAdding(node) : Gain();
+  const Gain adding = std::isfinite(cutting.by) ? ByAdding(node, cutting.by) : Gain();
   if (std::max(cutting.by, adding.by) <= kNoGain * node.root) return false;
   Node child = node;
   child.solved = false;
@@ -313,7 +320,7 @@ bool NormalsTree::Branch(const Node& node) {
 // has one cap that others do not, which gets its first rows and those that are deeper.
 void NormalsTree::Reserve() {
   constexpr int kNodes = EffortPlan{}.bound_nodes * kMostTogether;
-  rows_.Reserve(kNodes * (2 + kTimesDeeper * kMostPairs), kMiddles * kMostTogether);
+  rows_.Reserve(kNodes * (2 + kMostPairs), kMiddles * kMostTogether);
   caps_.reserve(kFirstCells * kMostTogether + 4 * kNodes);
   heap_.reserve(kFirstCells * kNodes);
   terms_.reserve(kMostPairs * kMostRows);
@@ -324,6 +331,8 @@ double NormalsTree::Search(int nodes, const BudgetMeter* budget) {
   ease_.resize(rows_.num_pairs());
   first_caps_.assign(rows_.num_pairs(), -1);
   middles_.assign(kMiddles * rows_.num_pairs(), -1);
+  order_.resize(middles_.size());
+  for (int k = 0; k < static_cast<int>(order_.size()); ++k) order_[k] = k % kMiddles;
   Push(Node());
   for (; nodes > 0 && !heap_.empty(); --nodes) {
     if (BoundIsLate(budget)) break;
@@ -333,12 +342,12 @@ double NormalsTree::Search(int nodes, const BudgetMeter* budget) {
     const double others = heap_.empty() ? known_ : heap_.front().root;
     const bool solved = std::exchange(node.solved, true);
     Collect(node);
-    node.root = Prove(node, solved ? kRounds : 1);
+    node.root = Prove(node, 1);
     if (!solved && node.root > others) {
       Push(node);
       continue;
     }
-    for (int time = 0; time < kTimesDeeper && AddDeepest(node); ++time) {
+    if (AddDeepest(node)) {
       Collect(node);
       node.root = Prove(node, kRounds);
     }

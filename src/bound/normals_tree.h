@@ -90,7 +90,7 @@ class NormalsTree {
   const PartingRow& Middle(int pair, int direction);
   double Overlapping(int pair, double enough);
   Gain ByCutting(const Node& node) const;
-  Gain ByAdding(const Node& node);
+  Gain ByAdding(const Node& node, double by_cutting);
   bool Branch(const Node& node);
 
   PartingRows rows_;
@@ -99,6 +99,7 @@ class NormalsTree {
   std::vector<PairProblem::Ease> ease_;  // per pair
   std::vector<int> first_caps_;          // per pair; -1: not made yet
   std::vector<int> middles_;             // per pair and direction: a row, -1: not made yet
+  std::vector<int> order_;               // per pair, the directions as they are asked
   std::vector<Node> heap_;
   std::vector<Term> terms_;
   Eigen::VectorXd x_, farthest_;                // Σ λ_k g_k; where (3) is largest
