@@ -278,7 +278,7 @@ namespace stopping {
 inline constexpr double kSameAnswer = 1.01;  // two answers are the same up to this ratio of their σ
 // So many starts that were given up, since they promised nothing nearer, count as one that ended at
 // the best answer. Chosen with the numbers of effort.h: bench/README.md, Agreement.
-inline constexpr double kGivenUpPerAgreement = 6.0;
+inline constexpr int kGivenUpPerAgreement = 6;
 // Estimated time of a query, of a pair distance and of an LCP step per degree of freedom, the
 // latter two over the distances at q_in but no fewer than kFewDistances [evaluations]: a regression
 // over the solves of nine robots on one machine. It only bounds a search that found no agreement.

@@ -66,7 +66,7 @@ void StoppingRule::Count(const LocalResult& result, Component start, double best
 }
 
 bool StoppingRule::Agreed(double best_sigma) {
-  const double agreeing = agreeing_ + given_up_ / tune::kGivenUpPerAgreement;
+  const int agreeing = agreeing_ + given_up_ / tune::kGivenUpPerAgreement;
   if (agreeing >= plan_.agree) return true;
   if (agreeing < plan_.agree_over_bound) return false;  // too few, were the bound σ itself
   if (tighten_ && tightened_ > tune::kSameAnswer * best_sigma) {
