@@ -29,8 +29,8 @@ struct EffortPlan {
   int bound_cells =
       100;  // cells of the sphere of directions for the lower bound; 0: moment arms only
   // Nodes of the tree of normals (bound/normals_tree.h) for each pair that is parted, where the
-  // bound is asked for. On 120 problems √(bound/σ) is 0.59 in the median without, 0.71, 0.74 and
-  // 0.75 with 10, 15 and 20, of 3 to 5 µs each. 60 whatever the pairs gave no more than 10, and
+  // bound is asked for. On 120 problems √(bound/σ) is 0.59 in the median without, 0.72, 0.74 and
+  // 0.75 with 10, 15 and 20, of 2 to 4 µs each. 60 whatever the pairs gave no more than 10, and
   // took longer than the search where two boxes overlap.
   int bound_nodes = 10;
   // Where no more degrees of freedom than this move, so many boxes of joint space are looked at
