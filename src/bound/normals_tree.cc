@@ -22,7 +22,7 @@ constexpr double kProven = 0.9955;
 // without deeper rows.
 constexpr int kSweeps = 6;            // of coordinate ascent over all rows; or until they change x
 constexpr double kSteady = 1e-3;      // by no more than this [its length]
-constexpr int kRounds = 2;            // weights and bends are fitted to each other so often, last
+constexpr int kRounds = 2;            // weights and bends are fitted so often, with deeper rows
 constexpr int kProfiles = 3;          // profiles that share out cross terms, in each
 constexpr int kLooks = 3;             // multipliers, in each
 constexpr double kDeeper = 0.02;      // a row is of points deeper by this [of the cap's overlap]
