@@ -141,7 +141,7 @@ double DeepestOverlap(const Scene& scene, const Path& path, const Options& optio
   VectorXd q;
   for (std::size_t k = 1; k < path.q.size(); ++k) {
     const VectorXd from = ToEigen(path.q[k - 1]), to = ToEigen(path.q[k]);
-    const int poses = 1 + static_cast<int>(std::ceil(space->Length(from, to) / step));
+    const int poses = 1 + static_cast<int>(std::ceil(space->Distance(from, to) / step));
     for (int i = 0; i <= poses; ++i) {
       space->Interpolate(from, to, static_cast<double>(i) / poses, q);
       deepest = std::max(deepest, overlap(q));

@@ -37,7 +37,7 @@ class UniformSampler : public ob::StateSampler {
   void Towards(ob::State* state, const ob::State* from, double distance) {
     const VectorXd& q = ConfigurationSpace::Q(from);
     configurations_.Sample(rng_, target_);
-    const double whole = configurations_.Length(q, target_) / configurations_.extent();
+    const double whole = configurations_.Distance(q, target_) / configurations_.extent();
     const double t = whole > distance ? distance / whole : 1.0;
     configurations_.Interpolate(q, target_, t, ConfigurationSpace::Q(state));
   }
@@ -159,8 +159,6 @@ void ConfigurationSpace::MeasureFrom(const VectorXd& q_in) const {
   if (reference_.size() == q_in.size() && reference_ == q_in) return;
   reference_ = q_in;
   norm_.SetReference(q_in, mocap_);
-  VectorXd r;
-  norm_.Linearize(q_in, r, J_);
 }
 
 double ConfigurationSpace::Displacement(const VectorXd& q_in, const VectorXd& q) const {
@@ -168,10 +166,16 @@ double ConfigurationSpace::Displacement(const VectorXd& q_in, const VectorXd& q)
   return std::sqrt(norm_.Sigma(q));
 }
 
-double ConfigurationSpace::Length(const VectorXd& from, const VectorXd& to) const {
-  MeasureFrom(from);
+double ConfigurationSpace::Distance(const VectorXd& from, const VectorXd& to) const {
   Difference(tables_, from, to, dq_);
-  return (J_ * dq_).norm();
+  double half_turns = 1.0;
+  for (const JointEntry& joint : tables_.joints) {
+    if (joint.type != mjJNT_HINGE) continue;
+    half_turns = std::max(half_turns, std::abs(dq_[joint.col]) / std::numbers::pi);
+  }
+  if (half_turns == 1.0) return Displacement(from, to);
+  GoStraight(from, to, 1.0 / half_turns, part_);
+  return half_turns * Displacement(from, part_);
 }
 
 void ConfigurationSpace::Interpolate(const VectorXd& from, const VectorXd& to, double t,
@@ -288,7 +292,7 @@ bool ConfigurationSpace::satisfiesBounds(const ob::State* state) const {
 void ConfigurationSpace::copyState(ob::State* to, const ob::State* from) const { Q(to) = Q(from); }
 
 double ConfigurationSpace::distance(const ob::State* a, const ob::State* b) const {
-  return Length(Q(b), Q(a)) / extent_;
+  return Distance(Q(b), Q(a)) / extent_;
 }
 
 bool ConfigurationSpace::equalStates(const ob::State* a, const ob::State* b) const {

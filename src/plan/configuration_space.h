@@ -1,14 +1,15 @@
 // The configurations of a scene as a state space of OMPL.
 //
-// Source: Tang & Kim, Sec. 6.3: planning with the object norm as the distance. Frozen joints keep
-// their values.
-// Differs from the paper: the distance is Length, which is √σ as long as nothing turns far. √σ
-// itself says how far bodies are from where they were, not how far they have to go: a hinge that is
-// a whole turn off is at no distance, and the way there, against a limit, leads off first. Trees
-// grew along such ways without end: on a KUKA iiwa, whose hinges turn by up to 340°, one of three
-// plans between random configurations was not found within 20 s, and takes 5 ms now.
+// Source: Tang & Kim, Sec. 6.3: planning with the object norm, √σ, as the distance. Frozen joints
+// keep their values.
+// Differs from the paper where a hinge turns by more than half a turn: the distance is then that of
+// the first half turn, and more in proportion (Distance). √σ itself says how far bodies are from
+// where they were, not how far they have to go: a hinge that is a whole turn off is at no distance,
+// and the way there, against a limit, leads off first. Trees grew along such ways without end: on a
+// KUKA iiwa, whose hinges turn by up to 340°, one of three plans between random configurations was
+// not found within 20 s, and takes some milliseconds now.
 //
-// Lengths are measured from the second of OMPL's states: OMPL asks for the tree's nodes first and
+// Distances are measured from the second of OMPL's states: OMPL asks for the tree's nodes first and
 // the sample second, so that one pose of the model serves a whole search for the nearest node.
 //
 // Motions are straight, q(t) = q ⊕ t·(to ⊖ q), where all equality constraints that are held hold
@@ -57,9 +58,11 @@ class ConfigurationSpace : public ompl::base::StateSpace {
 
   // √σ from q_in to q [m].
   double Displacement(const VectorXd& q_in, const VectorXd& q) const;
-  // Of the straight motion, measured by σ's quadratic form at `from`: ‖to ⊖ from‖_H [m], H as in
-  // norm/norm_evaluator.h. A part t of the motion has t times its length.
-  double Length(const VectorXd& from, const VectorXd& to) const;
+  // √σ from `from` to `to` [m] where no hinge turns by more than half a turn on the straight motion
+  // between them. Elsewhere √σ of its part until the hinge that turns farthest has made half a
+  // turn, over the share of the motion that this part is. It falls all along the motion as `to`
+  // comes near, but perhaps for a free body whose centre of mass is far from its frame.
+  double Distance(const VectorXd& from, const VectorXd& to) const;
   // out := q(t) of the motion from `from` to `to`; it may be one of the two.
   void Interpolate(const VectorXd& from, const VectorXd& to, double t, VectorXd& out) const;
 
@@ -83,7 +86,7 @@ class ConfigurationSpace : public ompl::base::StateSpace {
   // The largest √σ between random configurations [m], by 200 pairs.
   double extent() const { return extent_; }
 
-  // OMPL's questions. Its distances are Lengths over extent(): OMPL compares them with numbers that
+  // OMPL's questions. Its distances are ours over extent(): OMPL compares them with numbers that
   // are neither large nor small.
   unsigned int getDimension() const override;
   double getMaximumExtent() const override { return 1.0; }
@@ -121,8 +124,7 @@ class ConfigurationSpace : public ompl::base::StateSpace {
   const bool straight_;
   mutable std::uint64_t seed_ = 0;  // of the next sampler
   mutable VectorXd reference_;      // that norm_ measures from
-  mutable MatrixXd J_;              // of its residual there
-  mutable VectorXd dq_;             // scratch
+  mutable VectorXd dq_, part_;      // scratch
   mutable std::int64_t samples_ = 0;
 };
 

@@ -27,7 +27,7 @@ class ContactRetraction : public Retraction {
   const std::vector<VectorXd>& Retract(const VectorXd& near, const VectorXd& target) override {
     constexpr int kSlides = 8;  // most that are made
     chain_.clear();
-    double left = input_.space->Length(target, near);
+    double left = input_.space->Distance(target, near);
     const double least = kLeastProgress * left;
     if (Advance(near, target, least)) return chain_;
     VectorXd at = chain_.empty() ? near : chain_.back(), step;
@@ -36,7 +36,7 @@ class ContactRetraction : public Retraction {
       const std::size_t before = chain_.size();
       Advance(at, step, least);
       if (chain_.size() == before) break;
-      const double now = input_.space->Length(target, chain_.back());
+      const double now = input_.space->Distance(target, chain_.back());
       if (now >= left) {
         chain_.pop_back();
         break;
@@ -57,7 +57,7 @@ class ContactRetraction : public Retraction {
     input_.space->Interpolate(from, to, free.all ? 1.0 : kUpToContact * free.t, end_);
     const bool proven = free.all || input_.space->straight() ||
                         input_.prover->Move(from, end_).all;  // bends otherwise than the whole
-    if (proven && input_.space->Length(end_, from) >= least) chain_.push_back(end_);
+    if (proven && input_.space->Distance(end_, from) >= least) chain_.push_back(end_);
     return free.all;
   }
 
