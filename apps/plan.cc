@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -192,6 +193,30 @@ void StagePath(const Scene& scene, const Configuration& start, const PlanArgumen
 #endif
 }
 
+void WarnOfGoalMocap(const Configuration& start, const Configuration& goal) {
+  if (goal.mocap_pos.empty() ||
+      (goal.mocap_pos == start.mocap_pos && goal.mocap_quat == start.mocap_quat)) {
+    return;
+  }
+  WriteWarning("mocap bodies stand as at the start, all along the path, and not as in --goal");
+}
+
+#ifdef MJCF_PDG_HAVE_TIMING
+// When the path is where, also in the file of the trajectory. Returns what is wrong if it would be
+// too long for that, which only the path can tell: all else is to be written then.
+std::string StageTimes(const Scene& scene, const Path& path, const TimingLimits& limits,
+                       const std::string& file, OutputFiles& outputs, std::vector<double>& times) {
+  try {
+    const TimedPath timed = TimePath(scene, path.q, path.corners, limits);
+    if (!file.empty()) outputs.Stage(file, TrajectoryContent(timed, file));
+    times = timed.times;
+  } catch (const Error& error) {
+    return std::string("--speeds: ") + error.what() + "; the path is written without times";
+  }
+  return "";
+}
+#endif
+
 int RunPlan(const CLI::App& command, PlanArguments& arguments) {
   const Scene scene = LoadScene(arguments.scene);
   const Configuration start = ReadConfiguration(scene, arguments.start, "--start");
@@ -214,15 +239,14 @@ int RunPlan(const CLI::App& command, PlanArguments& arguments) {
 
   CatchInterrupts();
   const Path path = PlanWithProgress(scene, start.q, goal.q, plan);
+  WarnOfGoalMocap(start, goal);
   WarnOfRepair("start", path.start);
   WarnOfRepair("goal", path.goal);
   std::vector<double> times;
+  std::string untimed;
 #ifdef MJCF_PDG_HAVE_TIMING
   if (path.found && limits) {
-    const TimedPath timed = TimePath(scene, path.q, path.corners, *limits);
-    const std::string& file = arguments.trajectory.file;
-    if (!file.empty()) outputs.files.Stage(file, TrajectoryContent(timed, file));
-    times = timed.times;
+    untimed = StageTimes(scene, path, *limits, arguments.trajectory.file, outputs.files, times);
   }
 #endif
   outputs.files.Stage(arguments.json, PlanJson(scene, arguments, path, times));
@@ -233,6 +257,7 @@ int RunPlan(const CLI::App& command, PlanArguments& arguments) {
   }
   outputs.files.Commit();
   if (!outputs.files.uses_stdout()) WriteStdout(PlanText(path, times));
+  if (!untimed.empty()) throw std::runtime_error(untimed);
   if (Interrupted())
     return SayInterrupted(path.found ? "after a path was found" : "before a path was found");
   return path.found ? kExitFree : kExitNotFree;
@@ -279,7 +304,7 @@ Verb AddPlanVerb(CLI::App& program) {
   AddTolerance(*command, arguments->plan.options);
   AddJson(*command, arguments->json);
   AddPath(*command, "--out-qpos",
-          "write the path, a configuration a row: .npy, .csv or .txt; - is stdout, as text",
+          "write the path, a configuration a row: .npy, .csv, .txt or .jsonl; - is stdout, as text",
           arguments->out_qpos)
       ->type_name("FILE|-");
   AddPath(*command, "--out-mjcf",

@@ -158,8 +158,8 @@ bool QposFile::NextLine(std::vector<double>& row, std::string& origin) {
 void CheckQposFileName(const std::string& flag, const std::string& path) {
   if (path.empty() || path == "-") return;
   const std::string ending = Extension(path);
-  if (ending != ".npy" && !IsText(ending)) {
-    throw Error(flag + ": " + path + " must end in .npy, .csv or .txt");
+  if (ending != ".npy" && ending != ".jsonl" && !IsText(ending)) {
+    throw Error(flag + ": " + path + " must end in .npy, .csv, .txt or .jsonl");
   }
 }
 
@@ -171,8 +171,10 @@ std::string FormatQposRow(const std::vector<double>& row, const std::string& pat
     std::memcpy(bytes.data(), row.data(), bytes.size());
     return bytes;
   }
-  const char separator = Extension(path) == ".csv" ? ',' : ' ';
-  std::string text;
+  const std::string ending = Extension(path);
+  const bool json = ending == ".jsonl";
+  const char separator = json || ending == ".csv" ? ',' : ' ';
+  std::string text = json ? "{\"qpos\":[" : "";
   for (std::size_t i = 0; i < row.size(); ++i) {
     char number[32];
     // The shortest digits that read back as the same number.
@@ -180,6 +182,7 @@ std::string FormatQposRow(const std::vector<double>& row, const std::string& pat
     if (i > 0) text += separator;
     text.append(number, end);
   }
+  if (json) text += "]}";
   return text + '\n';
 }
 

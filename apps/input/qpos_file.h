@@ -44,10 +44,11 @@ class QposFile {
   std::size_t line_number_ = 0, rows_ = 0;
 };
 
-// Throws Error, which names the flag, unless `path` is empty, "-", or ends in .npy, .csv or .txt.
+// Throws Error, which names the flag, unless `path` is empty, "-", or ends in .npy, .csv, .txt or
+// .jsonl.
 void CheckQposFileName(const std::string& flag, const std::string& path);
 bool IsNpyFile(const std::string& path);
-// A row as it is written to `path`: bytes of a .npy, or a line.
+// A row as it is written to `path`: bytes of a .npy, or a line, of .jsonl with the key `qpos`.
 std::string FormatQposRow(const std::vector<double>& row, const std::string& path);
 
 }  // namespace mjcf_pdg::app

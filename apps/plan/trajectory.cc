@@ -100,7 +100,7 @@ void AddTrajectory(CLI::App& command, TrajectoryArguments& arguments) {
 
 void AddTrajectoryFile(const TrajectoryArguments& arguments, const std::vector<std::string>& inputs,
                        OutputFiles& outputs) {
-  if (!IsJsonLines(arguments.file)) CheckQposFileName("--out-trajectory", arguments.file);
+  CheckQposFileName("--out-trajectory", arguments.file);
   outputs.Add("--out-trajectory", arguments.file, inputs);
 }
 

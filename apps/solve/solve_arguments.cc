@@ -40,7 +40,7 @@ void AddSolveFlags(CLI::App& command, SolveArguments& arguments) {
   AddEffort(command, arguments.options.effort);
   AddJson(command, arguments.json);
   AddPath(command, "--out-qpos",
-          "write the configurations, one a row: .npy, .csv or .txt; - is stdout, as text",
+          "write the configurations, one a row: .npy, .csv, .txt or .jsonl; - is stdout, as text",
           arguments.out_qpos)
       ->type_name("FILE|-");
   command.add_flag("--resume", arguments.resume,

@@ -211,7 +211,7 @@ TEST_F(CliInputTest, RefusesOutputsThatCannotBeWritten) {
   refused({"--out-mjcf", "scene.xml"}, "input");
   refused({"--out-mjcf", "link.xml"}, "input");
   refused({"--out-mjcf", "-"}, "not a file");
-  refused({"--out-qpos", "out.json"}, ".npy, .csv or .txt");
+  refused({"--out-qpos", "out.json"}, ".npy, .csv, .txt or .jsonl");
   refused({"--json", "out.csv", "--out-qpos", "./out.csv"}, "--json already writes there");
   refused({"--json", "-", "--out-qpos", "-"}, "--json already writes there");
   EXPECT_EQ(Read("scene.xml"), kBallAndWall);

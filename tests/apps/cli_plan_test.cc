@@ -79,6 +79,33 @@ TEST_F(CliPlanTest, EdgesAreTheMotionsThatCheckProves) {
   }
 }
 
+TEST_F(CliPlanTest, WaypointsAreWrittenInEveryFormat) {
+  const Json path = Json::parse(Run(Ends("start", "goal", {"--json", "-"})).out)["path"];
+  for (const std::string file : {"p.npy", "p.csv", "p.txt", "p.jsonl"}) {
+    EXPECT_EQ(Run(Ends("start", "goal", {"--out-qpos", file})).exit_code, 0);
+    const Outcome check = Run({"check", "gap.xml", "--qpos-file", file, "--json", "-"});
+    EXPECT_EQ(check.exit_code, 0) << file;
+    EXPECT_EQ(ParseLines(check.out).size(), path.size()) << file;
+  }
+  std::vector<Json> rows = ParseLines(Read("p.jsonl"));
+  for (std::size_t k = 0; k < rows.size(); ++k) EXPECT_EQ(rows[k]["qpos"], path[k]);
+}
+
+TEST_F(CliPlanTest, SaysThatMocapBodiesStandAsAtTheStart) {
+  std::string model = kGap;
+  model.replace(model.find("<body "), 0, R"(<body name="post" mocap="true" pos="3 3 0">
+    <geom size=".1"/></body>)");
+  model.replace(model.find("<key name=\"goal\""), 0,
+                R"(<key name="moved" qpos=".5 .5" mpos="3 4 0"/>)");
+  Write("gap.xml", model);
+  EXPECT_EQ(Run(Ends("start", "goal")).err, "");
+  EXPECT_EQ(Run(Ends("start", ".5 .5")).err, "");
+  const Outcome outcome = Run(Ends("start", "moved"));
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_NE(outcome.err.find("warning: mocap bodies stand as at the start"), std::string::npos)
+      << outcome.err;
+}
+
 TEST_F(CliPlanTest, RepairsEndsAndSaysSo) {
   const Outcome outcome = Run(Ends("deep", ".5 .5", {"--json", "-"}));
   EXPECT_EQ(outcome.exit_code, 0);

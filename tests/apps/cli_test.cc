@@ -152,8 +152,10 @@ TEST_F(CliTest, EveryFileFormatCarriesTheSameNumbers) {
   ASSERT_EQ(Run({"solve", "scene.xml", "--qpos-file", "rows.csv", "--out-qpos", "a.npy"}).err, "");
   ASSERT_EQ(Run({"solve", "scene.xml", "--qpos-file", "a.npy", "--out-qpos", "a.csv"}).err, "");
   ASSERT_EQ(Run({"solve", "scene.xml", "--qpos-file", "a.csv", "--out-qpos", "a.txt"}).err, "");
-  ASSERT_EQ(Run({"solve", "scene.xml", "--qpos-file", "a.txt", "--out-qpos", "b.npy"}).err, "");
+  ASSERT_EQ(Run({"solve", "scene.xml", "--qpos-file", "a.txt", "--out-qpos", "a.jsonl"}).err, "");
+  ASSERT_EQ(Run({"solve", "scene.xml", "--qpos-file", "a.jsonl", "--out-qpos", "b.npy"}).err, "");
   EXPECT_EQ(Read("a.npy"), Read("b.npy"));
+  EXPECT_EQ(ParseLines(Read("a.jsonl")).size(), 3u);
   EXPECT_EQ(Run({"solve", "scene.xml", "--qpos-file", "-", "--out-qpos", "-"}, Read("b.npy")).out,
             Read("a.txt"));
   const std::vector<Json> again = SolveJson({"scene.xml", "--qpos-file", "-"}, Read("b.npy"));

@@ -93,6 +93,19 @@ TEST_F(CliTrajectoryTest, ThePathIsTheSameWithoutTimes) {
   EXPECT_FALSE(without.contains("times"));
 }
 
+// The straight motion takes 893,000 steps, the path, through the gap, more than a million.
+TEST_F(CliTrajectoryTest, APathThatTakesTooLongIsWrittenWithoutTimes) {
+  const Outcome outcome = Run(Timed({"--speeds", "1.12", "--time-step", "1e-6", "--json", "p.json",
+                                     "--out-qpos", "p.csv", "--out-trajectory", "t.npy"}));
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_NE(outcome.err.find("more than a million steps"), std::string::npos) << outcome.err;
+  const Json json = Json::parse(Read("p.json"));
+  EXPECT_EQ(json["found"], true);
+  EXPECT_FALSE(json.contains("times"));
+  EXPECT_EQ(Run({"check", "gap.xml", "--qpos-file", "p.csv"}).exit_code, 0);
+  EXPECT_FALSE(std::filesystem::exists(cwd() / "t.npy"));
+}
+
 TEST_F(CliTrajectoryTest, BadInputIsRefused) {
   ExpectRefused(Timed({"--speeds", "0"}), "--speeds: '0' is not a positive number");
   ExpectRefused(Timed({"--speeds", "1/-2"}), "--speeds: '1/-2'");
