@@ -1,6 +1,8 @@
 #include "apps/picture/gif_file.h"
 
+#include <fcntl.h>
 #include <gif_lib.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <array>
@@ -88,8 +90,11 @@ class Palette {
 class GifFile {
  public:
   explicit GifFile(const std::string& path) {
+    // By its name giflib would make a file that only its owner can read.
+    const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+    if (descriptor < 0) throw std::runtime_error(path + ": cannot be written");
     int error = 0;
-    file_ = EGifOpenFileName(path.c_str(), false, &error);
+    file_ = EGifOpenFileHandle(descriptor, &error);
     if (!file_) Fail(error);
     EGifSetGifVersion(file_, true);
   }

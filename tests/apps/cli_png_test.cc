@@ -171,6 +171,9 @@ TEST_F(CliPngTest, AnAnimationGoesFromTheOverlapToTheAnswer) {
   const Outcome outcome =
       Run({"solve", "scene.xml", "--key", "deep", "--animation", "a.gif", "--png", "a.png"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  // As readable for others as any output.
+  EXPECT_EQ(std::filesystem::status(cwd() / "a.gif").permissions(),
+            std::filesystem::status(cwd() / "a.png").permissions());
   const Gif gif = LoadGif((cwd() / "a.gif").string());
   ASSERT_GT(gif.frames.size(), 10u);
   const Picture &first = gif.frames.front().picture, &last = gif.frames.back().picture;
