@@ -14,6 +14,7 @@ does. What is measured is printed as a table, and written as CSV, PNG (plots) an
 import argparse
 import csv
 import dataclasses
+import importlib
 import pathlib
 import sys
 
@@ -192,8 +193,9 @@ def summary(poses: list[Pose]) -> str:
         runs = [pose.runs[name] for pose in colliding]
         force, speed, energy = np.array([[run.force.max(), run.speed.max(), run.energy.max()] for run in runs]).T
         lines.append(
-            f"{name:>8}  {sum(map(rests, runs))}; force/weight median {np.median(force):.3g}, most {force.max():.3g}; "
-            f"speed median {np.median(speed):.3g}, most {speed.max():.3g} m/s; "
+            f"{name:>8}  {sum(map(rests, runs))}; force/weight median {np.median(force):.3g}, most {force.max():.3g}, "
+            f"{sum(force > MOST_WEIGHTS)} over the bound, {sum(force > 10 * MOST_WEIGHTS)} over ten times; "
+            f"speed median {np.median(speed):.3g}, most {speed.max():.3g} m/s, {sum(speed > FASTEST)} over the bound; "
             f"energy most {max(0.0, energy.max()):.3g} J"
         )
     unsolved = sum(pose.status == "unsolved" for pose in colliding)
@@ -287,6 +289,8 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
 def main(argv: list[str] | None = None) -> int:
     arguments = parse(argv)
     try:
+        for needed in ["matplotlib"] * bool(arguments.png) + ["PIL", "OpenGL"] * bool(arguments.gif):
+            importlib.import_module(needed)  # what is missing is told before any work
         loaded = [(path, load(path, arguments)) for path in arguments.models]
         known = {model.key(k).name for _, model in loaded for k in range(model.nkey)}
         for name in arguments.key or []:
