@@ -82,6 +82,14 @@ Task DiscAndGap(double slack) {
           {1.0, -0.7}};
 }
 
+// "median (least-most)", with so many digits behind the point.
+std::string Text(const Spread& spread, int digits) {
+  char text[80];
+  std::snprintf(text, sizeof text, "%.*f (%.*f-%.*f)", digits, spread.middle, digits, spread.low,
+                digits, spread.high);
+  return text;
+}
+
 void PrintRow(const std::string& task, const std::string& planner,
               const std::vector<Checked>& runs) {
   const auto spread = [&runs](const std::function<double(const Path&)>& number) {
@@ -96,12 +104,15 @@ void PrintRow(const std::string& task, const std::string& planner,
     not_free += run.overlap > 0.0;
     overlap = std::max(overlap, run.overlap);
   }
-  const Spread seconds = spread([](const Path& path) { return path.seconds; });
-  std::printf("%-10s %-13s %2d/%-2d %8.3f %8.3f %8.3f %8.0f %9.0f %8.3f %8d %8.3f\n", task.c_str(),
-              planner.c_str(), found, static_cast<int>(runs.size()), seconds.middle, seconds.low,
-              seconds.high, spread([](const Path& path) { return path.nodes; }).middle,
-              spread([](const Path& path) { return double(path.collision_queries); }).middle,
-              spread([](const Path& path) { return path.length; }).middle, not_free, 1e3 * overlap);
+  const auto text = [&spread](int digits, const std::function<double(const Path&)>& number) {
+    return Text(spread(number), digits);
+  };
+  std::printf(
+      "%-10s %-13s %2d/%-2d %24s %23s %27s %20s %8d %8.3f\n", task.c_str(), planner.c_str(), found,
+      static_cast<int>(runs.size()), text(3, [](const Path& path) { return path.seconds; }).c_str(),
+      text(0, [](const Path& path) { return path.nodes; }).c_str(),
+      text(0, [](const Path& path) { return double(path.collision_queries); }).c_str(),
+      text(2, [](const Path& path) { return path.length; }).c_str(), not_free, 1e3 * overlap);
   std::fflush(stdout);
 }
 
@@ -130,9 +141,8 @@ std::vector<Checked> RunAll(const Task& task, const std::string& planner, const 
 }
 
 void Run(const Runs& runs) {
-  std::printf("%-10s %-13s %5s %8s %8s %8s %8s %9s %8s %8s %8s\n", "scene", "planner", "found",
-              "s median", "s least", "s most", "nodes", "queries", "length m", "not free",
-              "mm deep");
+  std::printf("%-10s %-13s %5s %24s %23s %27s %20s %8s %8s\n", "scene", "planner", "found",
+              "s: median (least-most)", "nodes", "queries", "length m", "not free", "mm deep");
   std::vector<Task> tasks;
   if (runs.gaps) {
     for (const double slack : {0.2, 0.1, 0.03, 0.01}) tasks.push_back(DiscAndGap(slack));

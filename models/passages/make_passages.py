@@ -1,4 +1,5 @@
-"""Makes gap.xml, slot.xml and piano.xml: narrow passages of known width. Run it without arguments."""
+"""Makes gap.xml, slot.xml and piano.xml: narrow passages of known width. Those here are made without arguments."""
+import argparse
 import math
 import sys
 from pathlib import Path
@@ -8,8 +9,6 @@ sys.path.insert(0, str(HERE.parent))
 
 from mesh_tools import Mesh
 from scene_tools import Scene, element, radians
-
-SLACK = 0.03  # by which gap and slot are wider than what must pass, a share of that
 
 
 def add_wall(scene, thickness, opening, beyond, x=0.0):
@@ -23,8 +22,8 @@ def add_wall(scene, thickness, opening, beyond, x=0.0):
                 size=(thickness / 2, (y1 - y0) / 2, (z1 - z0) / 2), material="wall")
 
 
-def new_scene(name, camera_pos, camera_xyaxes, look_at, extent):
-    scene = Scene(name, HERE)
+def new_scene(name, folder, camera_pos, camera_xyaxes, look_at, extent):
+    scene = Scene(name, folder)
     scene.material("mover", (0.85, 0.35, 0.2, 1))
     scene.material("wall", (0.6, 0.58, 0.55, 1))
     scene.look(camera_pos, camera_xyaxes, look_at, extent)
@@ -38,10 +37,10 @@ Units: m, kg, s. The disc has a diameter of {wide} m and two slides; the gap is 
 """
 
 
-def make_gap():
+def make_gap(folder, slack):
     wide = 0.4
-    gap = wide * (1 + SLACK)
-    scene = new_scene("gap", (0, -0.5, 6), (1, 0, 0, 0, 1, 0.1), (0, 0, 0), 1.5)
+    gap = wide * (1 + slack)
+    scene = new_scene("gap", folder, (0, -0.5, 6), (1, 0, 0, 0, 1, 0.1), (0, 0, 0), 1.5)
     add_wall(scene, 0.2, (-gap / 2, gap / 2, -0.5, 0.5), 3.0)
     disc = element(scene.world, "body", name="disc")
     for name, axis in (("x", (1, 0, 0)), ("y", (0, 1, 0))):
@@ -59,10 +58,10 @@ Units: m, kg, s, rad. The hand is a cylinder of {thick} m, the slot {high} m hig
 """
 
 
-def make_slot():
+def make_slot(folder, slack):
     thick = 0.06
-    high, slot = thick * (1 + SLACK), 0.2
-    scene = new_scene("slot", (1.0, -2.2, 1.0), (1, 0.25, 0, -0.07, 0.3, 1), (0.4, 0, 0.45), 0.7)
+    high, slot = thick * (1 + slack), 0.2
+    scene = new_scene("slot", folder, (1.0, -2.2, 1.0), (1, 0.25, 0, -0.07, 0.3, 1), (0.4, 0, 0.45), 0.7)
     add_wall(scene, 0.02, (-slot / 2, slot / 2, 0.45 - high / 2, 0.45 + high / 2), 1.5, x=0.64)
     # Where each hinge is on the link before, its axis and range, and the capsule behind it: radius, from, to.
     links = [(0.2, "z", 170, 0.05, 0, 0.15), (0.2, "y", 110, 0.04, 0.05, 0.25), (0.25, "z", 170, 0.04, 0.05, 0.1),
@@ -107,10 +106,10 @@ def piano_mesh(thick):
     return Mesh(vertices, faces)
 
 
-def make_piano():
+def make_piano(folder):
     thick = 0.3
     door, high = 0.4, 1.6
-    scene = new_scene("piano", (-3.5, -5, 3.5), (0.82, -0.57, 0, 0.28, 0.4, 0.87), (0, 0, 0.7), 2.5)
+    scene = new_scene("piano", folder, (-3.5, -5, 3.5), (0.82, -0.57, 0, 0.28, 0.4, 0.87), (0, 0, 0.7), 2.5)
     element(scene.world, "geom", name="floor", type="plane", size=(5, 5, 0.1), material="wall")
     add_wall(scene, 0.12, (-door / 2, door / 2, 0, high), 5.0)
     body = element(scene.world, "body", name="piano")
@@ -123,6 +122,11 @@ def make_piano():
 
 
 if __name__ == "__main__":
-    make_gap()
-    make_slot()
-    make_piano()
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--slack", type=float, default=0.03,
+                        help="by which gap and slot are wider than what must pass, a share of that")
+    parser.add_argument("--folder", type=Path, default=HERE, help="where they are written")
+    arguments = parser.parse_args()
+    make_gap(arguments.folder, arguments.slack)
+    make_slot(arguments.folder, arguments.slack)
+    make_piano(arguments.folder)
