@@ -90,6 +90,15 @@ std::string Text(const Spread& spread, int digits) {
   return text;
 }
 
+// Of the paths that were found [m].
+std::string LengthsText(const std::vector<Checked>& runs) {
+  std::vector<double> lengths;
+  for (const Checked& run : runs) {
+    if (run.path.found) lengths.push_back(run.path.length);
+  }
+  return lengths.empty() ? "" : Text(Spread(lengths), 2);
+}
+
 void PrintRow(const std::string& task, const std::string& planner,
               const std::vector<Checked>& runs) {
   const auto spread = [&runs](const std::function<double(const Path&)>& number) {
@@ -107,12 +116,12 @@ void PrintRow(const std::string& task, const std::string& planner,
   const auto text = [&spread](int digits, const std::function<double(const Path&)>& number) {
     return Text(spread(number), digits);
   };
-  std::printf(
-      "%-10s %-13s %2d/%-2d %24s %23s %27s %20s %8d %8.3f\n", task.c_str(), planner.c_str(), found,
-      static_cast<int>(runs.size()), text(3, [](const Path& path) { return path.seconds; }).c_str(),
-      text(0, [](const Path& path) { return path.nodes; }).c_str(),
-      text(0, [](const Path& path) { return double(path.collision_queries); }).c_str(),
-      text(2, [](const Path& path) { return path.length; }).c_str(), not_free, 1e3 * overlap);
+  std::printf("%-10s %-13s %2d/%-2d %24s %23s %27s %20s %8d %8.3f\n", task.c_str(), planner.c_str(),
+              found, static_cast<int>(runs.size()),
+              text(3, [](const Path& path) { return path.seconds; }).c_str(),
+              text(0, [](const Path& path) { return path.nodes; }).c_str(),
+              text(0, [](const Path& path) { return double(path.collision_queries); }).c_str(),
+              LengthsText(runs).c_str(), not_free, 1e3 * overlap);
   std::fflush(stdout);
 }
 
