@@ -172,9 +172,9 @@ std::string FormatQposRow(const std::vector<double>& row, const std::string& pat
     return bytes;
   }
   const std::string ending = Extension(path);
-  const bool json = ending == ".jsonl";
-  const char separator = json || ending == ".csv" ? ',' : ' ';
-  std::string text = json ? "{\"qpos\":[" : "";
+  if (ending == ".jsonl") return nlohmann::json({{"qpos", row}}).dump() + '\n';
+  const char separator = ending == ".csv" ? ',' : ' ';
+  std::string text;
   for (std::size_t i = 0; i < row.size(); ++i) {
     char number[32];
     // The shortest digits that read back as the same number.
@@ -182,7 +182,6 @@ std::string FormatQposRow(const std::vector<double>& row, const std::string& pat
     if (i > 0) text += separator;
     text.append(number, end);
   }
-  if (json) text += "]}";
   return text + '\n';
 }
 

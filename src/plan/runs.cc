@@ -22,10 +22,9 @@ namespace {
 namespace ob = ompl::base;
 namespace og = ompl::geometric;
 
-// The length of a step, a share of the largest √σ between random configurations; not tuned. As a
-// share of their largest length, which is two to three times that, the slot took birrt-pdg 5.0 s
-// instead of 2.7.
+// The length of a step, a share of the largest √σ between random configurations; not tuned.
 constexpr double kRange = 0.1;
+
 // How many nodes a planner's trees have. OMPL answers with a copy of them as a graph, which takes
 // longer and more memory than the search where they are large; this notes states alone.
 class NodeCount : public ob::PlannerData {
