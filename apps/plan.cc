@@ -294,7 +294,7 @@ Verb AddPlanVerb(CLI::App& program) {
   AddInteger(*command,
              {"--threads",
               "N",
-              "of planners that retract, at runs of their own",
+              "of birrt, birrt-r and birrt-pdg, at runs of their own",
               {.low = 1.0, .high = 1024.0}},
              arguments->threads);
   AddMovable(*command, arguments->scene);

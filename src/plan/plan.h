@@ -23,7 +23,7 @@ struct PlanOptions {
   // The length of a step [m]; 0: a tenth of the largest √σ between random configurations.
   double range = 0.0;
   std::int64_t max_samples = 0;  // ends the search after so many; 0: no bound
-  // Several are used by planners that retract; the path is the same at any number.
+  // Several are used by planners that begin anew; the path is the same at any number.
   int threads = 1;
   // Asked between samples, by one thread at a time, whether to go on; empty: always.
   std::function<bool()> go_on = {};

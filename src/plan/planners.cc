@@ -78,7 +78,9 @@ std::vector<std::string> PlannerNames() {
   return names;
 }
 
-bool Retracts(const std::string& planner) { return planner == "birrt-r" || planner == "birrt-pdg"; }
+bool BeginsAnew(const std::string& planner) {
+  return planner == "birrt" || planner == "birrt-r" || planner == "birrt-pdg";
+}
 
 NamedPlanner MakePlanner(const std::string& name, double range, const RetractionInput& input,
                          const ob::SpaceInformationPtr& space) {

@@ -14,7 +14,8 @@ namespace mjcf_pdg {
 
 std::vector<std::string> PlannerNames();
 
-bool Retracts(const std::string& planner);  // is one of our two that do
+// Whether the planner is one of the three of Table IV: these begin anew after some samples.
+bool BeginsAnew(const std::string& planner);
 
 struct NamedPlanner {
   ompl::base::PlannerPtr planner;

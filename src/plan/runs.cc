@@ -47,12 +47,12 @@ class NodeCount : public ob::PlannerData {
   std::unordered_set<const ob::State*> states_;
 };
 
-// The samples of a run, times a term of Luby's sequence. Seconds per path on the bridge, with 60,
-// 125, 250, 500, 1000 and 2000 (PDg in both trees): 0.36, 0.39, 0.55, 0.49, 0.62 and 1.0; birrt-r,
-// but for the last, 1.3, 1.4, 1.8, 2.1 and 2.4. In one run without end, three and four of eight
-// seeds found none in 6000 samples. OMPL's own planners need large trees, and have one run: birrt
-// took 3.7 instead of 1.1 on Placement.
-constexpr std::int64_t kSamplesOfARun = 100;
+// The samples of a run, times a term of Luby's sequence. Seconds per path with 100, 250, 500 and
+// 1000 (medians of 8 to 20 seeds): birrt-pdg in the piano 3.2, 5.2, 8.0 and 21, in the slot 4.6, 1.9,
+// 1.4 and 1.3, on Placement 0.55, 0.42, 0.49 and 0.48; birrt-r 15, 11, 10 and 19, 3.8, 2.4, 2.8 and
+// 1.9, 1.2, 0.7, 0.5 and 0.5. In one run without end birrt found 4 of 10 paths on the bridge in 300 s
+// each, and ten with any of these.
+constexpr std::int64_t kSamplesOfARun = 250;
 constexpr std::int64_t kNoBound = std::numeric_limits<std::int64_t>::max();
 
 // Term k = 1, 2, ... of 1 1 2 1 1 2 4 1 1 2 1 1 2 4 8 ... (Luby, Sinclair and Zuckerman, Optimal
@@ -72,12 +72,12 @@ struct Run {
 class Searching {
  public:
   explicit Searching(const RunsInput& input)
-      : input_(input), retracts_(Retracts(input.options.planner)) {
+      : input_(input), begins_anew_(BeginsAnew(input.options.planner)) {
     if (input.options.max_samples > 0) samples_left_ = input.options.max_samples;
   }
 
   Runs Go() {
-    InOrder<Run> runs(static_cast<std::size_t>(retracts_ ? input_.options.threads : 1));
+    InOrder<Run> runs(static_cast<std::size_t>(begins_anew_ ? input_.options.threads : 1));
     runs.Run([this](Run& run) { return Take(run); }, [this](std::size_t, Run& run) { Do(run); },
              [this](std::size_t, const Run& run) { return Tell(run); });
     return std::move(all_);
@@ -86,8 +86,8 @@ class Searching {
  private:
   bool Take(Run& run) {
     run.number = ++taken_;
-    run.samples = retracts_ ? std::min(samples_left_, Luby(run.number) * kSamplesOfARun)
-                            : samples_left_;  // a run of OMPL's own planners has no end
+    run.samples = begins_anew_ ? std::min(samples_left_, Luby(run.number) * kSamplesOfARun)
+                               : samples_left_;  // a run of OMPL's other planners has no end
     samples_left_ -= run.samples;
     return run.samples > 0 && run.number < found_ && !Ended();
   }
@@ -148,7 +148,7 @@ class Searching {
   }
 
   const RunsInput& input_;
-  const bool retracts_;
+  const bool begins_anew_;
   std::int64_t taken_ = 0, samples_left_ = kNoBound;
   std::atomic<std::int64_t> found_ = kNoBound;  // the first run that found a path
   mutable std::mutex ended_;
