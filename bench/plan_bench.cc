@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -42,12 +43,12 @@ struct Checked {
   double overlap = 0.0;
 };
 
-// The least, the middle and the largest of a number that each run has.
+// The least, the median and the largest of a number that each run has.
 struct Spread {
   explicit Spread(std::vector<double> values) {
     std::sort(values.begin(), values.end());
     low = values.front();
-    middle = values[values.size() / 2];
+    middle = std::midpoint(values[(values.size() - 1) / 2], values[values.size() / 2]);
     high = values.back();
   }
   double low, middle, high;

@@ -37,8 +37,7 @@ double Longest(const SceneTables& tables, const std::vector<JointRate>& rates, c
   return longest;
 }
 
-// The way between two corners. s is the time that it would take at full speed [s], 0 at the first:
-// in that unit the largest ds/dt is 1, so that Ruckig's tolerances fit ways of any length.
+// The way between two corners. s is the time that it would take at full speed [s], 0 at the first.
 struct Way {
   struct Piece {
     VectorXd from, rate;  // nq; n, dq/ds
@@ -48,10 +47,67 @@ struct Way {
   double length = 0.0;  // s of the second corner
 };
 
+// s as a function of the time, from rest to rest in whole time steps. Ruckig sees a way of length 1
+// that takes about 1: its tolerances, and the longest time that it admits, are numbers.
+class Profile {
+ public:
+  // The largest ds/dt and d²s/dt² [1/s]; that may be infinite.
+  Profile(double length, double speed, double acceleration, double step) : length_(length) {
+    const bool reaches_speed = length * acceleration >= speed * speed;
+    const double fastest = reaches_speed ? length / speed + speed / acceleration
+                                         : 2.0 * std::sqrt(length / acceleration);
+    // It takes a step at least, and need not be faster than in half of one.
+    time_ = std::max(fastest, 0.5 * step);
+    if (time_ / step > kMaxSamples) {
+      throw Error("the path takes more than a million steps of the trajectory");
+    }
+    ruckig::InputParameter<1> input;
+    input.current_position = {0.0};
+    input.target_position = {1.0};
+    input.max_velocity = {speed * fastest / length};
+    if (std::isfinite(acceleration)) {
+      input.max_acceleration = {acceleration * fastest * fastest / length};
+    }
+    input.duration_discretization = ruckig::DurationDiscretization::Discrete;
+    ruckig::Ruckig<1> ruckig(step / time_);
+    const ruckig::Result result = ruckig.calculate(input, trajectory_);
+    if (result == ruckig::Result::Working) return;
+    std::ostringstream words;
+    words << "no times for an edge that takes " << length
+          << " s at full speed (Ruckig: " << static_cast<int>(result) << ")";
+    throw Error(words.str());
+  }
+
+  double duration() const { return time_ * trajectory_.get_duration(); }  // [s]
+
+  struct Point {
+    double s, rate;  // ds/dt
+  };
+  Point At(double time) const {
+    double s, rate, acceleration;
+    trajectory_.at_time(time / time_, s, rate, acceleration);
+    return {std::clamp(length_ * s, 0.0, length_), length_ / time_ * rate};
+  }
+
+  // When s(t) is s, by halving: it never falls.
+  double TimeOf(double s) const {
+    double early = 0.0, late = duration();
+    for (;;) {
+      const double time = std::midpoint(early, late);
+      if (time <= early || time >= late) return late;
+      (At(time).s < s ? early : late) = time;
+    }
+  }
+
+ private:
+  double length_, time_;
+  ruckig::Trajectory<1> trajectory_;
+};
+
 class PathTimer {
  public:
   PathTimer(const SceneTables& tables, const TimingLimits& limits)
-      : tables_(tables), limits_(limits), ruckig_(limits.step) {}
+      : tables_(tables), limits_(limits) {}
 
   TimedPath Run(const std::vector<std::vector<double>>& path, const std::vector<int>& corners) {
     Rest(path.front());
@@ -75,25 +131,14 @@ class PathTimer {
   void Go(std::span<const std::vector<double>> path) {
     const double begin = timed_.samples.back().time;
     const Way way = MakeWay(path);
-    ruckig::Trajectory<1> s_of_time;
-    if (way.length > 0.0) {
-      s_of_time = Profile(way);
-      Sample(way, s_of_time);
+    if (way.length == 0.0) {
+      timed_.times.insert(timed_.times.end(), way.pieces.size() - 1, begin);
+      return;
     }
+    const Profile profile = MakeProfile(way);
+    Sample(way, profile);
     for (std::size_t k = 1; k < way.pieces.size(); ++k) {
-      timed_.times.push_back(begin + (way.length > 0.0 ? TimeOf(s_of_time, way.pieces[k].s) : 0.0));
-    }
-  }
-
-  // When s(t) is s, by halving: it never falls.
-  static double TimeOf(const ruckig::Trajectory<1>& s_of_time, double s) {
-    double early = 0.0, late = s_of_time.get_duration();
-    for (;;) {
-      const double time = std::midpoint(early, late);
-      if (time <= early || time >= late) return late;
-      double at, rate, acceleration;
-      s_of_time.at_time(time, at, rate, acceleration);
-      (at < s ? early : late) = time;
+      timed_.times.push_back(begin + profile.TimeOf(way.pieces[k].s));
     }
   }
 
@@ -110,11 +155,7 @@ class PathTimer {
     return way;
   }
 
-  // s as a function of the time.
-  ruckig::Trajectory<1> Profile(const Way& way) {
-    ruckig::InputParameter<1> input;
-    input.current_position = {0.0};
-    input.target_position = {way.length};
+  Profile MakeProfile(const Way& way) const {
     double bends = 0.0,
            along = 0.0;  // accelerations of joints over their limits, by (ds/dt)², d²s/dt²
     for (std::size_t k = 0; k < way.pieces.size(); ++k) {
@@ -129,29 +170,19 @@ class PathTimer {
       bends = std::max(bends, Longest(tables_, limits_.acceleration, bend, false));
     }
     const double share = bends > 0.0 ? 0.5 : 1.0;
-    input.max_velocity = {std::min(1.0, std::sqrt(share / bends))};
-    if (along > 0.0) input.max_acceleration = {share / along};
-    input.duration_discretization = ruckig::DurationDiscretization::Discrete;
-    ruckig::Trajectory<1> s_of_time;
-    const ruckig::Result result = ruckig_.calculate(input, s_of_time);
-    if (result == ruckig::Result::Working) return s_of_time;
-    std::ostringstream words;
-    words << "no times for an edge that takes " << way.length
-          << " s at full speed (Ruckig: " << static_cast<int>(result) << ")";
-    throw Error(words.str());
+    return Profile(way.length, std::min(1.0, std::sqrt(share / bends)), share / along,
+                   limits_.step);
   }
 
-  void Sample(const Way& way, const ruckig::Trajectory<1>& s_of_time) {
-    const double steps = std::round(s_of_time.get_duration() / limits_.step);
+  void Sample(const Way& way, const Profile& profile) {
+    const double steps = std::round(profile.duration() / limits_.step);
     if (static_cast<double>(timed_.samples.size()) + steps > kMaxSamples) {
       throw Error("the path takes more than a million steps of the trajectory");
     }
     VectorXd q;
     std::size_t piece = 0;
     for (int k = 1; k < static_cast<int>(steps); ++k) {
-      double s, rate, acceleration;
-      s_of_time.at_time(k * limits_.step, s, rate, acceleration);
-      s = std::clamp(s, 0.0, way.length);
+      const auto [s, rate] = profile.At(k * limits_.step);
       while (piece + 1 < way.pieces.size() && way.pieces[piece + 1].s <= s) ++piece;
       const Way::Piece& at = way.pieces[piece];
       Integrate(tables_, at.from, (s - at.s) * at.rate, q);
@@ -186,7 +217,6 @@ class PathTimer {
 
   const SceneTables& tables_;
   const TimingLimits& limits_;
-  ruckig::Ruckig<1> ruckig_;
   TimedPath timed_;
 };
 
