@@ -168,7 +168,8 @@ Configuration ReadConfiguration(const Scene& scene, const std::string& text,
   Configuration configuration;
   if (const int key = KeyIndex(names, text); key >= 0 && (named || scene.nq() > 1)) {
     configuration = FromKey(scene, names, key);
-  } else if (text.find_first_not_of("0123456789+-.eE, \t") != std::string::npos) {
+  } else if (text.find_first_not_of("0123456789+-.eE, \t") != std::string::npos ||
+             (text.find_first_not_of("0123456789") == std::string::npos && scene.nq() > 1)) {
     throw Error(flag + ": no keyframe '" + text + "' (" + ValidKeys(names) + ")");
   } else {
     configuration.q = ParseNumbers(text, flag);

@@ -51,7 +51,7 @@ class NodeCount : public ob::PlannerData {
 // 1000 (medians of 8 to 20 seeds): birrt-pdg in the piano 3.2, 5.2, 8.0 and 21, in the slot 4.6, 1.9,
 // 1.4 and 1.3, on Placement 0.55, 0.42, 0.49 and 0.48; birrt-r 15, 11, 10 and 19, 3.8, 2.4, 2.8 and
 // 1.9, 1.2, 0.7, 0.5 and 0.5. In one run without end birrt found 4 of 10 paths on the bridge in 300 s
-// each, and ten with any of these.
+// each, and ten of ten with each of these.
 constexpr std::int64_t kSamplesOfARun = 250;
 constexpr std::int64_t kNoBound = std::numeric_limits<std::int64_t>::max();
 

@@ -59,7 +59,10 @@ class Profile {
     // It takes a step at least, and need not be faster than in half of one.
     time_ = std::max(fastest, 0.5 * step);
     if (time_ / step > kMaxSamples) {
-      throw Error("the path takes more than a million steps of the trajectory");
+      std::ostringstream words;
+      words << "the path takes more than a million steps of the trajectory: an edge of it takes "
+            << time_ << " s";
+      throw Error(words.str());
     }
     ruckig::InputParameter<1> input;
     input.current_position = {0.0};

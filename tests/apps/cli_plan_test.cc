@@ -187,6 +187,7 @@ TEST_F(CliPlanTest, BadInputIsOneLineAndNothingIsWritten) {
   const std::set<std::string> before = Files();
   for (const auto& [arguments, words] :
        {std::pair{Ends("nowhere", "goal"), "--start: no keyframe 'nowhere'"},
+        {Ends("start", "17"), "--goal: no keyframe '17'"},
         {Ends("start", "1 2 3"), "--goal"},
         {Ends("start", "0 1e999"), "--goal"},
         {Ends("start", ""), "--goal"},

@@ -120,9 +120,9 @@ TEST_F(CliTrajectoryTest, BadInputIsRefused) {
   ExpectRefused(Timed({"--out-trajectory", "t.csv"}), "--out-trajectory needs --speeds");
   ExpectRefused(Timed({"--speeds", "1", "--time-step", "0"}), "--time-step");
   ExpectRefused(Timed({"--speeds", "1", "--out-trajectory", "t.doc"}), "--out-trajectory");
-  ExpectRefused(Timed({"--speeds", "1e-9"}), "at full speed");
+  ExpectRefused(Timed({"--speeds", "1e-9"}), "more than a million steps");
   // Before any path is sought.
-  ExpectRefused(Timed({"--speeds", "1e-9", "--time-limit", "1e-6"}), "at full speed");
+  ExpectRefused(Timed({"--speeds", "1e-9", "--time-limit", "1e-6"}), "more than a million steps");
 }
 
 }  // namespace
