@@ -195,7 +195,7 @@ def summary(poses: list[Pose]) -> str:
         lines.append(
             f"{name:>8}  {sum(map(rests, runs))}; force/weight median {np.median(force):.3g}, most {force.max():.3g}, "
             f"{sum(force > MOST_WEIGHTS)} over the bound, {sum(force > 10 * MOST_WEIGHTS)} over ten times; "
-            f"speed median {np.median(speed):.3g}, most {speed.max():.3g} m/s, {sum(speed > FASTEST)} over the bound; "
+            f"speed least {speed.min():.3g}, median {np.median(speed):.3g}, most {speed.max():.3g} m/s, {sum(speed > FASTEST)} over the bound; "
             f"energy most {max(0.0, energy.max()):.3g} J"
         )
     unsolved = sum(pose.status == "unsolved" for pose in colliding)
