@@ -47,11 +47,10 @@ class NodeCount : public ob::PlannerData {
   std::unordered_set<const ob::State*> states_;
 };
 
-// The samples of a run, times a term of Luby's sequence. Seconds per path with 100, 250, 500 and
-// 1000 (medians of 8 to 20 seeds): birrt-pdg in the piano 3.2, 5.2, 8.0 and 21, in the slot 4.6, 1.9,
-// 1.4 and 1.3, on Placement 0.55, 0.42, 0.49 and 0.48; birrt-r 15, 11, 10 and 19, 3.8, 2.4, 2.8 and
-// 1.9, 1.2, 0.7, 0.5 and 0.5. In one run without end birrt found 4 of 10 paths on the bridge in 300 s
-// each, and ten of ten with each of these.
+// The samples of a run, times a term of Luby's sequence. Of 100, 250, 500 and 1000 this has the
+// least product of median times, over four scenes and both planners that retract (bench/README.md,
+// plan_bench). In one run without end birrt found 4 of 10 paths on the bridge in 300 s each; begun
+// anew, after any of these, it found ten.
 constexpr std::int64_t kSamplesOfARun = 250;
 constexpr std::int64_t kNoBound = std::numeric_limits<std::int64_t>::max();
 
