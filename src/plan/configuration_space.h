@@ -90,7 +90,7 @@ class ConfigurationSpace : public ompl::base::StateSpace {
   // are neither large nor small.
   unsigned int getDimension() const override;
   double getMaximumExtent() const override { return 1.0; }
-  double getMeasure() const override { return 1.0; }  // unknown, and no planner of ours asks
+  double getMeasure() const override { return 1.0; }  // unknown: planners take k nearest nodes
   bool isMetricSpace() const override { return false; }
   bool hasSymmetricDistance() const override { return false; }
   void enforceBounds(ompl::base::State* state) const override;

@@ -1,4 +1,4 @@
-// Planners by name: our three, and those of OMPL that end with the first path that they find.
+// Planners by name: our three, and those of OMPL, which end with the first path that they find.
 #ifndef MJCF_PDG_SRC_PLAN_PLANNERS_H_
 #define MJCF_PDG_SRC_PLAN_PLANNERS_H_
 
@@ -19,7 +19,8 @@ bool BeginsAnew(const std::string& planner);
 
 struct NamedPlanner {
   ompl::base::PlannerPtr planner;
-  const RetractingRrtConnect* retracting = nullptr;  // the same, if it retracts
+  const RetractingRrtConnect* retracting = nullptr;     // the same, if it retracts
+  ompl::base::OptimizationObjectivePtr objective = {};  // of the problem, if it asks for one
 };
 
 // `range` is the length of a step, a share of the space's extent, the same for all that have one.

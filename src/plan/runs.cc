@@ -122,6 +122,7 @@ class Searching {
     const NamedPlanner named =
         MakePlanner(options.planner, range,
                     {input_.scene, options.options, space, prover, input_.clearance}, information);
+    if (named.objective) problem->setOptimizationObjective(named.objective);
     named.planner->setProblemDefinition(problem);
     named.planner->setup();
     named.planner->solve(ob::PlannerTerminationCondition(

@@ -1,6 +1,7 @@
 // The runs of a search. One of the three planners of Table IV that has not found a path after some
-// samples begins anew: a few samples in the right place make a path soon or not at all. The runs are
-// independent, each with random numbers of its own, so that several threads may be at different ones.
+// samples begins anew: a few samples in the right place make a path soon or not at all. The runs
+// are independent, each with random numbers of its own, so that several threads may be at different
+// ones.
 #ifndef MJCF_PDG_SRC_PLAN_RUNS_H_
 #define MJCF_PDG_SRC_PLAN_RUNS_H_
 
