@@ -12,7 +12,6 @@
 #include <ompl/geometric/planners/kpiece/KPIECE1.h>
 #include <ompl/geometric/planners/kpiece/LBKPIECE1.h>
 #include <ompl/geometric/planners/pdst/PDST.h>
-#include <ompl/geometric/planners/prm/LazyPRM.h>
 #include <ompl/geometric/planners/rrt/BiTRRT.h>
 #include <ompl/geometric/planners/rrt/InformedRRTstar.h>
 #include <ompl/geometric/planners/rrt/LazyRRT.h>
@@ -21,7 +20,6 @@
 #include <ompl/geometric/planners/rrt/RRTXstatic.h>
 #include <ompl/geometric/planners/rrt/RRTsharp.h>
 #include <ompl/geometric/planners/rrt/RRTstar.h>
-#include <ompl/geometric/planners/rrt/SORRTstar.h>
 #include <ompl/geometric/planners/rrt/TRRT.h>
 #include <ompl/geometric/planners/sbl/SBL.h>
 #include <ompl/geometric/planners/stride/STRIDE.h>
@@ -76,7 +74,8 @@ struct Entry {
 //
 // Optimizing planners end with their first path. Left out are those with threads of their own (PRM,
 // SPARS, pRRT, CForest), those that look at the clock too seldom (FMT: 16 s of 3 on Placement),
-// those for other spaces or controls, and LBTRRT, which fails an assertion of its own.
+// those that lose memory (LazyPRM, SORRT*), those for other spaces or controls, and LBTRRT, which
+// fails an assertion of its own.
 constexpr Entry kPlanners[] = {
     {"birrt", Plain<og::RRTConnect>},
     {"birrt-r",
@@ -100,12 +99,10 @@ constexpr Entry kPlanners[] = {
     {"pdst", Plain<og::PDST>},
     {"sbl", Plain<og::SBL>},
     {"stride", Plain<og::STRIDE>},
-    {"lazyprm", Plain<og::LazyPRM>},
     {"rrtstar", Optimizing<og::RRTstar>},
     {"rrtsharp", Optimizing<og::RRTsharp>},
     {"rrtxstatic", Optimizing<og::RRTXstatic>},
     {"informedrrtstar", Optimizing<og::InformedRRTstar>},
-    {"sorrtstar", Optimizing<og::SORRTstar>},
     {"bitrrt", Plain<og::BiTRRT>},
     {"bitstar", Optimizing<og::BITstar>},
     {"abitstar", Optimizing<og::ABITstar>},
