@@ -128,7 +128,7 @@ TEST(PlanTest, ThreadsDoNotChangeThePath) {
   for (const auto& [planner, seed] :
        {std::pair{"birrt", 9u}, {"birrt-r", 10u}, {"birrt-pdg", 23u}}) {
     PlanOptions options = With(planner, seed);
-    options.max_samples = 1500;
+    options.max_samples = 700;
     const Path path = Plan(scene, scene.KeyQpos(0), scene.KeyQpos(1), options);
     late += path.found && path.samples > 250;
     for (const int threads : {2, 3}) {
