@@ -10,10 +10,10 @@
 #include <filesystem>
 #include <functional>
 #include <map>
-#include <numeric>
 #include <string>
 #include <vector>
 
+#include "measure.h"
 #include "peers/sampled_plan.h"
 #include "plan/plan.h"
 
@@ -46,10 +46,9 @@ struct Checked {
 // The least, the median and the largest of a number that each run has.
 struct Spread {
   explicit Spread(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    low = values.front();
-    middle = std::midpoint(values[(values.size() - 1) / 2], values[values.size() / 2]);
-    high = values.back();
+    low = Quantile(values, 0.0);
+    middle = Quantile(values, 0.5);
+    high = Quantile(std::move(values), 1.0);
   }
   double low, middle, high;
 };

@@ -37,7 +37,7 @@ using Input = const RetractionInput&;
 
 template <typename Planner>
 NamedPlanner Plain(Input, Space space) {
-  return {std::make_shared<Planner>(space), nullptr, nullptr};
+  return {std::make_shared<Planner>(space)};
 }
 
 // The first path will do: an optimizing planner that is not told so never ends.
@@ -55,12 +55,13 @@ class FirstPath : public ob::PathLengthOptimizationObjective {
 
 template <typename Planner>
 NamedPlanner Optimizing(Input, Space space) {
-  return {std::make_shared<Planner>(space), nullptr, std::make_shared<FirstPath>(space)};
+  return {.planner = std::make_shared<Planner>(space),
+          .objective = std::make_shared<FirstPath>(space)};
 }
 
 NamedPlanner Retracting(const std::string& name, Retractions retractions, Space space) {
   const auto planner = std::make_shared<RetractingRrtConnect>(space, name, std::move(retractions));
-  return {planner, planner.get(), nullptr};
+  return {planner, planner.get()};
 }
 
 struct Entry {

@@ -58,12 +58,6 @@ class Profile {
                                          : 2.0 * std::sqrt(length / acceleration);
     // It takes a step at least, and need not be faster than in half of one.
     time_ = std::max(fastest, 0.5 * step);
-    if (time_ / step > kMaxSamples) {
-      std::ostringstream words;
-      words << "the path takes more than a million steps of the trajectory: an edge of it takes "
-            << time_ << " s";
-      throw Error(words.str());
-    }
     ruckig::InputParameter<1> input;
     input.current_position = {0.0};
     input.target_position = {1.0};

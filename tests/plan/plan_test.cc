@@ -7,15 +7,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <string>
 #include <utility>
 
-#include "mjcf_pdg/object_norm.h"
-#include "plan/configuration_space.h"
 #include "plan/planners.h"
 #include "tests/plan/plan_test_support.h"
-#include "tests/support/trials.h"
 
 namespace mjcf_pdg {
 namespace {
@@ -259,66 +255,6 @@ TEST(PlanTest, EveryNamedPlannerPlans) {
   EXPECT_GE(planned, 23);
 }
 
-// The scenes of Table IV are what they are said to be: links, degrees of freedom, triangles, and
-// ends that are free.
-TEST(PlanTest, ScenesAreAsInThePaper) {
-  struct Paper {
-    const char* name;
-    int links, dof, triangles;
-  };
-  for (const Paper& paper : {Paper{"placement", 15, 41, 52000}, {"bridge", 13, 40, 31000}}) {
-    SCOPED_TRACE(paper.name);
-    const std::string path =
-        std::string(MJCF_PDG_MODEL_DIR) + "/" + paper.name + "/" + paper.name + ".xml";
-    const Scene scene = Scene::FromFile(path);
-    const mjModel& m = *scene.model();
-    EXPECT_EQ(scene.dof(), paper.dof);
-    EXPECT_EQ(std::count_if(m.body_dofnum, m.body_dofnum + m.nbody, [](int n) { return n > 0; }),
-              paper.links);
-    int triangles = 0;
-    for (int g = 0; g < m.ngeom; ++g) {
-      if (m.geom_type[g] == mjGEOM_MESH) triangles += m.mesh_facenum[m.geom_dataid[g]];
-    }
-    EXPECT_NEAR(triangles, paper.triangles, 1000);
-    EXPECT_EQ(scene.KeyNames(), (std::vector<std::string>{"start", "goal"}));
-    Solver solver(scene);
-    EXPECT_TRUE(solver.IsFree(scene.KeyQpos(0)));
-    EXPECT_TRUE(solver.IsFree(scene.KeyQpos(1)));
-    // There is something in the way.
-    EXPECT_EQ(CheckMotion(scene, scene.KeyQpos(0), scene.KeyQpos(1)).outcome,
-              MotionOutcome::kContact);
-  }
-}
-
-// Without beginning anew, three of eight searches found nothing in more samples.
-TEST(PlanTest, TheBridgeIsPassedWhateverTheSeed) {
-  const Scene scene = Scene::FromFile(std::string(MJCF_PDG_MODEL_DIR) + "/bridge/bridge.xml");
-  for (int seed = 0; seed < test::Trials(8); ++seed) {
-    PlanOptions options = With("birrt-pdg", static_cast<std::uint64_t>(seed));
-    options.max_samples = 5000;
-    EXPECT_TRUE(Plan(scene, scene.KeyQpos(0), scene.KeyQpos(1), options).found) << seed;
-  }
-}
-
-TEST(PlanTest, NarrowPassagesOfKnownWidthArePassed) {
-  for (const auto& [name, seed] : {std::pair{"gap", 1}, {"slot", 7}, {"piano", 1}}) {
-    SCOPED_TRACE(name);
-    const Scene scene =
-        Scene::FromFile(std::string(MJCF_PDG_MODEL_DIR) + "/passages/" + name + ".xml",
-                        {.exact_mesh = std::string(name) == "piano"});
-    ExpectFree(scene,
-               Plan(scene, scene.KeyQpos(0), scene.KeyQpos(1),
-                    With("birrt-pdg", static_cast<std::uint64_t>(seed))),
-               scene.KeyQpos(0), scene.KeyQpos(1));
-  }
-}
-
-TEST(PlanTest, TheFigurePutsTheToolIntoTheShelf) {
-  const Scene scene = Scene::FromFile(std::string(MJCF_PDG_MODEL_DIR) + "/placement/placement.xml");
-  ExpectFree(scene, Plan(scene, scene.KeyQpos(0), scene.KeyQpos(1), With("birrt-pdg")),
-             scene.KeyQpos(0), scene.KeyQpos(1));
-}
-
 TEST(PlanTest, BadInputIsRefused) {
   const Scene scene = Scene::FromString(DiscAndGap(0.1));
   const auto message = [&](const std::vector<double>& start, const PlanOptions& options) {
@@ -332,74 +268,6 @@ TEST(PlanTest, BadInputIsRefused) {
   EXPECT_THAT(message({0.0}, With("birrt")), testing::HasSubstr("2"));
   EXPECT_NE(message({0.0, NAN}, With("birrt")), "");
   EXPECT_THAT(message({-1.0, 0.0}, With("birrt-x")), testing::HasSubstr("birrt-pdg"));
-}
-
-Scene OneJointOfEachKind() {
-  return Scene::FromString(R"(<mujoco><worldbody>
-    <body><freejoint/><geom size=".1"/><geom size=".05" pos=".4 .1 0"/>
-      <body pos=".3 0 0"><joint type="ball"/><geom type="capsule" size=".03" fromto="0 0 0 .2 0 .1"/>
-        <body pos=".2 0 .1"><joint axis="0 1 0"/><geom type="box" size=".1 .05 .02" pos=".1 0 0"/>
-          <body pos=".2 0 0"><joint type="slide" axis="1 0 1"/><geom size=".04"/>
-      </body></body></body></body></worldbody></mujoco>)");
-}
-
-TEST(ConfigurationSpaceTest, TheDistanceIsTheObjectNormUpToHalfATurn) {
-  const Scene scene = OneJointOfEachKind();
-  const int hinge = scene.model()->jnt_qposadr[2];
-  const VectorXd q0 = ToEigen(scene.DefaultQpos());
-  const ConfigurationSpace space(scene, {}, q0, q0);
-  ompl::RNG rng(5);
-  VectorXd from, to;
-  int within = 0;
-  for (int trial = 0; trial < 200; ++trial) {
-    space.Sample(rng, from);
-    space.Sample(rng, to);
-    if (std::abs(to[hinge] - from[hinge]) > std::numbers::pi) continue;
-    ++within;
-    ObjectNorm norm(scene, Metric::kSequential, {from.begin(), from.end()});
-    const double rms = std::sqrt(norm.Sigma({to.begin(), to.end()}));
-    EXPECT_NEAR(space.Distance(from, to), rms, 1e-12 * rms);
-  }
-  EXPECT_GT(within, 100);
-}
-
-// What a tree relies on that grows towards a sample: each part of the way brings it nearer. √σ
-// alone does not promise that: a hinge that is a whole turn off is at no distance.
-TEST(ConfigurationSpaceTest, TheDistanceFallsAllAlongAMotion) {
-  const Scene scene = OneJointOfEachKind();
-  const VectorXd q0 = ToEigen(scene.DefaultQpos());
-  const ConfigurationSpace space(scene, {}, q0, q0);
-  ompl::RNG rng(5);
-  VectorXd from, to, part;
-  for (int trial = 0; trial < 100; ++trial) {
-    space.Sample(rng, from);
-    space.Sample(rng, to);
-    double left = space.Distance(to, from);
-    for (int k = 1; k <= 20; ++k) {
-      space.Interpolate(from, to, k / 20.0, part);
-      const double now = space.Distance(to, part);
-      EXPECT_LT(now, left);
-      left = now;
-    }
-    EXPECT_NEAR(left, 0.0, 1e-12);
-  }
-}
-
-TEST(ConfigurationSpaceTest, AWholeTurnIsTwiceAsFarAsHalfATurn) {
-  const Scene scene = OneJointOfEachKind();
-  const int hinge = scene.model()->jnt_qposadr[2];
-  const VectorXd q0 = ToEigen(scene.DefaultQpos());
-  const ConfigurationSpace space(scene, {}, q0, q0);
-  const auto turned = [&](double angle) {
-    VectorXd q = q0;
-    q[hinge] += angle;
-    return space.Distance(q0, q);
-  };
-  const double half = turned(std::numbers::pi);
-  EXPECT_GT(half, 0.0);
-  EXPECT_NEAR(turned(2.0 * std::numbers::pi), 2.0 * half, 1e-12);
-  EXPECT_NEAR(turned(-3.0 * std::numbers::pi), 3.0 * half, 1e-12);
-  EXPECT_NEAR(turned(std::numbers::pi + 1e-9), half, 1e-8 * half);
 }
 
 TEST(PlanTest, EndsWhileATreeGrowsTowardsTheOther) {
