@@ -23,7 +23,7 @@ import numpy as np
 
 import mjcf_pdg
 
-from lift import CRUSHED, Lift, lift
+from lift import Lift, lift
 from scene import FINGERS, for_lift, for_repair, touching_fingers
 from vessels import Vessel, difference, excess, random_cup
 
@@ -126,7 +126,7 @@ def summary(transfers: list[Transfer]) -> str:
         risen = [each for each in lifts if each.risen]
         lines.append(
             f"{run:>8}  in contact {np.mean([len(t.fingers[run]) for t in transfers]):.1f} of 5 fingers; rise {len(risen)}, "
-            f"of these crushed {sum(each.crushed for each in risen)}, pierced {sum(each.pierced for each in risen)}; "
+            f"of these pierced {sum(each.pierced for each in risen)}; "
             f"hold {sum(each.holds for each in lifts)}; force median {np.median(force):.0f}, most {force.max():.0f} N"
         )
     kept, touched = (sum(len(t.fingers["raw"] & t.fingers[run]) for t in colliding) for run in ("repaired", "raw"))
@@ -161,7 +161,6 @@ def plot(path: str, transfers: list[Transfer]) -> None:
             points = [(1e3 * depth(t), t.lifts[run].force) for t in chosen]
             label = f"{run}, {'holds' if holds else 'does not hold'}"
             axis.scatter(*np.reshape(points, (-1, 2)).T, color=COLOURS[run], marker=marker, label=label)
-    axis.axhline(CRUSHED, color="black", linewidth=0.8, linestyle="--")
     axis.set(xlabel="overlap of the grasp as moved over [mm]", ylabel="largest contact force [N]", yscale="log")
     axis.legend()
     figure.savefig(path, dpi=100)

@@ -12,7 +12,6 @@ LIFT = 0.10  # how far the arm rises [m]
 SQUEEZE = {"mcp": 0.25, "pip": 0.125, "dip": 0.05, "ip": 0.1}  # by which the drives (2 N m/rad) close each joint [rad]
 RISEN = 0.8 * LIFT  # a vessel that rises by less has slipped or fallen
 PIERCED = 0.001  # what squeezed contacts do not reach (0.1 mm): a finger is in the wall [m]
-CRUSHED = 1000.0  # a man's grip of 500 N counts on both sides of the vessel (docs/grasps.md): it breaks, or the hand [N]
 FRAMES_PER_SECOND = 50  # that are kept
 
 
@@ -33,13 +32,9 @@ class Lift:
         return self.overlap >= PIERCED
 
     @property
-    def crushed(self) -> bool:
-        return self.force > CRUSHED
-
-    @property
     def holds(self) -> bool:
-        """The vessel is up, whole, and outside the fingers."""
-        return self.risen and not self.pierced and not self.crushed
+        """The vessel is up, and outside the fingers."""
+        return self.risen and not self.pierced
 
 
 def lift(model: mujoco.MjModel, q: np.ndarray) -> Lift:
@@ -81,9 +76,9 @@ def on_vessel(model: mujoco.MjModel, data: mujoco.MjData, vessel: int) -> np.nda
 
 
 def force_on(model: mujoco.MjModel, data: mujoco.MjData, vessel: int) -> float:
-    """The sum of normal forces [N]: of a pyramidal contact, that of its edges."""
-    edges = data.efc_type == mujoco.mjtConstraint.mjCNSTR_CONTACT_PYRAMIDAL
-    return float(np.sum(data.efc_force[edges][on_vessel(model, data, vessel)[data.efc_id[edges]]]))
+    """The sum of normal forces [N]: of an elliptic cone the first row, where the contact has rows."""
+    rows = data.contact.efc_address[on_vessel(model, data, vessel)]
+    return float(np.sum(data.efc_force[rows[rows >= 0]]))
 
 
 def seen_from_palm(model: mujoco.MjModel, data: mujoco.MjData, vessel: int) -> np.ndarray:
