@@ -25,7 +25,8 @@ class Lift:
 
     @property
     def risen(self) -> bool:
-        return self.rise > RISEN
+        """And still in the hand: one that was thrown may be up as well, metres away."""
+        return self.rise > RISEN and self.slip < LIFT
 
     @property
     def pierced(self) -> bool:

@@ -104,15 +104,16 @@ def test_a_vessel_in_no_hand_stays_on_the_table(app):
 
 
 @pytest.mark.parametrize(
-    ("rise", "overlap", "holds"),
+    ("rise", "slip", "overlap", "holds"),
     [
-        (0.1, 1e-4, True),
-        (0.079, 1e-4, False),  # slipped
-        (0.1, 2e-3, False),  # a finger is in the wall
+        (0.1, 0.02, 1e-4, True),
+        (0.079, 0.02, 1e-4, False),  # slipped
+        (0.1, 2.0, 0.0, False),  # thrown
+        (0.1, 0.02, 2e-3, False),  # a finger is in the wall
     ],
 )
-def test_a_cup_that_holds_is_up_and_outside_the_fingers(app, rise, overlap, holds):
-    assert app["lift"].Lift(np.zeros((1, 0)), rise, slip=0.0, overlap=overlap, force=100.0).holds == holds
+def test_a_cup_that_holds_is_up_in_the_hand_and_outside_the_fingers(app, rise, slip, overlap, holds):
+    assert app["lift"].Lift(np.zeros((1, 0)), rise, slip, overlap, force=100.0).holds == holds
 
 
 def test_what_is_dropped_keeps_three_quarters_of_its_speed(app):
