@@ -20,7 +20,7 @@ struct StrategyInput {
   int distances_at_input = 0;             // pair distances that the query for them took
   double sigma_lower_bound = 0.0;         // no free configuration has a smaller σ; 0: unknown [m²]
   // A tighter one [m²], where a free configuration with this σ [m²] is known. It takes as long as
-  // ten queries or more, asked again about the same σ nothing. Empty: there is none.
+  // ten queries or more. Empty: there is none.
   std::function<double(double)> tighten = {};
   const VectorXd* hint = nullptr;  // nq, a configuration that may be free; null: none
   // nq, an answer of the same problem with fewer trees, where one is known: it is where the search

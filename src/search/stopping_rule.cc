@@ -1,6 +1,7 @@
 #include "search/stopping_rule.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "base/tuning.h"
 
@@ -31,6 +32,7 @@ void StoppingRule::Begin(const EffortPlan& plan, const StrategyInput& input, dou
   trees_ = CountTrees(work_);
   sigma_lower_bound_ = input.sigma_lower_bound;
   tighten_ = input.tighten;
+  tightened_ = std::numeric_limits<double>::infinity();
   distances_at_input_ = input.distances_at_input;
   depth_ = depth;
   meshes_overlap_ = meshes_overlap;
@@ -67,7 +69,10 @@ bool StoppingRule::Agreed(double best_sigma) {
   const int agreeing = agreeing_ + given_up_ / tune::kGivenUpPerAgreement;
   if (agreeing >= plan_.agree) return true;
   if (agreeing < plan_.agree_over_bound) return false;  // too few, were the bound σ itself
-  if (tighten_) Prove(tighten_(best_sigma));
+  if (tighten_ && tightened_ > tune::kSameAnswer * best_sigma) {
+    tightened_ = best_sigma;
+    Prove(tighten_(best_sigma));
+  }
   const double over_bound = agreeing / plan_.agree_over_bound;
   return over_bound * over_bound * sigma_lower_bound_ >= best_sigma;
 }

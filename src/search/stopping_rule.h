@@ -61,7 +61,8 @@ class StoppingRule {
   EffortPlan plan_;
   double sigma_lower_bound_ = 0.0;  // [m²]
   std::function<double(double)> tighten_;
-  int trees_ = 1;  // kinematic trees that may move
+  double tightened_ = 0.0;  // the σ for which the bound was tightened last; infinite: none [m²]
+  int trees_ = 1;           // kinematic trees that may move
   int distances_at_input_ = 0;
   double depth_ = 0.0;  // [m]
   bool meshes_overlap_ = false;
