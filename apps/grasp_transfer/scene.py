@@ -14,8 +14,9 @@ TOUCHING = 0.001  # a finger nearer than this is in contact [m]
 
 # Stoneware is hard and bounces. A contact is a spring of 500 rad/s, into which fingers press by 0.1 mm (by MuJoCo's
 # default up to 2 mm, of a wall of 3), and is damped so that a dropped ball keeps 0.75 of its speed (tested): floor
-# tiles of stoneware are asked for 0.55 (ISO 10545-5), glass gives glass 0.95. By default contacts are critically damped, and
-# what an overlap has stored vanishes. MuJoCo advises elliptic cones and a large impratio against creep in grasps.
+# tiles of stoneware are asked for 0.55 (ISO 10545-5), glass gives glass 0.95. By default contacts are critically
+# damped, and what an overlap has stored vanishes. MuJoCo advises elliptic cones and a large impratio against creep in
+# grasps.
 TIMESTEP, STIFFNESS, DAMPING_RATIO = 0.0005, 500.0, 0.1  # [s, rad/s, 1]
 IMPRATIO = 10.0
 SOLREF = [1 / (STIFFNESS * DAMPING_RATIO), DAMPING_RATIO]
