@@ -4,8 +4,8 @@
     python3 apps/grasp_transfer/make_database.py        # half a minute
 
 A palm is put beside the vessel at random, with straight fingers, which close until they touch; what then passes the
-lift test is a grasp. The best of three is the one that passes it most often when the palm is first moved a few
-millimetres, and slips least.
+lift test is a grasp. The best of three is the one that passes it most often when the open hand is first moved a few
+millimetres, and slips least. PDg has no part in this.
 """
 
 import concurrent.futures
@@ -27,7 +27,7 @@ DATABASE = pathlib.Path(__file__).resolve().parent / "database.json"
 SEED, CUPS, BOTTLES = 0, 4, 2
 SAMPLES = 50  # free palm poses that are tried for a vessel
 GRASPS = 3  # that pass the lift test; with so many to choose from the search ends
-DISTURBED, NOISE = 3, 0.003  # lifts with the palm moved; standard deviation of that, each way [m]
+DISTURBED, NOISE = 3, 0.003  # hands moved; standard deviation of that, each way [m]
 
 
 def random_palm(model: mujoco.MjModel, vessel: Vessel, rng: np.random.Generator) -> np.ndarray:
@@ -48,15 +48,16 @@ def random_palm(model: mujoco.MjModel, vessel: Vessel, rng: np.random.Generator)
 
 
 def quality(
-    solver: mjcf_pdg.Solver, simulated: mujoco.MjModel, q: np.ndarray, rng: np.random.Generator
+    solver: mjcf_pdg.Solver, model: mujoco.MjModel, simulated: mujoco.MjModel, q: np.ndarray, rng: np.random.Generator
 ) -> tuple[int, float]:
-    """How many of DISTURBED lifts hold, and minus their mean slip [m]; what is moved into the vessel is freed."""
+    """Of DISTURBED open hands near q that close: how many lifts hold, and minus the mean slip [m]."""
     lifts = []
     for _ in range(DISTURBED):
         moved = q.copy()
         moved[:3] += rng.normal(0.0, NOISE, 3)
-        lifts.append(lift(simulated, solver.solve(moved).q))
-    return sum(each.holds for each in lifts), -float(np.mean([each.slip for each in lifts]))
+        if solver.is_free(moved):
+            lifts.append(lift(simulated, close(model, moved)))
+    return sum(each.holds for each in lifts), -float(np.mean([each.slip for each in lifts])) if lifts else -np.inf
 
 
 def best_grasp(vessel: Vessel, rng: np.random.Generator) -> np.ndarray:
@@ -68,9 +69,9 @@ def best_grasp(vessel: Vessel, rng: np.random.Generator) -> np.ndarray:
         if not solver.is_free(q):
             continue
         tried += 1
-        q = close(model, q)
-        if lift(simulated, q).holds:
-            grasps.append((quality(solver, simulated, q, rng), q))
+        grasp = close(model, q)
+        if lift(simulated, grasp).holds:
+            grasps.append((quality(solver, model, simulated, q, rng), grasp))
     if not grasps:
         raise RuntimeError(f"no grasp found in {SAMPLES} samples of {vessel}")
     return max(grasps, key=lambda grasp: grasp[0])[1]

@@ -7,8 +7,9 @@
 Every keyframe is simulated for a second as it is and as mjcf_pdg.solve repairs it. A figure without muscles falls in a
 heap from any pose, so servos hold it as in character animation: every joint is drawn to its angle at the start, by the
 published gains of DeepMimic, and the pelvis to its place and orientation, like a puppet's. Contacts are those of a hard
-seat, --contact-time 0.02 has MuJoCo's default; everything else is as the model has it. With --free-pelvis a pose has to be balanced by itself; --weightless shows what the penetration alone
-does. What is measured is printed as a table, and written as CSV, PNG (plots) and GIF (animation) where asked for.
+seat (--contact-time 0.02 has MuJoCo's default); everything else is as the model has it. With --free-pelvis a pose has
+to be balanced by itself; --weightless shows what the penetration alone does. What is measured is printed as a table,
+and written as CSV, PNG (plots) and GIF (animation) where asked for.
 """
 
 import argparse
@@ -24,19 +25,19 @@ import numpy as np
 import mjcf_pdg
 
 SECONDS = 1.0
+PAPER_MS = (85.2, 87.2)  # a pose, of two figures (Sec. 6.3)
 MOST_WEIGHTS, FASTEST = 3.0, 0.5  # a pose at rest stays under both: force over body weight, speed of any body [m/s]
 
 # Stiffness of the servos [N m/rad] for a figure of 45 kg, to be scaled with its mass: Peng et al., "DeepMimic", ACM TOG
-# 37(4), 2018 (humanoid3d_ctrl.txt), whose damping [N m s/rad] is a tenth. Its wrists are rigid: ours have the gain of its
-# neck.
+# 37(4), 2018 (humanoid3d_ctrl.txt), whose damping [N m s/rad] is a tenth. Its wrists are rigid: ours have the gain of
+# its neck.
 GAINS_MASS = 45.0
 GAINS = {
     "waist": 1000, "neck_nod": 100, "neck_turn": 100, "shoulder": 400, "elbow": 300, "pronation": 300, "wrist": 100,
     "hip": 500, "knee": 500, "ankle": 400,
 }  # fmt: skip
 
-# Time constant of contacts [s]. Under the weight of what rests on them they give by g times its square: by MuJoCo's
-# default of 20 ms by 4 mm, with 5 ms by 0.2 mm.
+# Time constant of contacts [s]. By MuJoCo's default of 20 ms the figure sinks 0.4 mm into its seat, with 5 ms 0.05 mm.
 CONTACT_TIME = 0.005
 STEPS_PER_CONTACT_TIME = 5  # at least; MuJoCo needs two
 
@@ -96,7 +97,8 @@ def simulate(model: mujoco.MjModel, q: np.ndarray) -> Run:
         speed[k] = fastest_body(model, data)
         energy[k] = float(np.sum(data.energy)) - start
         path.append(data.qpos.copy())
-    return Run(model.opt.timestep, np.array(path), force, speed, energy, float(np.sqrt(mjcf_pdg.object_norm(model, q, data.qpos))))
+    displacement = float(np.sqrt(mjcf_pdg.object_norm(model, q, data.qpos)))
+    return Run(model.opt.timestep, np.array(path), force, speed, energy, displacement)
 
 
 def moving_mass(model: mujoco.MjModel) -> float:
@@ -203,12 +205,16 @@ def summary(poses: list[Pose]) -> str:
         lines.append(
             f"{name:>8}  {sum(map(rests, runs))}; force/weight median {np.median(force):.3g}, most {force.max():.3g}, "
             f"{sum(force > MOST_WEIGHTS)} over the bound, {sum(force > 10 * MOST_WEIGHTS)} over ten times; "
-            f"speed least {speed.min():.3g}, median {np.median(speed):.3g}, most {speed.max():.3g} m/s, {sum(speed > FASTEST)} over the bound; "
+            f"speed least {speed.min():.3g}, median {np.median(speed):.3g}, most {speed.max():.3g} m/s, "
+            f"{sum(speed > FASTEST)} over the bound; "
             f"energy most {max(0.0, energy.max()):.3g} J"
         )
     unsolved = sum(pose.status == "unsolved" for pose in colliding)
     times = np.array([pose.milliseconds for pose in colliding])
-    lines.append(f"repair: mean {times.mean():.1f}, median {np.median(times):.1f} ms a pose, {unsolved} unsolved")
+    lines.append(
+        f"repair: mean {times.mean():.1f}, median {np.median(times):.1f} ms a pose, {unsolved} unsolved "
+        f"(Tang and Kim, on their machine: {PAPER_MS[0]} and {PAPER_MS[1]} ms)"
+    )
     return "\n".join(lines)
 
 

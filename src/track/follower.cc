@@ -47,12 +47,11 @@ double Follower::Apart(const VectorXd& from, const VectorXd& to) {
   return std::sqrt(apart_.Sigma(to));
 }
 
-// Lengths by a linearized norm, of the steps or of the whole at the workspace's q_in, which is
-// ready, decide where they are much less than the limit: inertias seldom differ by the square of
-// this.
-bool Follower::Farther(const VectorXd& from, const VectorXd& to, double limit, double length) {
+// A length by the linearized norm at the workspace's q_in, which is ready, decides where it is much
+// less than the limit: inertias seldom differ by the square of this. (The steps' own lengths do not
+// know: a hinge that is half a turn from q_in turns for nothing there.)
+bool Follower::Farther(const VectorXd& from, const VectorXd& to, double limit) {
   constexpr double kMuchLess = 0.25;  // [1]
-  if (length <= kMuchLess * limit) return false;
   work_.norm.Linearize(work_.problem().q_in, r_, J_);
   Change(work_.problem().tables, from, to, X_, nullptr);
   r_.noalias() = J_ * X_;

@@ -3,8 +3,6 @@
 #ifndef MJCF_PDG_SRC_TRACK_FOLLOWER_H_
 #define MJCF_PDG_SRC_TRACK_FOLLOWER_H_
 
-#include <limits>
-
 #include "base/tuning.h"
 #include "optimize/local_optimization.h"
 #include "problem/workspace.h"
@@ -49,10 +47,8 @@ class Follower {
 
   // √σ(from, to) [m].
   double Apart(const VectorXd& from, const VectorXd& to);
-  // Whether that is more than `limit` [m]. `length` is that of the steps that lead there, each by
-  // its linearized norm, where it is known [√σ, m].
-  bool Farther(const VectorXd& from, const VectorXd& to, double limit,
-               double length = std::numeric_limits<double>::infinity());
+  // Whether that is more than `limit` [m].
+  bool Farther(const VectorXd& from, const VectorXd& to, double limit);
 
   std::int64_t lcp_steps() const { return local_.lcp_steps(); }
 

@@ -122,7 +122,7 @@ void TrackerCore::Reset(std::span<const double> q) {
   on_command = lost = fleeing = away = false;
   unslid = 0;
   started = true;
-  blocked = 0;
+  blocked = short_ticks = 0;
   if (detour) detour->Reset();
   going = false;
   elsewhere.Reset();
@@ -179,14 +179,12 @@ bool TrackerCore::Follow() {
   const double reach = tune::kReach * moved + Noise();
   const LocalResult* found = &follower.Follow({optimum, own_free, Obstacles(), reach});
   iterations = found->iterations;
-  double length = found->length;
   if (own_free && !(found->sigma < own_sigma)) return true;
   if (!found->free || !Free(found->q)) {
     candidate = found->q;
     if (!work.Spent()) {
       found = &follower.Retreat(candidate);
       iterations += found->iterations;
-      length += found->length;
     }
     if (!found->free || !Free(found->q)) {
       if (!own_free) optimum = found->q;  // from where the next tick goes on
@@ -194,7 +192,7 @@ bool TrackerCore::Follow() {
     }
   }
   const double limit = tune::kJump * moved + Noise();
-  const bool jumps = follower.Farther(optimum, found->q, limit, length);
+  const bool jumps = follower.Farther(optimum, found->q, limit);
   const double kept = 1.0 - options.switch_gain;
   if (own_free && jumps && found->sigma > kept * kept * own_sigma) return true;
   switched = jumps;
@@ -202,12 +200,19 @@ bool TrackerCore::Follow() {
   return true;
 }
 
+// Queries of this tick for another optimum.
+int TrackerCore::SearchQueries() {
+  if (pace.search_queries == 0 || iterations > 1) return pace.search_queries;
+  short_ticks = (short_ticks + 1) % tune::kShortTicks;
+  return pace.search_queries + (short_ticks == 0 ? 1 : 0);
+}
+
 void TrackerCore::TrySwitch() {
   const double sigma = work.norm.Sigma(optimum), kept = 1.0 - options.switch_gain;
   if (!elsewhere.Search({.own = optimum,
                          .own_sigma = sigma,
                          .sigma = kept * kept * sigma,
-                         .queries = pace.search_queries,
+                         .queries = SearchQueries(),
                          .obstacles = Obstacles()})) {
     return;
   }

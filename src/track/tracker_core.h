@@ -64,6 +64,7 @@ struct TrackerCore {
   void Bound(Result& result);
   void Begin();
   bool Follow();
+  int SearchQueries();
   void TrySwitch();
   bool Evaded();
   bool Approached(bool command_free);
@@ -98,6 +99,7 @@ struct TrackerCore {
   bool lost = false;        // nothing free is known, and this tick begins with a solve
   int moves = 0;            // how often obstacles had moved before this tick
   int iterations = 0;       // of this tick
+  int short_ticks = 0;      // ticks of few steps since the search took a query more
   int blocked = 0;  // ticks for which no other optimum is sought, since the way to one was blocked
   Component start = Component::kNone;
   double moved = 0.0;  // how far the command has moved since the last tick [√σ, m]

@@ -99,6 +99,34 @@ TEST_F(TrackerTest, AnswersStayOnTheirSideUntilAnotherIsNearer) {
   EXPECT_EQ(switches, 2) << "to the lower side and off it again";
 }
 
+// A ball on an arm stands at a side of a gap in a wall while its command goes on round in the wall.
+// When that is half a turn ahead, the other side of the gap is as near: σ has a maximum there, from
+// which the arm turns for nothing to first order, by the radian that a step may turn and that the
+// gap is wide.
+TEST_F(TrackerTest, AnArmThatIsPassedByHalfATurnDoesNotJumpUntold) {
+  const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
+    <geom name="wall" type="box" pos="-.6136 0 0" size="1 2 1"/>
+    <body><joint axis="0 0 1"/><geom name="ball" pos=".5 0 0" size=".05"/></body>
+    </worldbody></mujoco>)");
+  TrackOptions options;
+  options.switch_gain = 0.999;  // to nothing nearer
+  Tracker tracker(scene, options);
+  Result result;
+  double last = 0.0, largest = 0.0;
+  int in_wall = 0;
+  constexpr double kStep = 0.02;
+  for (int k = 0; k < 310; ++k) {
+    const Q command = {kStep * k};
+    ASSERT_NE(tracker.Step(command, result), Status::kUnsolved) << k << ": " << result.reason;
+    in_wall += result.status == Status::kSolved;
+    const double turn = std::abs(std::remainder(result.q[0] - last, 2 * std::numbers::pi));
+    if (!result.switched) largest = std::max(largest, turn);
+    last = result.q[0];
+  }
+  EXPECT_GT(in_wall, 250);
+  EXPECT_LE(largest, 10 * kStep);
+}
+
 TEST_F(TrackerTest, NoJointMovesFartherThanMaxStep) {
   const Scene scene = Scene::FromString(kBox);
   TrackOptions options;
