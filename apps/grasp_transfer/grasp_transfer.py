@@ -24,7 +24,7 @@ import numpy as np
 import mjcf_pdg
 
 from lift import Lift, lift
-from scene import FINGERS, for_lift, for_repair, touching_fingers
+from scene import FINGERS, Contacts, for_lift, for_repair, touching_fingers
 from vessels import Vessel, difference, excess, random_cup
 
 DATABASE = pathlib.Path(__file__).resolve().parent / "database.json"
@@ -70,8 +70,8 @@ class Transfer:
     lifts: dict[str, Lift]  # by run
 
 
-def transfer(cup: Vessel, grasp: Grasp) -> Transfer:
-    model, simulated = for_repair(cup), for_lift(cup)
+def transfer(cup: Vessel, grasp: Grasp, contacts: Contacts) -> Transfer:
+    model, simulated = for_repair(cup), for_lift(cup, contacts)
     solver = mjcf_pdg.Solver(model, exact_mesh=True, root="palm", allow=allowed(model))
     started = time.process_time()
     result = solver.solve(grasp.q)
@@ -195,6 +195,9 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--cups", type=int, default=50, help="how many new cups (default 50)")
     parser.add_argument("--seed", type=int, default=1, help="of the new cups (default 1)")
     parser.add_argument("--any-width", action="store_true", help="the most similar vessel, wider than the cup or not")
+    stiffness, damping = Contacts.stiffness, Contacts.damping_ratio
+    parser.add_argument("--stiffness", type=float, default=stiffness, help=f"of contacts [rad/s] (default {stiffness})")
+    parser.add_argument("--damping-ratio", type=float, default=damping, help=f"of contacts (default {damping})")
     parser.add_argument("--csv", help="the table")
     parser.add_argument("--png", help="contact force over depth of the overlap; needs matplotlib")
     gif = "the two lifts of the cup whose raw grasp presses hardest; needs pillow and pyopengl"
@@ -202,6 +205,8 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     arguments = parser.parse_args(argv)
     if arguments.cups < 1 or arguments.seed < 0:
         parser.error("--cups: at least 1; --seed: at least 0")
+    if not (0.0 < arguments.stiffness < np.inf and 0.0 < arguments.damping_ratio < np.inf):
+        parser.error("--stiffness, --damping-ratio: finite numbers above 0")
     return arguments
 
 
@@ -211,7 +216,8 @@ def main(argv: list[str] | None = None) -> int:
         database = read_database()
         rng = np.random.default_rng([1, arguments.seed])  # the database's vessels have other streams: [0, k]
         cups = [random_cup(rng) for _ in range(arguments.cups)]
-        transfers = [transfer(cup, most_similar(database, cup, arguments.any_width)) for cup in cups]
+        contacts = Contacts(arguments.stiffness, arguments.damping_ratio)
+        transfers = [transfer(cup, most_similar(database, cup, arguments.any_width), contacts) for cup in cups]
         lines = [line for number, each in enumerate(transfers) for line in rows(number, each)]
         print(table(lines))
         print(summary(transfers))

@@ -1,5 +1,6 @@
 """The hand of models/hand and a vessel on the table: as PDg sees them, and as they are simulated."""
 
+import dataclasses
 import pathlib
 
 import mujoco
@@ -12,16 +13,29 @@ FINGERS = ("index", "middle", "ring", "little", "thumb")
 HAND_NQ = 26  # the palm's pose (7) and 19 hinges in the order of their drives; they come first in qpos
 TOUCHING = 0.001  # a finger nearer than this is in contact [m]
 
-# Stoneware is hard and bounces. A contact is a spring of 1000 rad/s, into which fingers press by 0.03 mm (by MuJoCo's
-# default up to 2 mm, of a wall of 3), and is damped so that a dropped ball keeps 0.55 of its speed (tested), which is
-# what floor tiles of stoneware must give a steel ball at least (ISO 10545-5 has the test). By default contacts are
-# critically damped, and what an overlap has stored vanishes. MuJoCo advises elliptic cones and a large impratio against
-# creep in grasps.
-TIMESTEP, STIFFNESS, DAMPING_RATIO = 0.00025, 1000.0, 0.23  # [s, rad/s, 1]
-IMPRATIO = 10.0
-SOLREF = [1 / (STIFFNESS * DAMPING_RATIO), DAMPING_RATIO]
+IMPRATIO = 10.0  # MuJoCo advises elliptic cones and a large impratio against creep in grasps.
 
 WELD = [0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0]  # origin on origin, axes along axes (mjEQ_WELD)
+
+
+@dataclasses.dataclass(frozen=True)
+class Contacts:
+    """Stoneware is hard and bounces; MuJoCo's default contacts are soft and swallow what an overlap has stored."""
+
+    # Of the spring [rad/s]: fingers press 0.03 mm into it, by MuJoCo's default up to 2 mm into a wall of 3.
+    stiffness: float = 1000.0
+    # A dropped ball keeps 0.55 of its speed (tested), which floor tiles of stoneware must give a steel ball at least
+    # (ISO 10545-5 has the test).
+    damping_ratio: float = 0.23
+
+    @property
+    def solref(self) -> list[float]:
+        return [1 / (self.stiffness * self.damping_ratio), self.damping_ratio]
+
+    @property
+    def timestep(self) -> float:
+        """A twenty-fifth of a free swing [s]."""
+        return 0.25 / self.stiffness
 
 
 def hand() -> mujoco.MjSpec:
@@ -45,10 +59,10 @@ def for_repair(vessel: Vessel) -> mujoco.MjModel:
     return spec.compile()
 
 
-def for_lift(vessel: Vessel) -> mujoco.MjModel:
+def for_lift(vessel: Vessel, contacts: Contacts = Contacts()) -> mujoco.MjModel:
     """The vessel is free, of convex pieces; an arm, a mocap body welded to the palm, carries the hand."""
     spec = hand()
-    spec.option.timestep, spec.option.impratio = TIMESTEP, IMPRATIO
+    spec.option.timestep, spec.option.impratio = contacts.timestep, IMPRATIO
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     palm = spec.body("palm")
     spec.worldbody.add_body(name="arm", mocap=True, pos=palm.pos, quat=palm.quat)
@@ -60,7 +74,7 @@ def for_lift(vessel: Vessel) -> mujoco.MjModel:
         spec.add_mesh(name=f"piece{k}", uservert=vertices.ravel())
         body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname=f"piece{k}", material="glass", density=vessel.density)
     model = spec.compile()
-    model.geom_solref[:] = SOLREF
+    model.geom_solref[:] = contacts.solref
     return model
 
 
