@@ -202,12 +202,10 @@ inline constexpr double kMargin = 0.03;
 // Queries of a tick that are kept for the verifier, and the fewest that leave something to follow
 // with.
 inline constexpr int kReserve = 2, kFewestQueries = 6;
-// Queries of a tick for another optimum, each a step of the descent beside: as few as there can be,
-// for the search in every tick, not its bursts, is what a deadline sees.
-inline constexpr int kSearchQueries = 1;
-// In every so manieth tick whose following took a step or none, the search takes one more: Σσ over
-// that of solves at most 1.07 on 54 motions, 1.16 without (bench/README.md, track_bench).
-inline constexpr int kShortTicks = 3;
+// Queries for another optimum, each a step of the descent beside, in a tick where σ rises and where
+// it falls: as the own optimum gets worse another becomes the nearer one. One in either gave a Σσ
+// over that of solves of up to 1.15 for a median tick as dear (bench/README.md, track_bench).
+inline constexpr double kSearchRising = 4.0 / 3.0, kSearchFalling = 0.5;
 // Steps of a descent of that search: of those that beat the present answer nine in ten had done so
 // by then, and those that do not become free go on to the end.
 inline constexpr int kSearchSteps = 8;

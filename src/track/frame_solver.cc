@@ -26,7 +26,7 @@ FrameSolver::FrameSolver(const Scene& scene, const Options& options, bool search
     const Pace pace{.follow = {.steps = tuning::track::kFrameSteps,
                                .more = tuning::track::kMoreFrameSteps,
                                .enough = 0.0},
-                    .search_queries = searches ? tuning::track::kSearchQueries : 0,
+                    .searches = searches,
                     .bounds = options.report_lower_bound};
     tracker_ = std::make_unique<TrackerCore>(scene, track, pace);
     if (!TrianglesCollide(tracker_->work)) return;

@@ -122,7 +122,8 @@ void TrackerCore::Reset(std::span<const double> q) {
   on_command = lost = fleeing = away = false;
   unslid = 0;
   started = true;
-  blocked = short_ticks = 0;
+  blocked = 0;
+  search_due = last_sigma = 0.0;
   if (detour) detour->Reset();
   going = false;
   elsewhere.Reset();
@@ -200,11 +201,17 @@ bool TrackerCore::Follow() {
   return true;
 }
 
-// Queries of this tick for another optimum.
-int TrackerCore::SearchQueries() {
-  if (pace.search_queries == 0 || iterations > 1) return pace.search_queries;
-  short_ticks = (short_ticks + 1) % tune::kShortTicks;
-  return pace.search_queries + (short_ticks == 0 ? 1 : 0);
+// Queries of this tick for another optimum than that of `sigma`; one at most where following took
+// more than a step, for a deadline sees the bursts.
+int TrackerCore::SearchQueries(double sigma) {
+  constexpr double kMost = 2.0;
+  if (!pace.searches) return 0;
+  const double due = sigma > last_sigma ? tune::kSearchRising : tune::kSearchFalling;
+  last_sigma = sigma;
+  search_due = std::min(search_due + due, kMost);
+  const int queries = std::min(static_cast<int>(search_due), iterations > 1 ? 1 : 2);
+  search_due -= queries;
+  return queries;
 }
 
 void TrackerCore::TrySwitch() {
@@ -212,7 +219,7 @@ void TrackerCore::TrySwitch() {
   if (!elsewhere.Search({.own = optimum,
                          .own_sigma = sigma,
                          .sigma = kept * kept * sigma,
-                         .queries = SearchQueries(),
+                         .queries = SearchQueries(sigma),
                          .obstacles = Obstacles()})) {
     return;
   }

@@ -24,8 +24,8 @@ namespace mjcf_pdg {
 // How much a tick may do.
 struct Pace {
   FollowPace follow = {};
-  int search_queries = tuning::track::kSearchQueries;
-  bool bounds = false;  // computes Result::sigma_lower_bound
+  bool searches = true;  // for another optimum, beside
+  bool bounds = false;   // computes Result::sigma_lower_bound
 };
 
 // `optimum` is the local optimum that is followed; `at` is where the follower stands. They differ
@@ -64,7 +64,7 @@ struct TrackerCore {
   void Bound(Result& result);
   void Begin();
   bool Follow();
-  int SearchQueries();
+  int SearchQueries(double sigma);
   void TrySwitch();
   bool Evaded();
   bool Approached(bool command_free);
@@ -99,7 +99,8 @@ struct TrackerCore {
   bool lost = false;        // nothing free is known, and this tick begins with a solve
   int moves = 0;            // how often obstacles had moved before this tick
   int iterations = 0;       // of this tick
-  int short_ticks = 0;      // ticks of few steps since the search took a query more
+  double search_due = 0.0;  // queries for another optimum that ticks have left over
+  double last_sigma = 0.0;  // of the optimum when that was last sought [m²]
   int blocked = 0;  // ticks for which no other optimum is sought, since the way to one was blocked
   Component start = Component::kNone;
   double moved = 0.0;  // how far the command has moved since the last tick [√σ, m]
