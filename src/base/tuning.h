@@ -206,6 +206,8 @@ inline constexpr int kReserve = 2, kFewestQueries = 6;
 // it falls: as the own optimum gets worse another becomes the nearer one. One in either gave a Σσ
 // over that of solves of up to 1.15 for a median tick as dear (bench/README.md, track_bench).
 inline constexpr double kSearchRising = 4.0 / 3.0, kSearchFalling = 0.5;
+// By less than this share σ neither rises nor falls [1]; then another optimum may come nearer, too.
+inline constexpr double kFalls = 1e-6;
 // Steps of a descent of that search: of those that beat the present answer nine in ten had done so
 // by then, and those that do not become free go on to the end.
 inline constexpr int kSearchSteps = 8;

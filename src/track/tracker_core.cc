@@ -206,7 +206,8 @@ bool TrackerCore::Follow() {
 int TrackerCore::SearchQueries(double sigma) {
   constexpr double kMost = 2.0;
   if (!pace.searches) return 0;
-  const double due = sigma > last_sigma ? tune::kSearchRising : tune::kSearchFalling;
+  const bool falls = sigma < (1.0 - tune::kFalls) * last_sigma;
+  const double due = falls ? tune::kSearchFalling : tune::kSearchRising;
   last_sigma = sigma;
   search_due = std::min(search_due + due, kMost);
   const int queries = std::min(static_cast<int>(search_due), iterations > 1 ? 1 : 2);
