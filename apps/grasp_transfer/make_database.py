@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes database.json: vessels, generated from a seed, and for each the best grasp of our hand that was found.
 
-    python3 apps/grasp_transfer/make_database.py        # half a minute
+    python3 apps/grasp_transfer/make_database.py        # one or two minutes
 
 A palm is put beside the vessel at random, with straight fingers, which close until they touch; what then passes the
 lift test is a grasp. The best of three is the one that passes it most often when the open hand is first moved a few
