@@ -204,13 +204,13 @@ bool TrackerCore::Follow() {
 // Queries of this tick for another optimum than that of `sigma`; one at most where following took
 // more than a step, for a deadline sees the bursts.
 int TrackerCore::SearchQueries(double sigma) {
-  constexpr double kMost = 2.0;
+  constexpr int kMost = 2;
   if (!pace.searches) return 0;
   const bool falls = sigma < (1.0 - tune::kFalls) * last_sigma;
   const double due = falls ? tune::kSearchFalling : tune::kSearchRising;
   last_sigma = sigma;
-  search_due = std::min(search_due + due, kMost);
-  const int queries = std::min(static_cast<int>(search_due), iterations > 1 ? 1 : 2);
+  search_due = std::min<double>(search_due + due, kMost);
+  const int queries = std::min(static_cast<int>(search_due), iterations > 1 ? 1 : kMost);
   search_due -= queries;
   return queries;
 }
