@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""What MuJoCo makes of a figure's poses: as sketched, where they collide, and repaired.
+"""What MuJoCo makes of the poses of a figure or robot: as sketched, where they collide, and repaired.
 
     pip install . matplotlib pillow pyopengl
     python3 apps/pose_for_physics/pose_for_physics.py models/figure/figure_bench.xml
 
 Every keyframe is simulated for a second as it is and as mjcf_pdg.solve repairs it. A figure without muscles falls in a
-heap from any pose, so servos hold it as in character animation: every joint is drawn to its angle at the start, by the
-published gains of DeepMimic, and the pelvis to its place and orientation, like a puppet's. Contacts are those of a hard
-seat (--contact-time 0.02 has MuJoCo's default); everything else is as the model has it. With --free-pelvis a pose has
-to be balanced by itself; --weightless shows what the penetration alone does. What is measured is printed as a table,
-and written as CSV, PNG (plots) and GIF (animation) where asked for.
+heap from any pose, so servos hold it as in character animation, instead of the model's actuators: every joint is drawn
+to its angle at the start, and the pelvis to its place and orientation, like a puppet's. Contacts are as hard as MuJoCo
+allows at the model's own time step (--contact-time 0.02 has its default); everything else is as the model has it. With
+--free-pelvis a pose has to be balanced by itself; --weightless shows what the penetration alone does. What is measured
+is printed as a table, and written as CSV, PNG (plots) and GIF (animation) where asked for.
 """
 
 import argparse
@@ -28,42 +28,40 @@ SECONDS = 1.0
 PAPER_MS = (85.2, 87.2)  # a pose, of two figures (Sec. 6.3)
 MOST_WEIGHTS, FASTEST = 3.0, 0.5  # a pose at rest stays under both: force over body weight, speed of any body [m/s]
 
-# Stiffness of the servos [N m/rad] for a figure of 45 kg, to be scaled with its mass: Peng et al., "DeepMimic", ACM TOG
-# 37(4), 2018 (humanoid3d_ctrl.txt), whose damping [N m s/rad] is a tenth. Its wrists are rigid: ours have the gain of
-# its neck.
-GAINS_MASS = 45.0
-GAINS = {
-    "waist": 1000, "neck_nod": 100, "neck_turn": 100, "shoulder": 400, "elbow": 300, "pronation": 300, "wrist": 100,
-    "hip": 500, "knee": 500, "ankle": 400,
-}  # fmt: skip
+# By how much a servo gives under the whole weight of what it carries: of a joint that turns [rad], and of a sliding
+# joint or a free body [m].
+TURN_SAG, SLIDE_SAG = 0.02, 0.001
+DAMPING = 0.1  # of joints that turn, over the stiffness [s]: as in DeepMimic (Peng et al., ACM TOG 37(4), 2018)
 
-# Time constant of contacts [s]. By MuJoCo's default of 20 ms the figure sinks 0.4 mm into its seat, with 5 ms 0.05 mm.
-CONTACT_TIME = 0.005
-STEPS_PER_CONTACT_TIME = 5  # at least; MuJoCo needs two
-
-SAG = 0.01  # by which the servo of the pelvis gives under the figure's whole weight [m]
+# Contacts are as hard as MuJoCo allows at the model's time step (its refsafe): time constant over time step.
+HARDEST = 2
+STEPS_PER_CONTACT_TIME = 5  # of the simulation at least, which is shorter than the model's step where that is not enough
 
 
-def is_free_joint(model: mujoco.MjModel, j: int) -> bool:
-    return model.jnt_type[j] == int(mujoco.mjtJoint.mjJNT_FREE)
-
-
-def add_servos(model: mujoco.MjModel, gains: float, pelvis_held: bool) -> None:
-    """Springs with damping: of joints `gains` times GAINS for the figure's mass, of the pelvis critically damped."""
-    mass = moving_mass(model)
+def hold(model: mujoco.MjModel, gains: float, free_bodies_held: bool) -> None:
+    """A `servo` in every joint, those of hinges, balls and slides times `gains`, instead of the model's actuators."""
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_ACTUATION)
     for j in range(model.njnt):
-        dofs = model.dof_jntid == j
-        if is_free_joint(model, j):
-            if pelvis_held:
-                model.jnt_stiffness[j] = body_weight(model) / SAG  # N/m, and as many N m/rad
-                model.dof_damping[dofs] += 2 * np.sqrt(mass * model.jnt_stiffness[j])
-            continue
-        name = model.joint(j).name
-        part = name.removeprefix("left_").removeprefix("right_")
-        if part not in GAINS:
-            raise ValueError(f"joint '{name}' is none of the figure's: no gain for its servo")
-        model.jnt_stiffness[j] = gains * GAINS[part] * mass / GAINS_MASS
-        model.dof_damping[dofs] += 0.1 * model.jnt_stiffness[j]
+        is_free = mujoco.mjtJoint(model.jnt_type[j]) == mujoco.mjtJoint.mjJNT_FREE
+        stiffness, damping = servo(model, data, j)
+        scale = float(free_bodies_held) if is_free else gains
+        model.jnt_stiffness[j] = scale * stiffness
+        model.dof_damping[model.dof_jntid == j] += scale * damping
+
+
+def servo(model: mujoco.MjModel, data: mujoco.MjData, j: int) -> tuple[float, float]:
+    """Stiffness [N/m or N m/rad] and damping [N s/m or N m s/rad] of a joint's servo; `data` is at qpos0."""
+    body = model.jnt_bodyid[j]
+    mass = float(model.body_subtreemass[body])
+    weight = mass * float(np.linalg.norm(model.opt.gravity))
+    if mujoco.mjtJoint(model.jnt_type[j]) in (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_SLIDE):
+        stiffness = weight / SLIDE_SAG  # of a free body as many N m/rad
+        return stiffness, 2 * np.sqrt(mass * stiffness)
+    lever = float(np.linalg.norm(data.subtree_com[body] - data.xanchor[j]))
+    stiffness = weight * lever / TURN_SAG
+    return stiffness, DAMPING * stiffness
 
 
 @dataclasses.dataclass
@@ -76,6 +74,7 @@ class Run:
     speed: np.ndarray  # (steps,) of the fastest body's centre of mass [m/s]
     energy: np.ndarray  # (steps,) kinetic, of gravity and of servos, over that at the start [J]
     displacement: float  # √σ from the first pose to the last [m]
+    sunk: float  # deepest contact at the end [m]
 
 
 def simulate(model: mujoco.MjModel, q: np.ndarray) -> Run:
@@ -91,14 +90,15 @@ def simulate(model: mujoco.MjModel, q: np.ndarray) -> Run:
     for k in range(steps):
         mujoco.mj_step(model, data)
         if data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number:  # it bursts beyond what MuJoCo can compute
-            return Run(model.opt.timestep, np.array(path), force, speed, energy, np.inf)
+            return Run(model.opt.timestep, np.array(path), force, speed, energy, np.inf, np.inf)
         force[k] = normal_force(model, data) / weight
         mujoco.mj_forward(model, data)  # positions, velocities and energy at the end of the step
         speed[k] = fastest_body(model, data)
         energy[k] = float(np.sum(data.energy)) - start
         path.append(data.qpos.copy())
     displacement = float(np.sqrt(mjcf_pdg.object_norm(model, q, data.qpos)))
-    return Run(model.opt.timestep, np.array(path), force, speed, energy, displacement)
+    sunk = max(0.0, -min(data.contact.dist, default=0.0))
+    return Run(model.opt.timestep, np.array(path), force, speed, energy, displacement, sunk)
 
 
 def moving_mass(model: mujoco.MjModel) -> float:
@@ -155,9 +155,12 @@ def load(path: str, arguments: argparse.Namespace) -> mujoco.MjModel:
     model = mujoco.MjModel.from_xml_path(path)
     if not model.nkey:
         raise ValueError(f"{path} has no keyframes")
-    add_servos(model, arguments.gains, not arguments.free_pelvis)
-    model.geom_solref[:, 0] = arguments.contact_time
-    model.opt.timestep = min(model.opt.timestep, arguments.contact_time / STEPS_PER_CONTACT_TIME)
+    if not body_weight(model):
+        raise ValueError(f"{path} has nothing that weighs: forces are measured in weights")
+    hold(model, arguments.gains, not arguments.free_pelvis)
+    contact_time = arguments.contact_time or HARDEST * model.opt.timestep
+    model.geom_solref[:] = model.pair_solref[:] = [contact_time, 1.0]  # damped critically
+    model.opt.timestep = min(model.opt.timestep, contact_time / STEPS_PER_CONTACT_TIME)
     model.opt.enableflags |= int(mujoco.mjtEnableBit.mjENBL_ENERGY)
     if arguments.weightless:
         model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_GRAVITY)
@@ -166,6 +169,14 @@ def load(path: str, arguments: argparse.Namespace) -> mujoco.MjModel:
 
 def chosen_keys(model: mujoco.MjModel, names: list[str] | None) -> list[int]:
     return [k for k in range(model.nkey) if names is None or model.key(k).name in names]
+
+
+def description(path: str, model: mujoco.MjModel) -> str:
+    links = int(np.sum(model.body_weldid == np.arange(model.nbody))) - 1
+    return (
+        f"{pathlib.Path(path).stem}: {links} links, {model.nv} DoF, {moving_mass(model):.1f} kg; contacts of "
+        f"{1e3 * model.geom_solref[0, 0]:g} ms, simulated in steps of {1e3 * model.opt.timestep:g} ms"
+    )
 
 
 # What is written.
@@ -203,12 +214,14 @@ def summary(poses: list[Pose]) -> str:
         runs = [pose.runs[name] for pose in colliding]
         force, speed, energy = np.array([[run.force.max(), run.speed.max(), run.energy.max()] for run in runs]).T
         lines.append(
-            f"{name:>8}  {sum(map(rests, runs))}; force/weight median {np.median(force):.3g}, most {force.max():.3g}, "
+            f"{name:>8}  {sum(map(rests, runs))}; force/weight least {force.min():.3g}, median {np.median(force):.3g}, most {force.max():.3g}, "
             f"{sum(force > MOST_WEIGHTS)} over the bound, {sum(force > 10 * MOST_WEIGHTS)} over ten times; "
             f"speed least {speed.min():.3g}, median {np.median(speed):.3g}, most {speed.max():.3g} m/s, "
             f"{sum(speed > FASTEST)} over the bound; "
-            f"energy most {max(0.0, energy.max()):.3g} J"
+            f"energy least {max(0.0, energy.min()):.3g}, most {max(0.0, energy.max()):.3g} J"
         )
+    sunk = max(pose.runs["repaired"].sunk for pose in poses)
+    lines.append(f"at the end of the repaired runs bodies are in each other by {1e3 * sunk:.3f} mm at most")
     unsolved = sum(pose.status == "unsolved" for pose in colliding)
     times = np.array([pose.milliseconds for pose in colliding])
     lines.append(
@@ -288,10 +301,10 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("models", nargs="+", metavar="MODEL", help="MJCF of the figure with keyframes")
     parser.add_argument("--key", action="append", help="a keyframe; may be repeated (default: all)")
     parser.add_argument("--weightless", action="store_true", help="no gravity: the penetration alone")
-    parser.add_argument("--free-pelvis", action="store_true", help="no servo at the pelvis: unbalanced poses fall")
-    parser.add_argument("--gains", type=float, default=1.0, help="of the joints' servos, over the published ones")
-    contact_time = f"time constant of contacts [s] (default {CONTACT_TIME}; MuJoCo's is 0.02)"
-    parser.add_argument("--contact-time", type=float, default=CONTACT_TIME, help=contact_time)
+    parser.add_argument("--free-pelvis", action="store_true", help="no servo at free bodies: unbalanced poses fall")
+    parser.add_argument("--gains", type=float, default=1.0, help="of the joints' servos, over those described above")
+    contact_time = f"time constant of contacts [s] (default: {HARDEST} time steps of the model; MuJoCo's is 0.02)"
+    parser.add_argument("--contact-time", type=float, help=contact_time)
     parser.add_argument("--csv", help="the table")
     parser.add_argument("--png", help="force and speed over time; needs matplotlib")
     gif = "the sketch with the largest force and its repair, side by side; needs pillow and pyopengl"
@@ -299,7 +312,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     arguments = parser.parse_args(argv)
     if not 0.0 <= arguments.gains < np.inf:
         parser.error("--gains: a finite number, at least 0")
-    if not 1e-4 <= arguments.contact_time < np.inf:
+    if arguments.contact_time is not None and not 1e-4 <= arguments.contact_time < np.inf:
         parser.error("--contact-time: a finite number, at least 0.0001")
     return arguments
 
@@ -318,6 +331,8 @@ def main(argv: list[str] | None = None) -> int:
         poses = [examine(*source) for source in sources]
         colliding = [(pose, path) for pose, (path, _, _) in zip(poses, sources) if "sketched" in pose.runs]
         lines = [line for pose in poses for line in rows(pose)]
+        for source in loaded:
+            print(description(*source))
         print(table(lines))
         print(summary(poses))
         if arguments.csv:
