@@ -7,135 +7,22 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "base/random.h"
 #include "measure.h"
 #include "mjcf_pdg/object_norm.h"
 #include "mjcf_pdg/pdg.h"
+#include "track_motion.h"
 #include "workloads.h"
 
 namespace mjcf_pdg::bench {
 namespace {
 
-struct Arguments {
-  std::vector<std::string> models;  // empty: our own three
-  int ticks = 10000;
-  int obstacles = 12;
-  double amplitude = 0.35;  // of a joint's range, which is at most half a turn [1]
-  int solve_every = 20;     // ticks from one solve to compare with to the next
-  unsigned long long seed = 0;
+struct Arguments : MotionArguments {
+  int solve_every = 20;  // ticks from one solve to compare with to the next
   TrackOptions track;
 };
-
-using ModelPtr = std::unique_ptr<mjModel, void (*)(mjModel*)>;
-using DataPtr = std::unique_ptr<mjData, void (*)(mjData*)>;
-using Q = std::vector<double>;
-
-struct SpecDeleter {
-  void operator()(mjSpec* spec) const { mj_deleteSpec(spec); }
-};
-
-Q Home(const mjModel& m) {
-  const mjtNum* q = m.nkey > 0 ? m.key_qpos : m.qpos0;
-  return {q, q + m.nq};
-}
-
-// Uniform between two numbers.
-double Between(Random& random, double low, double high) {
-  return low + random.Uniform() * (high - low);
-}
-
-// Smooth commands about the home configuration; free joints and balls stay.
-class Commands {
- public:
-  Commands(const mjModel& m, const Arguments& a, Random& random) : home_(Home(m)) {
-    for (int j = 0; j < m.njnt; ++j) {
-      if (m.jnt_type[j] != mjJNT_HINGE && m.jnt_type[j] != mjJNT_SLIDE) continue;
-      const bool limited = m.jnt_limited[j];
-      const double low = limited ? m.jnt_range[2 * j] : -1.5;
-      const double high = limited ? m.jnt_range[2 * j + 1] : 1.5;
-      const double reach = a.amplitude * std::min(high - low, M_PI);
-      const double middle =
-          std::clamp(home_[m.jnt_qposadr[j]], low + reach, std::max(low + reach, high - reach));
-      waves_.push_back({m.jnt_qposadr[j], middle, reach, Between(random, 0.1, 0.4),
-                        Between(random, 0.0, 2.0 * M_PI)});
-    }
-  }
-  // At a time [s].
-  Q At(double t) const {
-    Q q = home_;
-    for (const Wave& w : waves_) {
-      q[w.qadr] = w.middle + w.amplitude * std::sin(2.0 * M_PI * w.frequency * t + w.phase);
-    }
-    return q;
-  }
-
- private:
-  struct Wave {
-    int qadr;
-    double middle, amplitude, frequency, phase;
-  };
-  Q home_;
-  std::vector<Wave> waves_;
-};
-
-// The model with boxes, balls and capsules of a few centimetres around it, each where some geom
-// comes by, and none where the robot is at home.
-ModelPtr WithObstacles(const std::string& path, const Arguments& a, Random& random) {
-  char error[1000] = "";
-  const std::unique_ptr<mjSpec, SpecDeleter> spec(
-      mj_parseXML(path.c_str(), nullptr, error, sizeof error));
-  if (!spec) throw Error(path + ": " + error);
-  ModelPtr model(mj_compile(spec.get(), nullptr), mj_deleteModel);
-  if (!model) throw Error(path + ": " + mjs_getError(spec.get()));
-  const DataPtr d(mj_makeData(model.get()), mj_deleteData);
-  const Commands commands(*model, a, random);
-  double radius = 0.0;  // of a typical geom that moves
-  std::vector<int> moving;
-  for (int g = 0; g < model->ngeom; ++g) {
-    const bool collides = model->geom_contype[g] || model->geom_conaffinity[g];
-    if (!collides || model->body_weldid[model->geom_bodyid[g]] == 0) continue;
-    moving.push_back(g);
-    radius += model->geom_rbound[g];
-  }
-  if (moving.empty()) throw Error(path + ": no geom moves");
-  radius *= 0.5 / static_cast<double>(moving.size());
-  for (int made = 0, tries = 0; made < a.obstacles && tries < 100 * a.obstacles; ++tries) {
-    const Q q = commands.At(Between(random, 0.0, 10.0));
-    std::copy(q.begin(), q.end(), d->qpos);
-    mj_kinematics(model.get(), d.get());
-    const int g = moving[static_cast<std::size_t>(random.Uniform() * 0.999 *
-                                                  static_cast<double>(moving.size()))];
-    double place[3], apart = 1e9;
-    for (int k = 0; k < 3; ++k) {
-      place[k] = d->geom_xpos[3 * g + k] + Between(random, -1.0, 1.0) * model->geom_rbound[g];
-    }
-    const Q home = commands.At(0.0);
-    std::copy(home.begin(), home.end(), d->qpos);
-    mj_kinematics(model.get(), d.get());
-    for (const int other : moving) {
-      const double* at = d->geom_xpos + 3 * other;
-      const double distance = std::hypot(at[0] - place[0], at[1] - place[1], at[2] - place[2]);
-      apart = std::min(apart, distance - model->geom_rbound[other] - 2.0 * radius);
-    }
-    if (apart < 0.0) continue;
-    mjsGeom* geom = mjs_addGeom(mjs_findBody(spec.get(), "world"), nullptr);
-    const mjtGeom types[] = {mjGEOM_SPHERE, mjGEOM_BOX, mjGEOM_CAPSULE};
-    geom->type = types[made % 3];
-    geom->contype = geom->conaffinity = 1;
-    for (int k = 0; k < 3; ++k) {
-      geom->pos[k] = place[k];
-      geom->size[k] = radius * (geom->type == mjGEOM_SPHERE ? 1.0 : Between(random, 0.5, 1.0));
-    }
-    ++made;
-  }
-  model.reset(mj_compile(spec.get(), nullptr));
-  if (!model) throw Error(path + ": " + mjs_getError(spec.get()));
-  return model;
-}
 
 struct Tally {
   int free = 0, unsolved = 0, jumps = 0, switches = 0, way = 0, late = 0;
@@ -235,13 +122,9 @@ int main(int argc, char** argv) {
   CLI::App app("A Tracker that follows sinusoids");
   mjcf_pdg::bench::Arguments a;
   a.track.options.report_lower_bound = false;
-  app.add_option("models", a.models, "MJCF files (default: our own three)");
-  app.add_option("--ticks", a.ticks, "Commands at 1 kHz");
-  app.add_option("--obstacles", a.obstacles, "Obstacles around the robot");
-  app.add_option("--amplitude", a.amplitude, "Of the sinusoids, share of a joint's range");
+  AddMotionArguments(app, a);
   app.add_option("--solve-every", a.solve_every,
                  "Ticks from one solve to compare with to the next");
-  app.add_option("--seed", a.seed, "Of obstacles and commands");
   app.add_option("--queries", a.track.queries, "TrackOptions::queries");
   app.add_option("--switch-gain", a.track.switch_gain,
                  "TrackOptions::switch_gain; 0.999: only switches that are forced");

@@ -11,8 +11,10 @@ printed as a table, and written as CSV, PNG (plot) and GIF (animation) where ask
 """
 
 import argparse
+import concurrent.futures
 import csv
 import dataclasses
+import functools
 import json
 import pathlib
 import sys
@@ -70,7 +72,8 @@ class Transfer:
     lifts: dict[str, Lift]  # by run
 
 
-def transfer(cup: Vessel, grasp: Grasp, contacts: Contacts) -> Transfer:
+def transfer(database: list[Grasp], any_width: bool, contacts: Contacts, cup: Vessel) -> Transfer:
+    grasp = most_similar(database, cup, any_width)
     model, simulated = for_repair(cup), for_lift(cup, contacts)
     solver = mjcf_pdg.Solver(model, exact_mesh=True, root="palm", allow=allowed(model))
     started = time.process_time()
@@ -213,11 +216,12 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
 def main(argv: list[str] | None = None) -> int:
     arguments = parse(argv)
     try:
-        database = read_database()
         rng = np.random.default_rng([1, arguments.seed])  # the database's vessels have other streams: [0, k]
         cups = [random_cup(rng) for _ in range(arguments.cups)]
         contacts = Contacts(arguments.stiffness, arguments.damping_ratio)
-        transfers = [transfer(cup, most_similar(database, cup, arguments.any_width), contacts) for cup in cups]
+        moved = functools.partial(transfer, read_database(), arguments.any_width, contacts)
+        with concurrent.futures.ProcessPoolExecutor() as pool:
+            transfers = list(pool.map(moved, cups))
         lines = [line for number, each in enumerate(transfers) for line in rows(number, each)]
         print(table(lines))
         print(summary(transfers))

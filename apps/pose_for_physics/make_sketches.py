@@ -5,8 +5,9 @@
     python3 apps/pose_for_physics/pose_for_physics.py sketches.xml
 
 The robot needs a free base. Floor, seat and back are as large as its height asks for. A pose has its base at random
-over, in or beside the seat, and each joint at random about its angle in the model; of these the first that collide are
-kept. What they collide with, a chair or the robot itself, is left to chance.
+over, in or beside the seat, and each joint at random about its angle in the model; of these the first in which geoms
+overlap are kept, with the chair or with each other. The scene that is written names its meshes by absolute paths, and
+leaves out the keyframes of the robot.
 """
 
 import argparse
@@ -18,16 +19,21 @@ import numpy as np
 
 import mjcf_pdg
 
-# In heights of the robot: the seat's thickness and half width, and how far a base is from the middle of the seat.
-SEAT, HALF_WIDTH, ASIDE = 0.25, 0.2, 0.1
-LOWEST, HIGHEST = 0.0, 0.2  # of a base over the seat, in the same unit
+from simulation import moving
+
+# In heights of the robot: the seat's thickness and half width, as of a chair for a person, and how far a base is from
+# the middle of the seat at most, each way, and above it.
+SEAT, HALF_WIDTH, ASIDE, ABOVE = 0.25, 0.2, 0.1, 0.2
 TURNED = 0.2  # standard deviation of a base's rotation about a random axis [rad]
 SPREAD = 0.125  # standard deviation of a joint over its range
 UNLIMITED = 4.0  # the range of a joint without one [rad or m]
+EVERYTHING = 2**31 - 1  # a contact mask that meets any other
+TOUCHING = 1e-6  # what overlaps by less is free [m], as in mjcf_pdg.solve
+MOST_TRIED = 100  # random poses for each that is asked for
 
 
 def furnish(spec: mujoco.MjSpec, source: pathlib.Path) -> float:
-    """Adds floor and chair, in which a visitor's robot sits; returns the seat's height [m]."""
+    """Adds floor and chair, whatever the model's defaults say of geoms; returns the robot's height [m]."""
     for name in ("meshdir", "texturedir"):
         setattr(spec, name, str((source.parent / (getattr(spec, name) or ".")).resolve()))
     for key in list(spec.keys):
@@ -35,9 +41,14 @@ def furnish(spec: mujoco.MjSpec, source: pathlib.Path) -> float:
     unit = height(spec.compile())
     world, box = spec.worldbody, mujoco.mjtGeom.mjGEOM_BOX
     seat, wide = SEAT * unit, HALF_WIDTH * unit
-    world.add_geom(name="sketch_floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1])
-    world.add_geom(name="sketch_seat", type=box, size=[wide, wide, seat / 2], pos=[0, 0, seat / 2])
-    world.add_geom(name="sketch_back", type=box, size=[wide / 8, wide, wide], pos=[-wide, 0, seat + wide])
+    furniture = [
+        world.add_geom(name="sketch_floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1]),
+        world.add_geom(name="sketch_seat", type=box, size=[wide, wide, seat / 2], pos=[0, 0, seat / 2]),
+        world.add_geom(name="sketch_back", type=box, size=[wide / 8, wide, wide], pos=[-wide, 0, seat + wide]),
+    ]
+    for geom in furniture:
+        geom.contype = geom.conaffinity = EVERYTHING
+        geom.margin = geom.gap = 0.0
     return unit
 
 
@@ -45,11 +56,21 @@ def height(model: mujoco.MjModel) -> float:
     """Of what moves and can touch, at qpos0 [m]."""
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    moves = (model.body_weldid[model.geom_bodyid] != 0) & (model.geom_contype | model.geom_conaffinity != 0)
+    moves = moving(model)[model.geom_bodyid] & (model.geom_contype | model.geom_conaffinity != 0)
     if not moves.any():
         raise ValueError("nothing of the model moves and can touch")
     z, radius = data.geom_xpos[moves, 2], model.geom_rbound[moves]
     return float(np.max(z + radius) - np.min(z - radius))
+
+
+def stands_free(model: mujoco.MjModel) -> bool:
+    """Whether the heaviest kinematic tree has a free joint."""
+    roots = [b for b in range(model.nbody) if model.body_treeid[b] >= 0 and model.body_rootid[b] == b]
+    if not roots:
+        return False
+    heaviest = max(roots, key=lambda b: model.body_subtreemass[b])
+    first = model.body_jntadr[heaviest]
+    return first >= 0 and mujoco.mjtJoint(model.jnt_type[first]) == mujoco.mjtJoint.mjJNT_FREE
 
 
 def sketch(model: mujoco.MjModel, unit: float, rng: np.random.Generator) -> np.ndarray:
@@ -58,10 +79,13 @@ def sketch(model: mujoco.MjModel, unit: float, rng: np.random.Generator) -> np.n
         at = int(model.jnt_qposadr[j])
         if kind == mujoco.mjtJoint.mjJNT_FREE:
             q[at : at + 2] = rng.uniform(-ASIDE, ASIDE, 2) * unit
-            q[at + 2] = (SEAT + rng.uniform(LOWEST, HIGHEST)) * unit
+            q[at + 2] = (SEAT + rng.uniform(0.0, ABOVE)) * unit
             mujoco.mju_quatIntegrate(q[at + 3 : at + 7], rng.normal(0.0, TURNED, 3), 1.0)
         elif kind == mujoco.mjtJoint.mjJNT_BALL:
-            mujoco.mju_quatIntegrate(q[at : at + 4], rng.normal(0.0, SPREAD * UNLIMITED, 3), 1.0)
+            turn = rng.normal(0.0, SPREAD * UNLIMITED, 3)
+            most = model.jnt_range[j, 1] if model.jnt_limited[j] else np.pi
+            turn *= min(1.0, most / np.linalg.norm(turn))
+            mujoco.mju_quatIntegrate(q[at : at + 4], turn, 1.0)
         else:
             least, most = model.jnt_range[j] if model.jnt_limited[j] else q[at] + UNLIMITED * np.array([-0.5, 0.5])
             q[at] = np.clip(q[at] + rng.normal(0.0, SPREAD * (most - least)), least, most)
@@ -81,20 +105,23 @@ def main(argv: list[str] | None = None) -> int:
         spec = mujoco.MjSpec.from_file(arguments.robot)
         unit = furnish(spec, pathlib.Path(arguments.robot))
         model = spec.compile()
-        if not any(mujoco.mjtJoint(kind) == mujoco.mjtJoint.mjJNT_FREE for kind in model.jnt_type):
+        if not stands_free(model):
             raise ValueError(f"{arguments.robot} has no free base to put on a seat")
-        solver, rng, kept = mjcf_pdg.Solver(model), np.random.default_rng(arguments.seed), 0
-        for _ in range(100 * arguments.count):
+        rng, kept = np.random.default_rng(arguments.seed), 0
+        for _ in range(MOST_TRIED * arguments.count):
             q = sketch(model, unit, rng)
-            if kept < arguments.count and not solver.is_free(q):
-                spec.add_key(name=f"sketch_{kept}", qpos=q)
-                kept += 1
-        if kept < arguments.count:
-            raise ValueError(f"only {kept} of {100 * arguments.count} random poses collide")
+            if mjcf_pdg.verify(model, q).min_distance >= -TOUCHING:
+                continue
+            spec.add_key(name=f"sketch_{kept}", qpos=q)
+            kept += 1
+            if kept == arguments.count:
+                break
+        else:
+            raise ValueError(f"geoms overlap in only {kept} of {MOST_TRIED * arguments.count} random poses")
         spec.compile()
         pathlib.Path(arguments.out).write_text(spec.to_xml())
     except (OSError, ValueError, mujoco.FatalError) as error:
-        print(f"make_sketches.py: {error}", file=sys.stderr)
+        print(f"make_sketches.py: {' '.join(str(error).split())}", file=sys.stderr)
         return 2
     return 0
 
