@@ -30,7 +30,7 @@ from scene import FINGERS, Contacts, for_lift, for_repair, touching_fingers
 from vessels import Vessel, difference, excess, random_cup
 
 DATABASE = pathlib.Path(__file__).resolve().parent / "database.json"
-ALLOWED = 3e-5  # how deep fingers may press into the cup: as in the lift, where they squeeze it [m]
+ALLOWED = 3e-5  # how deep fingers may press into the cup, which the lift presses 0.01 mm deep [m]
 PAPER_MS = 148  # a pose of a hand and a cup (Sec. 6.3), on another machine
 RUNS = ("raw", "repaired")
 

@@ -11,7 +11,7 @@ CLOSE, RAISE, WAIT = 0.5, 1.0, 0.5  # the fingers close; the arm rises; it stand
 LIFT = 0.10  # how far the arm rises [m]
 SQUEEZE = {"mcp": 0.25, "pip": 0.125, "dip": 0.05, "ip": 0.1}  # by which the drives (2 N m/rad) close each joint [rad]
 RISEN = 0.8 * LIFT  # a vessel that rises by less has slipped or fallen
-PIERCED = 0.001  # what squeezed contacts do not reach (0.03 mm): a finger is in the wall [m]
+PIERCED = 0.001  # what squeezed contacts do not reach (0.01 mm): a finger is in the wall [m]
 FRAMES_PER_SECOND = 50  # that are kept
 
 

@@ -116,7 +116,7 @@ def test_a_cup_that_holds_is_up_in_the_hand_and_outside_the_fingers(app, rise, s
     assert app["lift"].Lift(np.zeros((1, 0)), rise, slip, overlap, force=100.0).holds == holds
 
 
-def test_what_is_dropped_keeps_a_little_more_than_half_of_its_speed(app):
+def test_what_is_dropped_keeps_half_of_its_speed(app):
     """Contacts of the lift neither swallow the energy of an overlap nor add to it."""
     contacts = app["scene"].Contacts()
     solref = " ".join(map(str, contacts.solref))
@@ -128,7 +128,7 @@ def test_what_is_dropped_keeps_a_little_more_than_half_of_its_speed(app):
     while data.time < 0.08:
         mujoco.mj_step(model, data)
         v.append(data.qvel[2])
-    assert max(v) / -min(v) == pytest.approx(0.55, abs=0.01)
+    assert max(v) / -min(v) == pytest.approx(0.51, abs=0.01)
 
 
 def test_tallies_add_up_and_a_seed_gives_the_same_cups(tmp_path):
