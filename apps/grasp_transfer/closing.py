@@ -10,7 +10,7 @@ from scene import FINGERS
 RATES = {"mcp": 1.0, "pip": 1.0, "dip": 0.7, "ip": 0.7}  # joints of a finger flex together, this fast
 
 
-def close(model: mujoco.MjModel, q: np.ndarray) -> np.ndarray:
+def close_hand(model: mujoco.MjModel, q: np.ndarray) -> np.ndarray:
     """From a free q, finger by finger; what the thumb's base is turned to stays."""
     for finger in FINGERS:
         q = close_finger(model, q, finger)

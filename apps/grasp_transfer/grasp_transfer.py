@@ -15,10 +15,12 @@ import concurrent.futures
 import csv
 import dataclasses
 import functools
+import importlib
 import json
 import pathlib
 import sys
 import time
+from concurrent.futures.process import BrokenProcessPool
 
 import mujoco
 import numpy as np
@@ -30,7 +32,7 @@ from scene import FINGERS, Contacts, for_lift, for_repair, touching_fingers
 from vessels import Vessel, difference, excess, random_cup
 
 DATABASE = pathlib.Path(__file__).resolve().parent / "database.json"
-ALLOWED = 3e-5  # how deep fingers may press into the cup, which the lift presses 0.01 mm deep [m]
+ALLOWED = 3e-5  # how deep fingers may press into the cup, as they do in the lift: 0.005 mm, 0.2 while they close [m]
 PAPER_MS = 148  # a pose of a hand and a cup (Sec. 6.3), on another machine
 RUNS = ("raw", "repaired")
 
@@ -49,11 +51,14 @@ def read_database() -> list[Grasp]:
     return grasps
 
 
-def most_similar(database: list[Grasp], cup: Vessel, any_width: bool) -> Grasp:
-    """By vessels.difference, of those nowhere wider than the cup if there are any: PDg opens hands, but closes none."""
+def most_similar(database: list[Grasp], cup: Vessel, any_width: bool) -> tuple[Grasp, bool]:
+    """By vessels.difference, of those nowhere wider than the cup, if there are any: PDg opens hands, but closes none.
+
+    The second: whether there are.
+    """
     narrower = [grasp for grasp in database if excess(grasp.vessel, cup) <= 0.0]
     choice = database if any_width or not narrower else narrower
-    return min(choice, key=lambda grasp: difference(grasp.vessel, cup))
+    return min(choice, key=lambda grasp: difference(grasp.vessel, cup)), bool(narrower)
 
 
 def allowed(model: mujoco.MjModel) -> dict[tuple[str, str], float]:
@@ -65,7 +70,8 @@ def allowed(model: mujoco.MjModel) -> dict[tuple[str, str], float]:
 @dataclasses.dataclass
 class Transfer:
     cup: Vessel
-    unlike: float  # of the cup and the database's vessel [m]
+    source: Vessel  # the database's vessel whose grasp is moved over
+    has_narrower: bool  # the database has a vessel that is nowhere wider than the cup
     result: mjcf_pdg.Result
     milliseconds: float  # of processor time, of the repair
     fingers: dict[str, set[str]]  # in contact, by run
@@ -73,7 +79,7 @@ class Transfer:
 
 
 def transfer(database: list[Grasp], any_width: bool, contacts: Contacts, cup: Vessel) -> Transfer:
-    grasp = most_similar(database, cup, any_width)
+    grasp, has_narrower = most_similar(database, cup, any_width)
     model, simulated = for_repair(cup), for_lift(cup, contacts)
     solver = mjcf_pdg.Solver(model, exact_mesh=True, root="palm", allow=allowed(model))
     started = time.process_time()
@@ -82,14 +88,14 @@ def transfer(database: list[Grasp], any_width: bool, contacts: Contacts, cup: Ve
     poses = dict(zip(RUNS, (grasp.q, result.q)))
     fingers = {run: touching_fingers(simulated, q) for run, q in poses.items()}
     lifts = {run: lift(simulated, q) for run, q in poses.items()}
-    return Transfer(cup, difference(grasp.vessel, cup), result, milliseconds, fingers, lifts)
+    return Transfer(cup, grasp.vessel, has_narrower, result, milliseconds, fingers, lifts)
 
 
 # What is written.
 
 HEADING = [
-    "cup", "radius mm", "height mm", "unlike mm", "status", "depth mm", "sigma m^2", "rms mm", "ms",
-    "run", "fingers", "rise mm", "slip mm", "overlap mm", "force N", "holds",
+    "cup", "radius mm", "height mm", "like", "unlike mm", "status", "depth mm", "sigma m^2", "rms mm", "ms",
+    "run", "fingers", "rise mm", "slip mm", "tilt deg", "overlap mm", "force N", "holds",
 ]  # fmt: skip
 
 
@@ -102,13 +108,12 @@ def rows(number: int, t: Transfer) -> list[list[str]]:
     radius = max(r for r, _ in t.cup.profile)
     lines = []
     for run, made in t.lifts.items():
-        about = [str(number), f"{1e3 * radius:.1f}", f"{1e3 * t.cup.height:.1f}", f"{1e3 * t.unlike:.1f}"]
-        moved = [f"{t.result.sigma:.3g}", f"{1e3 * t.result.rms:.2f}", f"{t.milliseconds:.0f}"]
-        lifted = [f"{1e3 * made.rise:.0f}", f"{1e3 * made.slip:.0f}", f"{1e3 * made.overlap:.2f}", f"{made.force:.0f}"]
-        verdict = "yes" if made.holds else "no"
-        lines.append(
-            [*about, t.result.status, f"{1e3 * depth(t):.1f}", *moved, run, str(len(t.fingers[run])), *lifted, verdict]
-        )
+        unlike = difference(t.source, t.cup)
+        about = [str(number), f"{1e3 * radius:.1f}", f"{1e3 * t.cup.height:.1f}", t.source.kind, f"{1e3 * unlike:.1f}"]
+        repair = [t.result.status, f"{1e3 * depth(t):.1f}", f"{t.result.sigma:.3g}", f"{1e3 * t.result.rms:.2f}"]
+        way = [f"{1e3 * made.rise:.0f}", f"{1e3 * made.slip:.0f}", f"{made.tilt:.0f}"]
+        contact = [f"{1e3 * made.overlap:.3f}", f"{made.force:.0f}", "yes" if made.holds else "no"]
+        lines.append([*about, *repair, f"{t.milliseconds:.0f}", run, str(len(t.fingers[run])), *way, *contact])
     return lines
 
 
@@ -122,15 +127,22 @@ def summary(transfers: list[Transfer]) -> str:
     results = [t.result for t in transfers]
     colliding = [t for t in transfers if t.result.status != "already_free"]
     unsolved = sum(result.status == "unsolved" for result in results)
-    lines = [f"{len(transfers)} cups; {len(colliding)} grasps collide as moved over, {unsolved} of them unsolved"]
+    narrower, bottles = sum(t.has_narrower for t in transfers), sum(t.source.kind == "bottle" for t in transfers)
+    lines = [
+        f"{len(transfers)} cups, {narrower} of which have a vessel that is nowhere wider; {bottles} grasps are of "
+        f"bottles; {len(colliding)} collide as moved over, {unsolved} of them unsolved"
+    ]
     for run in RUNS:
         lifts = [t.lifts[run] for t in transfers]
         force = np.array([each.force for each in lifts])
         risen = [each for each in lifts if each.risen]
+        of_colliding = sum(t.lifts[run].risen for t in colliding)
+        tilt = f"tilted by {np.median([each.tilt for each in risen]):.0f} degrees (median); " if risen else ""
         lines.append(
             f"{run:>8}  in contact {np.mean([len(t.fingers[run]) for t in transfers]):.1f} of 5 fingers; "
-            f"lifted {len(risen)}, of these pierced {sum(each.pierced for each in risen)}; "
-            f"hold {sum(each.holds for each in lifts)}; force median {np.median(force):.0f}, most {force.max():.0f} N"
+            f"lifted {len(risen)} ({of_colliding} of those that collide), of these pierced "
+            f"{sum(each.pierced for each in risen)}; {tilt}"
+            f"hold {sum(each.holds for each in lifts)}; force median {np.median(force):.3g}, most {force.max():.3g} N"
         )
     kept, touched = (sum(len(t.fingers["raw"] & t.fingers[run]) for t in colliding) for run in ("repaired", "raw"))
     if colliding:
@@ -199,8 +211,8 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=1, help="of the new cups (default 1)")
     parser.add_argument("--any-width", action="store_true", help="the most similar vessel, wider than the cup or not")
     stiffness, damping = Contacts.stiffness, Contacts.damping_ratio
-    parser.add_argument("--stiffness", type=float, default=stiffness, help=f"of contacts [rad/s] (default {stiffness})")
-    parser.add_argument("--damping-ratio", type=float, default=damping, help=f"of contacts (default {damping})")
+    parser.add_argument("--stiffness", type=float, default=stiffness, help=f"of contacts [rad/s] ({stiffness:g})")
+    parser.add_argument("--damping-ratio", type=float, default=damping, help=f"of contacts ({damping})")
     parser.add_argument("--csv", help="the table")
     parser.add_argument("--png", help="contact force over depth of the overlap; needs matplotlib")
     gif = "the two lifts of the cup whose raw grasp presses hardest; needs pillow and pyopengl"
@@ -208,20 +220,28 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     arguments = parser.parse_args(argv)
     if arguments.cups < 1 or arguments.seed < 0:
         parser.error("--cups: at least 1; --seed: at least 0")
-    if not (0.0 < arguments.stiffness < np.inf and 0.0 < arguments.damping_ratio < np.inf):
-        parser.error("--stiffness, --damping-ratio: finite numbers above 0")
+    if not 100.0 <= arguments.stiffness <= 1e5:
+        parser.error("--stiffness: from 100 to 100000 rad/s")
+    if not 0.0 < arguments.damping_ratio <= 10.0:
+        parser.error("--damping-ratio: above 0 and at most 10")
+    for option in ("csv", "png", "gif"):
+        path = getattr(arguments, option) and pathlib.Path(getattr(arguments, option))
+        if path and (path.suffix != f".{option}" or not path.resolve().parent.is_dir()):
+            parser.error(f"--{option}: a file in a folder that exists, whose name ends with .{option}")
     return arguments
 
 
 def main(argv: list[str] | None = None) -> int:
     arguments = parse(argv)
     try:
+        for needed in ["matplotlib"] * bool(arguments.png) + ["PIL", "OpenGL"] * bool(arguments.gif):
+            importlib.import_module(needed)  # what is missing is told before any work
         rng = np.random.default_rng([1, arguments.seed])  # the database's vessels have other streams: [0, k]
         cups = [random_cup(rng) for _ in range(arguments.cups)]
         contacts = Contacts(arguments.stiffness, arguments.damping_ratio)
-        moved = functools.partial(transfer, read_database(), arguments.any_width, contacts)
+        transfer_to = functools.partial(transfer, read_database(), arguments.any_width, contacts)
         with concurrent.futures.ProcessPoolExecutor() as pool:
-            transfers = list(pool.map(moved, cups))
+            transfers = list(pool.map(transfer_to, cups))
         lines = [line for number, each in enumerate(transfers) for line in rows(number, each)]
         print(table(lines))
         print(summary(transfers))
@@ -232,9 +252,12 @@ def main(argv: list[str] | None = None) -> int:
             plot(arguments.png, transfers)
         if arguments.gif:
             animate(arguments.gif, max(transfers, key=lambda each: each.lifts["raw"].force))
-    except (OSError, ValueError, ImportError, mujoco.FatalError) as error:
-        print(f"grasp_transfer.py: {error}", file=sys.stderr)
+    except (OSError, ValueError, ImportError, mujoco.FatalError, BrokenProcessPool) as error:
+        print(f"grasp_transfer.py: {' '.join(str(error).split())}", file=sys.stderr)
         return 2
+    except KeyboardInterrupt:
+        print("grasp_transfer.py: interrupted", file=sys.stderr)
+        return 130
     return 0
 
 

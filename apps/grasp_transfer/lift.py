@@ -11,15 +11,16 @@ CLOSE, RAISE, WAIT = 0.5, 1.0, 0.5  # the fingers close; the arm rises; it stand
 LIFT = 0.10  # how far the arm rises [m]
 SQUEEZE = {"mcp": 0.25, "pip": 0.125, "dip": 0.05, "ip": 0.1}  # by which the drives (2 N m/rad) close each joint [rad]
 RISEN = 0.8 * LIFT  # a vessel that rises by less has slipped or fallen
-PIERCED = 0.001  # what squeezed contacts do not reach (0.01 mm): a finger is in the wall [m]
+PIERCED = 0.001  # what squeezed contacts do not reach (0.005 mm at the end): a finger is in the wall [m]
 FRAMES_PER_SECOND = 50  # that are kept
 
 
 @dataclasses.dataclass
 class Lift:
     q: np.ndarray  # (frames, nq)
-    rise: float  # of the vessel [m]
-    slip: float  # how far its centre of mass moved against the palm while the arm rose [m]
+    rise: float  # of the vessel's centre of mass [m]
+    slip: float  # how far that moved against the palm while the arm rose [m]
+    tilt: float  # of the vessel's axis at the end [degrees]
     overlap: float  # the deepest of hand and vessel at the end [m]
     force: float  # the largest sum of the normal forces on the vessel [N]
 
@@ -45,11 +46,13 @@ def lift(model: mujoco.MjModel, q: np.ndarray) -> Lift:
     vessel = model.body("vessel").id
     closed, risen, end = (round(t / model.opt.timestep) for t in (CLOSE, CLOSE + RAISE, CLOSE + RAISE + WAIT))
     frames, force = [], 0.0
+    mujoco.mj_kinematics(model, data)
+    start = data.xipos[vessel].copy()
     data.ctrl[:] = data.qpos[7:HAND_NQ]
     data.mocap_quat[0] = q[3:7]
     for k in range(end):
         if k < closed:
-            close(model, data, min(1.0, 2 * k / closed))
+            squeeze(model, data, min(1.0, 2 * k / closed))
         share = np.clip((k - closed) / (risen - closed), 0.0, 1.0)
         data.mocap_pos[0] = q[:3] + [0.0, 0.0, LIFT * share * share * (3 - 2 * share)]
         mujoco.mj_step(model, data)
@@ -59,11 +62,12 @@ def lift(model: mujoco.MjModel, q: np.ndarray) -> Lift:
         if k % round(1 / (FRAMES_PER_SECOND * model.opt.timestep)) == 0:
             frames.append(data.qpos.copy())
     slip = float(np.linalg.norm(seen_from_palm(model, data, vessel) - before))
-    rise = float(data.qpos[HAND_NQ + 2] - model.qpos0[HAND_NQ + 2])
-    return Lift(np.array(frames), rise, slip, deepest_overlap(model, data, vessel), force)
+    rise = float(data.xipos[vessel][2] - start[2])
+    tilt = float(np.degrees(np.arccos(np.clip(data.xmat[vessel][8], -1.0, 1.0))))
+    return Lift(np.array(frames), rise, slip, tilt, deepest_overlap(model, data, vessel), force)
 
 
-def close(model: mujoco.MjModel, data: mujoco.MjData, share: float) -> None:
+def squeeze(model: mujoco.MjModel, data: mujoco.MjData, share: float) -> None:
     """Constant torques: each flexing drive's target goes ahead of its joint. Where they are at last, they stay."""
     for k in range(model.nu):
         ahead = SQUEEZE.get(model.actuator(k).name.split("_")[1])

@@ -8,6 +8,7 @@ lift test is a grasp. The best of three is the one that passes it most often whe
 millimetres, and slips least. PDg has no part in this.
 """
 
+import argparse
 import concurrent.futures
 import dataclasses
 import json
@@ -18,7 +19,7 @@ import numpy as np
 
 import mjcf_pdg
 
-from closing import close
+from closing import close_hand
 from lift import lift
 from scene import for_lift, for_repair
 from vessels import Vessel, outside, random_bottle, random_cup
@@ -26,7 +27,7 @@ from vessels import Vessel, outside, random_bottle, random_cup
 DATABASE = pathlib.Path(__file__).resolve().parent / "database.json"
 SEED, CUPS, BOTTLES = 0, 4, 2
 SAMPLES = 50  # free palm poses that are tried for a vessel
-GRASPS = 3  # that pass the lift test; with so many to choose from the search ends
+GRASPS = 3  # the search ends when so many have passed the lift test
 DISTURBED, NOISE = 3, 0.003  # hands moved; standard deviation of that, each way [m]
 
 
@@ -56,7 +57,7 @@ def quality(
         moved = q.copy()
         moved[:3] += rng.normal(0.0, NOISE, 3)
         if solver.is_free(moved):
-            lifts.append(lift(simulated, close(model, moved)))
+            lifts.append(lift(simulated, close_hand(model, moved)))
     return sum(each.holds for each in lifts), -float(np.mean([each.slip for each in lifts])) if lifts else -np.inf
 
 
@@ -69,7 +70,7 @@ def best_grasp(vessel: Vessel, rng: np.random.Generator) -> np.ndarray:
         if not solver.is_free(q):
             continue
         tried += 1
-        grasp = close(model, q)
+        grasp = close_hand(model, q)
         if lift(simulated, grasp).holds:
             grasps.append((quality(solver, model, simulated, q, rng), grasp))
     if not grasps:
@@ -85,6 +86,7 @@ def entry(k: int) -> dict:
 
 
 def main() -> None:
+    argparse.ArgumentParser(description=__doc__.splitlines()[0]).parse_args()
     with concurrent.futures.ProcessPoolExecutor() as pool:
         entries = list(pool.map(entry, range(CUPS + BOTTLES)))
     DATABASE.write_text("[\n" + ",\n".join(json.dumps(each) for each in entries) + "\n]\n")

@@ -22,11 +22,10 @@ WELD = [0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0]  # origin on origin, axes along axes
 class Contacts:
     """Stoneware is hard and bounces; MuJoCo's default contacts are soft and swallow what an overlap has stored."""
 
-    # Of the spring [rad/s]. By Hertz a fingertip of acetal with a radius of 8 mm, pressed on stoneware by 6 N, is a
-    # spring of 1.4e6 N/m, on which the median cup (0.19 kg) swings at 2700 rad/s and a light fingertip faster. Fingers
-    # press some 0.01 mm into the cup, by MuJoCo's default up to 2 mm into a wall of 3.
+    # How fast what touches would swing [rad/s]: docs/grasps.md computes it for plastic on a thin wall of stoneware.
+    # Fingers then press 0.005 mm into the cup, by MuJoCo's default up to 2 mm into a wall of 3.
     stiffness: float = 2000.0
-    # A dropped ball keeps 0.51 of its speed (tested); floor tiles of stoneware must give a steel ball 0.55 at least
+    # A dropped ball keeps half of its speed (tested); floor tiles of stoneware must give a steel ball 0.55 at least
     # (ISO 10545-5 has the test).
     damping_ratio: float = 0.23
 

@@ -1,6 +1,7 @@
 """apps/grasp_transfer: grasps moved to new cups are freed, fingers stay in contact, and a lift tells what holds."""
 
 import csv
+import os
 import pathlib
 import subprocess
 import sys
@@ -30,7 +31,8 @@ def app():
 
 def run(*arguments):
     command = [sys.executable, APP / "grasp_transfer.py", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+    environment = {**os.environ, "MUJOCO_GL": "egl"}
+    return subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
 
 
 def signed_volume(vertices, faces):
@@ -80,7 +82,7 @@ def test_repaired_grasps_are_free_and_fingers_stay_in_contact(app):
     solved = 0
     for cup in [app["vessels"].random_cup(rng) for _ in range(6)]:
         model, simulated = scene.for_repair(cup), scene.for_lift(cup)
-        q = transfer.most_similar(database, cup, any_width=False).q
+        q = transfer.most_similar(database, cup, any_width=False)[0].q
         options = {"exact_mesh": True, "allow": transfer.allowed(model)}
         result = mjcf_pdg.solve(model, q, root="palm", **options)
         assert mjcf_pdg.verify(model, result.q, **options)
@@ -113,22 +115,23 @@ def test_a_vessel_in_no_hand_stays_on_the_table(app):
     ],
 )
 def test_a_cup_that_holds_is_up_in_the_hand_and_outside_the_fingers(app, rise, slip, overlap, holds):
-    assert app["lift"].Lift(np.zeros((1, 0)), rise, slip, overlap, force=100.0).holds == holds
+    assert app["lift"].Lift(np.zeros((1, 0)), rise, slip, 20.0, overlap, force=100.0).holds == holds
 
 
-def test_what_is_dropped_keeps_half_of_its_speed(app):
-    """Contacts of the lift neither swallow the energy of an overlap nor add to it."""
+@pytest.mark.parametrize("height", [0.005, 0.01, 0.03])
+def test_what_is_dropped_keeps_half_of_its_speed(app, height):
+    """Contacts of the lift neither swallow the energy of an overlap nor add to it. (The time step makes some noise.)"""
     contacts = app["scene"].Contacts()
     solref = " ".join(map(str, contacts.solref))
     xml = f"""<mujoco><default><geom solref="{solref}"/></default><worldbody><geom type="plane" size="1 1 1"/>
-        <body pos="0 0 0.03"><freejoint/><geom size="0.02" mass="0.1"/></body></worldbody></mujoco>"""
+        <body pos="0 0 {0.02 + height}"><freejoint/><geom size="0.02" mass="0.1"/></body></worldbody></mujoco>"""
     model = mujoco.MjModel.from_xml_string(xml)
     model.opt.timestep = contacts.timestep
     data, v = mujoco.MjData(model), []
-    while data.time < 0.08:
+    while data.time < 1.5 * np.sqrt(2 * height / 9.81):
         mujoco.mj_step(model, data)
         v.append(data.qvel[2])
-    assert max(v) / -min(v) == pytest.approx(0.51, abs=0.01)
+    assert max(v) / -min(v) == pytest.approx(0.52, abs=0.04)
 
 
 def test_tallies_add_up_and_a_seed_gives_the_same_cups(tmp_path):
@@ -158,7 +161,44 @@ def test_repaired_grasps_lift_cups_and_most_raw_ones_do_not(tmp_path):
     assert holding.count("repaired") >= 7 and holding.count("raw") <= 2, holding
 
 
-@pytest.mark.parametrize("arguments", [["--cups", "0"], ["--seed", "-1"], ["--damping-ratio", "0"]])
+def test_the_most_similar_vessel_is_nowhere_wider_if_there_is_one(app):
+    transfer, vessels = app["grasp_transfer"], app["vessels"]
+
+    def cylinder(radius):
+        return vessels.Vessel("cup", ((radius, 0.0), (radius, 0.1)), 0.003)
+
+    database = [transfer.Grasp(cylinder(radius), np.zeros(0)) for radius in (0.03, 0.041)]
+    narrow, wide = database
+    assert transfer.most_similar(database, cylinder(0.04), any_width=False) == (narrow, True)
+    assert transfer.most_similar(database, cylinder(0.04), any_width=True) == (wide, True)
+    assert transfer.most_similar(database, cylinder(0.02), any_width=False) == (narrow, False)
+
+
+def test_plot_and_animation_are_written(tmp_path):
+    for package in ("matplotlib", "PIL", "OpenGL"):
+        pytest.importorskip(package)
+    from PIL import Image
+
+    png, gif = tmp_path / "grasps.png", tmp_path / "grasps.gif"
+    done = run("--cups", 1, "--seed", 3, "--stiffness", 500, "--png", png, "--gif", gif)
+    assert done.returncode == 0, done.stderr
+    with Image.open(png) as image:
+        assert min(image.size) > 400
+    with Image.open(gif) as animation:
+        assert animation.n_frames == 50
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["--cups", "0"],
+        ["--seed", "-1"],
+        ["--damping-ratio", "0"],
+        ["--stiffness", "5"],
+        ["--csv", "/nowhere/grasps.csv"],
+        ["--png", "grasps.pdf"],
+    ],
+)
 def test_bad_input_is_one_clear_line(arguments):
     done = run(*arguments)
     assert done.returncode == 2 and "Traceback" not in done.stderr and arguments[0] in done.stderr
