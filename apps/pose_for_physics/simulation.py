@@ -96,7 +96,8 @@ def hold(model: mujoco.MjModel, data: mujoco.MjData, conditions: Conditions) -> 
 def servo(model: mujoco.MjModel, data: mujoco.MjData, j: int) -> float:
     """Stiffness of a joint's servo [N/m or N m/rad]; of a free body as many N m/rad as N/m, MuJoCo has one number.
 
-    A joint that turns carries its weight at the root mean square distance of its mass: no pose has more at its lever.
+    A joint that turns is taken to carry the weight at the root mean square distance of its mass from the anchor, since
+    gravity's lever is never longer.
     """
     body = model.jnt_bodyid[j]
     carried = [b for b in range(model.nbody) if is_below(model, b, body)]
