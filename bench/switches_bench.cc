@@ -65,14 +65,13 @@ Choice Cheapest(const std::vector<Course>& courses, const Solved& solved, double
   struct State {
     double cost = kInfinity;
     Choice choice;
+    bool operator<(const State& other) const { return cost < other.cost; }
   };
   const int free = static_cast<int>(courses.size()), single = free + 1;
   std::vector<State> before(courses.size() + 2), now(before);
   before[free].cost = 0.0;
   for (int k = 0; k < static_cast<int>(solved.at.size()); ++k) {
-    const auto best =
-        std::min_element(before.begin(), before.end(),
-                         [](const State& x, const State& y) { return x.cost < y.cost; });
+    const auto best = std::min_element(before.begin(), before.end());
     std::fill(now.begin(), now.end(), State());
     if (solved.Free(k)) {
       now[free] = *best;
@@ -94,9 +93,7 @@ Choice Cheapest(const std::vector<Course>& courses, const Solved& solved, double
     }
     std::swap(before, now);
   }
-  return std::min_element(before.begin(), before.end(),
-                          [](const State& x, const State& y) { return x.cost < y.cost; })
-      ->choice;
+  return std::min_element(before.begin(), before.end())->choice;
 }
 
 // The fewest switches with which Σσ is at most `most`, by the price of a switch.

@@ -73,8 +73,8 @@ def load(path: str, conditions: Conditions) -> Scene:
     if not model.nkey:
         raise ValueError(f"{path} has no keyframes")
     off = model.opt.disableflags
-    if off & mujoco.mjtDisableBit.mjDSBL_CONTACT:
-        raise ValueError(f"{path} disables contacts: nothing bursts")
+    if not model.ngeom or off & mujoco.mjtDisableBit.mjDSBL_CONTACT:
+        raise ValueError(f"{path} has no geoms, or disables contacts: nothing bursts")
     if not body_weight(model) or off & mujoco.mjtDisableBit.mjDSBL_GRAVITY:
         raise ValueError(f"{path} has nothing that moves, or no gravity: forces are measured in weights")
     return Scene(path, model, prepared(model, conditions))
