@@ -118,8 +118,9 @@ def table(lines: list[list[str]]) -> str:
     return "\n".join("  ".join(cell.rjust(width) for cell, width in zip(cells, widths)) for cells in lines)
 
 
-def rests(run: Run) -> bool:
-    return bool(run.force.max() <= MOST_WEIGHTS and run.speed.max() <= FASTEST)
+def excess(run: Run) -> float:
+    """Of force and speed, each over its bound, the greater: at most 1 for a pose that rests."""
+    return float(max(run.force.max() / MOST_WEIGHTS, run.speed.max() / FASTEST))
 
 
 def spread(values: np.ndarray) -> str:
@@ -138,11 +139,12 @@ def summary(poses: list[Pose]) -> str:
     for name in RUNS:
         runs = [pose.runs[name] for pose in colliding]
         force, speed, energy = np.array([[run.force.max(), run.speed.max(), run.energy.max()] for run in runs]).T
+        over = np.array([excess(run) for run in runs])
         lines.append(
-            f"{name:>8}  {sum(map(rests, runs))} of {len(runs)}; force/weight {spread(force)}, "
+            f"{name:>8}  {sum(over <= 1.0)} of {len(runs)}; force/weight {spread(force)}, "
             f"{sum(force > MOST_WEIGHTS)} over the bound, {sum(force > 10 * MOST_WEIGHTS)} over ten times; "
             f"speed {spread(speed)} m/s, {sum(speed > FASTEST)} over the bound; "
-            f"energy {spread(np.maximum(energy, 0.0))} J"
+            f"energy {spread(np.maximum(energy, 0.0))} J; the greater of force and speed over its bound {spread(over)}"
         )
     pressed = {name: sum(pose.runs[name].force[-1] > MOST_WEIGHTS for pose in colliding) for name in RUNS}
     overlap = {name: max(pose.runs[name].overlap for pose in colliding) for name in RUNS}

@@ -32,7 +32,7 @@ KEYS = {
     "turned_in_the_cup": {**SEATED, "pelvis": (0, 0, SEAT + 0.092, 0, 0, 40)},
     "elbows_in_wall": {**SEATED, **both("shoulder", (32, 10, 0)), **both("elbow", 70)},
     "knees_drawn_up": {**SEATED, **both("hip", (0, -112, 0)), **both("knee", 128)},
-    "legs_crossed": {**SEATED, "right_hip": (5, -100, 20)},
+    "legs_crossed": {**SEATED, "right_hip": (5, -100, 28)},
     "arms_crossed": {**SEATED, **both("shoulder", (0, -20, -70)), **both("elbow", 100)},
 }
 

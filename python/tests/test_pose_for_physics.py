@@ -37,15 +37,15 @@ def in_bounds(row):
     return float(row["force/weight"]) <= 3 and float(row["speed m/s"]) <= 0.5
 
 
-def test_every_repaired_pose_that_is_held_rests_and_no_sketch_does(tmp_path):
+def test_every_repaired_pose_that_is_held_rests_and_every_sketch_exceeds_a_bound_tenfold(tmp_path):
     tables = [measured(tmp_path, model) for model in (CHAIR, BENCH)]  # some names are in both
     sketched, repaired = (sum((runs(rows, name) for rows in tables), []) for name in ("sketched", "repaired"))
     assert len(sketched) == len(repaired) == 26
     assert all(in_bounds(row) for row in repaired)
     assert all(float(row["energy J"]) < 0.01 for row in repaired)
-    assert not any(in_bounds(row) for row in sketched)
-    assert all(float(row["energy J"]) > 0.5 for row in sketched)
-    assert sum(float(row["force/weight"]) > 30 for row in sketched) == 20
+    assert all(float(row["energy J"]) > 10 for row in sketched)
+    assert all(max(float(row["force/weight"]) / 3, float(row["speed m/s"]) / 0.5) > 10 for row in sketched)
+    assert sum(float(row["force/weight"]) > 30 for row in sketched) == 25
 
 
 @pytest.mark.parametrize(
