@@ -20,6 +20,7 @@ import json
 import pathlib
 import sys
 import time
+from collections.abc import Iterable
 from concurrent.futures.process import BrokenProcessPool
 
 import mujoco
@@ -210,8 +211,8 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--cups", type=int, default=50, help="how many new cups (default 50)")
     parser.add_argument("--seed", type=int, default=1, help="of the new cups (default 1)")
     parser.add_argument("--any-width", action="store_true", help="the most similar vessel, wider than the cup or not")
-    stiffness, damping = Contacts.stiffness, Contacts.damping_ratio
-    parser.add_argument("--stiffness", type=float, default=stiffness, help=f"of contacts [rad/s] ({stiffness:g})")
+    frequency, damping = Contacts.frequency, Contacts.damping_ratio
+    parser.add_argument("--frequency", type=float, default=frequency, help=f"of contacts [rad/s] ({frequency:g})")
     parser.add_argument("--damping-ratio", type=float, default=damping, help=f"of contacts ({damping})")
     parser.add_argument("--csv", help="the table")
     parser.add_argument("--png", help="contact force over depth of the overlap; needs matplotlib")
@@ -220,8 +221,8 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     arguments = parser.parse_args(argv)
     if arguments.cups < 1 or arguments.seed < 0:
         parser.error("--cups: at least 1; --seed: at least 0")
-    if not 100.0 <= arguments.stiffness <= 1e5:
-        parser.error("--stiffness: from 100 to 100000 rad/s")
+    if not 100.0 <= arguments.frequency <= 1e5:
+        parser.error("--frequency: from 100 to 100000 rad/s")
     if not 0.0 < arguments.damping_ratio <= 10.0:
         parser.error("--damping-ratio: above 0 and at most 10")
     for option in ("csv", "png", "gif"):
@@ -231,6 +232,15 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     return arguments
 
 
+def shown(transfers: Iterable[Transfer], count: int) -> Iterable[Transfer]:
+    """With a bar on terminals, where tqdm is installed."""
+    try:
+        import tqdm
+    except ImportError:
+        return transfers
+    return tqdm.tqdm(transfers, total=count, desc="lifting", unit="cup", disable=None)
+
+
 def main(argv: list[str] | None = None) -> int:
     arguments = parse(argv)
     try:
@@ -238,10 +248,10 @@ def main(argv: list[str] | None = None) -> int:
             importlib.import_module(needed)  # what is missing is told before any work
         rng = np.random.default_rng([1, arguments.seed])  # the database's vessels have other streams: [0, k]
         cups = [random_cup(rng) for _ in range(arguments.cups)]
-        contacts = Contacts(arguments.stiffness, arguments.damping_ratio)
+        contacts = Contacts(arguments.frequency, arguments.damping_ratio)
         transfer_to = functools.partial(transfer, read_database(), arguments.any_width, contacts)
         with concurrent.futures.ProcessPoolExecutor() as pool:
-            transfers = list(pool.map(transfer_to, cups))
+            transfers = list(shown(pool.map(transfer_to, cups), len(cups)))
         lines = [line for number, each in enumerate(transfers) for line in rows(number, each)]
         print(table(lines))
         print(summary(transfers))

@@ -24,19 +24,19 @@ class Contacts:
 
     # How fast what touches would swing [rad/s]: docs/grasps.md computes it for plastic on a thin wall of stoneware.
     # Fingers then press 0.005 mm into the cup, by MuJoCo's default up to 2 mm into a wall of 3.
-    stiffness: float = 2000.0
+    frequency: float = 2000.0
     # A dropped ball keeps half of its speed (tested); floor tiles of stoneware must give a steel ball 0.55 at least
     # (ISO 10545-5 has the test).
     damping_ratio: float = 0.23
 
     @property
     def solref(self) -> list[float]:
-        return [1 / (self.stiffness * self.damping_ratio), self.damping_ratio]
+        return [1 / (self.frequency * self.damping_ratio), self.damping_ratio]
 
     @property
     def timestep(self) -> float:
         """A twenty-fifth of a free swing [s]."""
-        return 0.25 / self.stiffness
+        return 0.25 / self.frequency
 
 
 def hand() -> mujoco.MjSpec:

@@ -137,7 +137,7 @@ def test_what_is_dropped_keeps_half_of_its_speed(app, height):
 def test_tallies_add_up_and_a_seed_gives_the_same_cups(tmp_path):
     tables = []
     for cups in (1, 2):
-        done = run("--cups", cups, "--seed", 3, "--stiffness", 1000, "--csv", tmp_path / "grasps.csv")
+        done = run("--cups", cups, "--seed", 3, "--frequency", 1000, "--csv", tmp_path / "grasps.csv")
         assert done.returncode == 0, done.stderr
         with open(tmp_path / "grasps.csv", newline="") as file:
             tables.append([{key: value for key, value in row.items() if key != "ms"} for row in csv.DictReader(file)])
@@ -180,7 +180,7 @@ def test_plot_and_animation_are_written(tmp_path):
     from PIL import Image
 
     png, gif = tmp_path / "grasps.png", tmp_path / "grasps.gif"
-    done = run("--cups", 1, "--seed", 3, "--stiffness", 500, "--png", png, "--gif", gif)
+    done = run("--cups", 1, "--seed", 3, "--frequency", 500, "--png", png, "--gif", gif)
     assert done.returncode == 0, done.stderr
     with Image.open(png) as image:
         assert min(image.size) > 400
@@ -194,7 +194,7 @@ def test_plot_and_animation_are_written(tmp_path):
         ["--cups", "0"],
         ["--seed", "-1"],
         ["--damping-ratio", "0"],
-        ["--stiffness", "5"],
+        ["--frequency", "5"],
         ["--csv", "/nowhere/grasps.csv"],
         ["--png", "grasps.pdf"],
     ],
