@@ -38,6 +38,7 @@ def furnish(spec: mujoco.MjSpec, source: pathlib.Path) -> float:
         setattr(spec, name, str((source.parent / (getattr(spec, name) or ".")).resolve()))
     for key in list(spec.keys):
         spec.delete(key)
+    spec.nkey = 0  # else unnamed keyframes stand for those that <size nkey> announced
     unit = height(spec.compile())
     world, box = spec.worldbody, mujoco.mjtGeom.mjGEOM_BOX
     seat, wide = SEAT * unit, HALF_WIDTH * unit

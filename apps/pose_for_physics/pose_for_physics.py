@@ -61,7 +61,8 @@ def examine(scene: Scene, key: int, conditions: Conditions) -> Pose:
     model = scene.model
     q = model.key_qpos[key].copy()
     mocap = (model.key_mpos[key].reshape(-1, 3), model.key_mquat[key].reshape(-1, 4))
-    result = mjcf_pdg.solve(model, q, mocap_pos=mocap[0], mocap_quat=mocap[1])
+    # MuJoCo pushes as soon as geoms are nearer than their margins: the repair keeps those.
+    result = mjcf_pdg.solve(model, q, mocap_pos=mocap[0], mocap_quat=mocap[1], clearance="model")
     depth = max(0.0, -result.depth_in)
     runs = {"sketched": simulate(scene.simulated, q, mocap, conditions)} if depth > 0.0 else {}
     runs["repaired"] = simulate(scene.simulated, result.q, mocap, conditions)
@@ -185,10 +186,10 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
         parser.error("--gains: a number from 0 to a million")
     if arguments.contact_time is not None and not 1e-4 <= arguments.contact_time <= 1.0:
         parser.error("--contact-time: from 0.0001 to 1 s")
-    for option, ending in (("png", ".png"), ("gif", ".gif")):
-        path = getattr(arguments, option)
-        if path and pathlib.Path(path).suffix != ending:
-            parser.error(f"--{option}: the name of the file must end with {ending}")
+    for option in ("csv", "png", "gif"):
+        path = pathlib.Path(getattr(arguments, option) or f"none.{option}")
+        if path.suffix != f".{option}" or not path.parent.is_dir():
+            parser.error(f"--{option}: a file in a folder that exists, whose name ends with .{option}")
     return arguments
 
 

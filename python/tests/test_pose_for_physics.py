@@ -151,6 +151,24 @@ def test_mocap_bodies_are_where_the_keyframe_says(tmp_path):
     assert in_bounds(rows["bent", "repaired"])
 
 
+def test_repairs_keep_the_margins_within_which_contacts_push(tmp_path):
+    """A seat under the trunk whose contacts begin 1 cm above it: in touch with it the trunk would be thrown off."""
+    seat = '<geom type="box" size="0.3 0.3 0.05" pos="0 0 0.58" margin="0.01"/></worldbody>'
+    rows = measured(tmp_path, robot(tmp_path, seat=("</worldbody>", seat)))
+    assert float(rows["bent", "sketched"]["force/weight"]) > 30
+    assert in_bounds(rows["bent", "repaired"])
+
+
+def test_sketches_have_no_keyframes_but_their_own(tmp_path):
+    """The robot announces seven and has one: MuJoCo would fill them up with its reference pose."""
+    announced = robot(tmp_path, size=("<worldbody>", '<size nkey="7"/><worldbody>'))
+    sketches = tmp_path / "sketches.xml"
+    done = run(announced, "--out", sketches, "--count", 2, script="make_sketches.py")
+    assert done.returncode == 0, done.stderr
+    model = mujoco.MjModel.from_xml_path(str(sketches))
+    assert [model.key(k).name for k in range(model.nkey)] == ["sketch_0", "sketch_1"]
+
+
 def test_a_pose_that_only_violates_a_limit_is_no_sketch(tmp_path):
     rows = measured(tmp_path, robot(tmp_path, pose=("0 0 0.7  1 0 0 0  -1.5", "0 0 0.7  1 0 0 0  1.2")))
     assert set(rows) == {("bent", "repaired")}
@@ -223,7 +241,8 @@ def test_plot_and_animation_are_written(tmp_path):
         ([CHAIR, "--contact-time", "0"], "--contact-time"),
         ([ROOT / "models/loops/leg.xml"], "no keyframes"),
         ([CHAIR, "--png", "plot.pdf"], ".png"),
-        ([CHAIR, "--key", "home", "--csv", "/nowhere/poses.csv"], "/nowhere/poses.csv"),
+        ([CHAIR, "--csv", "/nowhere/poses.csv"], "--csv"),
+        ([CHAIR, "--png", "/nowhere/plot.png"], "--png"),
     ],
 )
 def test_bad_input_is_one_clear_line(arguments, word):
