@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mjcf_pdg/export.h"
@@ -96,6 +97,9 @@ class MJCF_PDG_API Scene {
   // For the library itself, not for other programs.
   const SceneTables& tables() const { return *tables_; }
   const std::shared_ptr<const VerifierModel>& verifier_model() const { return verifier_model_; }
+  Scene(std::shared_ptr<const SceneTables> tables,
+        std::shared_ptr<const VerifierModel> verifier_model)
+      : tables_(std::move(tables)), verifier_model_(std::move(verifier_model)) {}
 
   int nq() const;               // entries of a configuration
   int dof() const;              // n, the number of movable degrees of freedom

@@ -1,4 +1,4 @@
-"""Makes gap.xml, slot.xml and piano.xml: narrow passages of known width. Those here are made without arguments."""
+"""Makes gap.xml, slot.xml, peg.xml and piano.xml: narrow passages of known width. Those here are made without arguments."""
 import argparse
 import math
 import sys
@@ -83,6 +83,26 @@ def make_slot(folder, slack):
     scene.write(SLOT.format(thick=thick, high=round(high, 6), slot=slot))
 
 
+PEG = """
+A peg in space and a hole in a wall. Made by make_passages.py; change that, not this.
+
+Units: m, kg, s, rad. The peg is free, {wide} m wide and thick and {long} m long; the hole is {hole} m wide and high, the wall {wall} m thick.
+"""
+
+
+def make_peg(folder, slack):
+    wide, long, wall = 0.1, 0.4, 0.2
+    hole = wide * (1 + slack)
+    scene = new_scene("peg", folder, (-1.4, -2.0, 1.2), (0.85, -0.53, 0, 0.23, 0.37, 0.9), (0, 0, 0), 1.0)
+    add_wall(scene, wall, (-hole / 2, hole / 2, -hole / 2, hole / 2), 4.0)
+    body = element(scene.world, "body", name="peg")
+    element(body, "freejoint", name="peg")
+    element(body, "geom", name="peg", type="box", size=(long / 2, wide / 2, wide / 2), material="mover")
+    scene.key("start", {"peg": (-0.6, 0.3, 0.2, 90, 0, 0)})
+    scene.key("goal", {"peg": (0.6, 0.1, -0.2, 0, 90, 0)})
+    scene.write(PEG.format(wide=wide, long=long, hole=round(hole, 6), wall=wall))
+
+
 PIANO = """
 A piano and a door. Made by make_passages.py; change that, not this.
 
@@ -124,9 +144,10 @@ def make_piano(folder):
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--slack", type=float, default=0.03,
-                        help="by which gap and slot are wider than what must pass, a share of that")
+                        help="by which gap, slot and hole are wider than what must pass, a share of that")
     parser.add_argument("--folder", type=Path, default=HERE, help="where they are written")
     arguments = parser.parse_args()
     make_gap(arguments.folder, arguments.slack)
     make_slot(arguments.folder, arguments.slack)
+    make_peg(arguments.folder, arguments.slack)
     make_piano(arguments.folder)

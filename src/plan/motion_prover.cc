@@ -91,6 +91,17 @@ bool MotionProver::IsFree(const VectorXd& from, const VectorXd& to) {
   return free.all || (free.t > kNearlyThere && Move(to, from).all);
 }
 
+void Straighten(MotionProver& prover, const std::function<bool()>& ended,
+                std::vector<VectorXd>& corners) {
+  for (std::size_t k = 1; k + 1 < corners.size() && !ended();) {
+    if (prover.IsFree(corners[k - 1], corners[k + 1])) {
+      corners.erase(corners.begin() + static_cast<std::ptrdiff_t>(k));
+    } else {
+      ++k;
+    }
+  }
+}
+
 void UseProver(const std::shared_ptr<MotionProver>& prover, std::function<bool()> ended,
                const ob::SpaceInformationPtr& space) {
   space->setStateValidityChecker(std::make_shared<FreeConfigurations>(space, prover));

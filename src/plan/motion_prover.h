@@ -50,6 +50,11 @@ class MotionProver {
   std::int64_t queries_ = 0;
 };
 
+// Takes out corners of a path whose neighbours can be joined by a free motion, until `ended` says
+// to stop.
+void Straighten(MotionProver& prover, const std::function<bool()>& ended,
+                std::vector<VectorXd>& corners);
+
 // Makes `prover` decide for `space`, which must be over a ConfigurationSpace. Once `ended` says so,
 // no motion is free: planners ask between samples whether to go on, but RRTConnect not while it
 // grows one tree towards the other.

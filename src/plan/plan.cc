@@ -31,7 +31,6 @@ class Planning {
   bool Repair(const std::vector<double>& q, const char* end, Result& result);
   void Connect(const VectorXd& start, const VectorXd& goal);
   std::vector<VectorXd> Shorten(const std::vector<VectorXd>& corners);
-  void Straighten(std::vector<VectorXd>& corners);
   bool Keep(const std::vector<VectorXd>& corners);
   bool Prove(const std::vector<VectorXd>& path);
   bool Ended();
@@ -96,18 +95,6 @@ bool Planning::Prove(const std::vector<VectorXd>& path) {
   return true;
 }
 
-// Takes out corners whose neighbours can be joined: smoothing leaves some on straight parts, and a
-// path that is timed stops at each.
-void Planning::Straighten(std::vector<VectorXd>& corners) {
-  for (std::size_t k = 1; k + 1 < corners.size() && !Ended();) {
-    if (prover_->IsFree(corners[k - 1], corners[k + 1])) {
-      corners.erase(corners.begin() + static_cast<std::ptrdiff_t>(k));
-    } else {
-      ++k;
-    }
-  }
-}
-
 std::vector<VectorXd> Planning::Shorten(const std::vector<VectorXd>& corners) {
   const auto information = std::make_shared<ob::SpaceInformation>(space_);
   UseProver(prover_, [] { return false; }, information);
@@ -124,7 +111,8 @@ std::vector<VectorXd> Planning::Shorten(const std::vector<VectorXd>& corners) {
   if (!Ended()) simplifier.smoothBSpline(path, 2, 0.01);
   if (!Ended()) simplifier.reduceVertices(path);
   std::vector<VectorXd> shorter = Configurations(path);
-  Straighten(shorter);
+  // Smoothing leaves corners on straight parts, and a path that is timed stops at each.
+  Straighten(*prover_, [this] { return Ended(); }, shorter);
   return shorter;
 }
 

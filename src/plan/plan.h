@@ -22,7 +22,9 @@ struct PlanOptions {
   Options options = {};
   // The length of a step [m]; 0: a tenth of the largest √σ between random configurations.
   double range = 0.0;
-  std::int64_t max_samples = 0;  // ends the search after so many; 0: no bound
+  // Ends the search after runs that may draw so many, but for those near a path that is retracted;
+  // 0: no bound.
+  std::int64_t max_samples = 0;
   // Several are used by planners that begin anew; the path is the same at any number.
   int threads = 1;
   // Asked between samples, by one thread at a time, whether to go on; empty: always.

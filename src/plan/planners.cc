@@ -122,6 +122,8 @@ bool BeginsAnew(const std::string& planner) {
   return planner == "birrt" || planner == "birrt-r" || planner == "birrt-pdg";
 }
 
+bool RetractsByPdg(const std::string& planner) { return planner == "birrt-pdg"; }
+
 NamedPlanner MakePlanner(const std::string& name, double range, const RetractionInput& input,
                          const ob::SpaceInformationPtr& space) {
   std::string known;

@@ -17,9 +17,12 @@ std::vector<std::string> PlannerNames();
 // Whether the planner is one of the three of Table IV: these begin anew after some samples.
 bool BeginsAnew(const std::string& planner);
 
+// Whether the planner retracts by penetration depth.
+bool RetractsByPdg(const std::string& planner);
+
 struct NamedPlanner {
   ompl::base::PlannerPtr planner;
-  const RetractingRrtConnect* retracting = nullptr;     // the same, if it retracts
+  RetractingRrtConnect* retracting = nullptr;           // the same, if it retracts
   ompl::base::OptimizationObjectivePtr objective = {};  // of the problem, if it asks for one
 };
 

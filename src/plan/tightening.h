@@ -1,0 +1,42 @@
+// Retracts a path of a dilated scene (plan/dilation.h) into one that is dilated less: what planning
+// by penetration depth can do that retraction along a contact cannot.
+//
+// Source: Saha, Latombe, Chang & Prinz, Finding narrow passages with probabilistic roadmaps: the
+// small-step retraction method (Autonomous Robots, 2005).
+// Differs from it: configurations are retracted by PDg, not by random samples nearby, and those of
+// the path are joined by searches between neighbours.
+#ifndef MJCF_PDG_SRC_PLAN_TIGHTENING_H_
+#define MJCF_PDG_SRC_PLAN_TIGHTENING_H_
+
+#include <vector>
+
+#include "plan/tree_search.h"
+
+namespace mjcf_pdg {
+
+class Tightening {
+ public:
+  // Of the scene into which paths are retracted. The planner must be one that retracts.
+  explicit Tightening(const TreeSearchInput& input);
+
+  // A path with the same ends, which must be free in the scene; empty if none was found. Each of
+  // its motions is proven free.
+  std::vector<VectorXd> Tighten(const std::vector<VectorXd>& wide);
+
+  SearchCost cost() const;
+
+ private:
+  std::vector<VectorXd> Densified(const std::vector<VectorXd>& path) const;
+  bool Free(VectorXd& q);
+  bool Reach(const VectorXd& q, std::vector<VectorXd>& path);
+
+  const TreeSearchInput input_;
+  TreeSearch search_;
+  Solver solver_;
+  Result result_;
+  std::int64_t queries_ = 0;  // of solver_
+};
+
+}  // namespace mjcf_pdg
+
+#endif  // MJCF_PDG_SRC_PLAN_TIGHTENING_H_

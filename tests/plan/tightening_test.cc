@@ -1,0 +1,79 @@
+// Paths of a scene in which geoms may overlap, retracted into one in which they may not.
+#include "plan/tightening.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "plan/dilation.h"
+#include "tests/plan/plan_test_support.h"
+
+namespace mjcf_pdg {
+namespace {
+
+// A bar of 0.6 × 0.2 m in the plane and a gap of `gap` m in a wall that is as thick as the bar is
+// wide.
+Scene BarAndGap(double gap) {
+  const std::string y = std::to_string(2.0 + 0.5 * gap);
+  return Scene::FromString(R"(<mujoco><worldbody>
+    <geom type="box" size=".1 2 .5" pos="0 )" +
+                           y + R"( 0"/>
+    <geom type="box" size=".1 2 .5" pos="0 -)" +
+                           y + R"( 0"/>
+    <body><joint type="slide" axis="1 0 0" range="-2 2" limited="true"/>
+      <joint type="slide" axis="0 1 0" range="-2 2" limited="true"/>
+      <joint type="hinge" axis="0 0 1" range="-90 90" limited="true"/>
+      <geom type="box" size=".3 .1 .2"/></body></worldbody></mujoco>)");
+}
+
+std::vector<VectorXd> Tightened(const Scene& scene, const std::vector<VectorXd>& wide) {
+  const PlanOptions options = With("birrt-pdg");
+  const auto space =
+      std::make_shared<ConfigurationSpace>(scene, MocapPoses{}, wide.front(), wide.back());
+  Tightening tightening({scene, options, space, 1e-4, [] { return false; }});
+  std::vector<VectorXd> path = tightening.Tighten(wide);
+  EXPECT_GT(tightening.cost().collision_queries, 0);
+  return path;
+}
+
+// Slanted and beside the middle, as it would pass a gap that is wider.
+std::vector<VectorXd> SlantedWay() {
+  return {VectorXd{{-1.0, 0.03, 0.0}}, VectorXd{{-0.6, 0.03, 0.25}}, VectorXd{{0.6, 0.03, 0.25}},
+          VectorXd{{1.0, 0.03, 0.0}}};
+}
+
+TEST(TighteningTest, APathThatOverlapsIsMadeFree) {
+  const Scene scene = BarAndGap(0.206);  // 3 % wider than the bar
+  const std::vector<VectorXd> wide = SlantedWay();
+  MotionChecker checker(scene);
+  ASSERT_EQ(checker.Check(test::ToVector(wide[1]), test::ToVector(wide[2])).outcome,
+            MotionOutcome::kContact);
+  const std::vector<VectorXd> path = Tightened(scene, wide);
+  ASSERT_GE(path.size(), 3u);
+  EXPECT_EQ(path.front(), wide.front());
+  EXPECT_EQ(path.back(), wide.back());
+  for (std::size_t k = 1; k < path.size(); ++k) {
+    const auto one_way =
+        checker.Check(test::ToVector(path[k - 1]), test::ToVector(path[k])).outcome;
+    const auto other_way =
+        checker.Check(test::ToVector(path[k]), test::ToVector(path[k - 1])).outcome;
+    EXPECT_TRUE(one_way == MotionOutcome::kFree || other_way == MotionOutcome::kFree) << k;
+  }
+}
+
+TEST(TighteningTest, APathThatIsFreeIsKept) {
+  const std::vector<VectorXd> wide = SlantedWay();
+  const std::vector<VectorXd> path = Tightened(BarAndGap(0.6), wide);
+  ASSERT_GE(path.size(), 2u);
+  EXPECT_EQ(path.front(), wide.front());
+  EXPECT_EQ(path.back(), wide.back());
+}
+
+TEST(TighteningTest, ThroughAGapThatIsNarrowerNoneIsFound) {
+  EXPECT_TRUE(Tightened(BarAndGap(0.198), SlantedWay()).empty());
+}
+
+}  // namespace
+}  // namespace mjcf_pdg
