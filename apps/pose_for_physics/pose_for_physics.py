@@ -187,9 +187,11 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     if arguments.contact_time is not None and not 1e-4 <= arguments.contact_time <= 1.0:
         parser.error("--contact-time: from 0.0001 to 1 s")
     for option in ("csv", "png", "gif"):
-        path = pathlib.Path(getattr(arguments, option) or f"none.{option}")
-        if path.suffix != f".{option}" or not path.parent.is_dir():
-            parser.error(f"--{option}: a file in a folder that exists, whose name ends with .{option}")
+        path = getattr(arguments, option)
+        if path and option != "csv" and pathlib.Path(path).suffix != f".{option}":
+            parser.error(f"--{option}: the name of the file must end with .{option}")
+        if path and not pathlib.Path(path).parent.is_dir():
+            parser.error(f"--{option}: {path} is in no folder that exists")
     return arguments
 
 

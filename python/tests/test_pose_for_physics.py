@@ -241,8 +241,8 @@ def test_plot_and_animation_are_written(tmp_path):
         ([CHAIR, "--contact-time", "0"], "--contact-time"),
         ([ROOT / "models/loops/leg.xml"], "no keyframes"),
         ([CHAIR, "--png", "plot.pdf"], ".png"),
-        ([CHAIR, "--csv", "/nowhere/poses.csv"], "--csv"),
-        ([CHAIR, "--png", "/nowhere/plot.png"], "--png"),
+        ([CHAIR, "--key", "home", "--csv", "/nowhere/poses.csv"], "/nowhere/poses.csv"),
+        ([CHAIR, "--png", "/nowhere/plot.png"], "--png: /nowhere/plot.png"),
     ],
 )
 def test_bad_input_is_one_clear_line(arguments, word):

@@ -49,7 +49,6 @@ class Searching {
   explicit Searching(const RunsInput& input)
       : input_(input), begins_anew_(BeginsAnew(input.options.planner)) {
     if (input.options.max_samples > 0) samples_left_ = input.options.max_samples;
-    if (RetractsByPdg(input.options.planner)) dilated_ = DilatedScenes(input.scene);
   }
 
   Runs Go() {
@@ -62,8 +61,11 @@ class Searching {
  private:
   bool Take(Run& run) {
     run.number = ++taken_;
-    const bool dilated = !dilated_.empty() && run.number % kEvery == 0;
-    run.dilation = dilated ? static_cast<int>((run.number / kEvery - 1) % kWidest) : -1;
+    run.dilation = -1;
+    if (RetractsByPdg(input_.options.planner) && run.number % kEvery == 0) {
+      if (dilated_.empty()) dilated_ = DilatedScenes(input_.scene);  // copies what the scene knows
+      if (!dilated_.empty()) run.dilation = static_cast<int>((run.number / kEvery - 1) % kWidest);
+    }
     run.samples = begins_anew_ ? std::min(samples_left_, Luby(run.number) * kSamplesOfARun)
                                : samples_left_;  // a run of OMPL's other planners has no end
     samples_left_ -= run.samples;
@@ -131,7 +133,7 @@ class Searching {
 
   const RunsInput& input_;
   const bool begins_anew_;
-  std::vector<Scene> dilated_;  // empty: no run begins in one
+  std::vector<Scene> dilated_;  // empty until a run begins in one
   std::int64_t taken_ = 0, samples_left_ = kNoBound;
   std::atomic<std::int64_t> found_ = kNoBound;  // the first run that found a path
   mutable std::mutex ended_;

@@ -35,8 +35,10 @@ struct SearchCost {
   }
 };
 
+// One planner, one space and one prover for any number of searches. Use one per thread.
 class TreeSearch {
  public:
+  // Throws Error for an unknown planner.
   explicit TreeSearch(const TreeSearchInput& input);
 
   // A path whose motions are proven free, from one free configuration to another (nq); empty if

@@ -13,13 +13,10 @@ namespace mjcf_pdg {
 namespace {
 
 // A bar, 0.2 m at its thinnest, over a block that is larger.
-std::string Bar(const std::string& more = "") {
-  return R"(<mujoco><worldbody>
+constexpr char kBar[] = R"(<mujoco><worldbody>
     <geom name="block" type="box" size="2 2 2" pos="0 0 -2"/>
     <body name="bar"><joint type="slide" axis="0 0 1"/><geom name="bar" type="box" size=".3 .1 .4"/>
-    </body></worldbody>)" +
-         more + "</mujoco>";
-}
+    </body></worldbody></mujoco>)";
 
 // The solver asks the verifier, the motion checker the contacts of the search.
 void ExpectMayOverlapBy(double depth, const Scene& scene) {
@@ -34,7 +31,7 @@ void ExpectMayOverlapBy(double depth, const Scene& scene) {
 }
 
 TEST(DilationTest, OverlapsMayBeAsDeepAsTheThinnerMovingGeomIsWideThenHalfOfThat) {
-  const Scene scene = Scene::FromString(Bar());
+  const Scene scene = Scene::FromString(kBar);
   const std::vector<Scene> dilated = DilatedScenes(scene);
   ASSERT_EQ(dilated.size(), 7u);
   double depth = 0.2;
@@ -47,7 +44,7 @@ TEST(DilationTest, OverlapsMayBeAsDeepAsTheThinnerMovingGeomIsWideThenHalfOfThat
 
 TEST(DilationTest, WhatTheModelAllowsIsAllowedOnTopOfThat) {
   const Scene scene =
-      Scene::FromString(Bar(), {.allow = {{.names = {"bar", "block"}, .depth = 0.05}}});
+      Scene::FromString(kBar, {.allow = {{.names = {"bar", "block"}, .depth = 0.05}}});
   ExpectMayOverlapBy(0.25, DilatedScenes(scene).front());
 }
 

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "plan/dilation.h"
 #include "tests/plan/plan_test_support.h"
 
 namespace mjcf_pdg {
