@@ -22,8 +22,7 @@ struct PlanOptions {
   Options options = {};
   // The length of a step [m]; 0: a tenth of the largest √σ between random configurations.
   double range = 0.0;
-  // Ends the search after runs that may draw so many, but for those near a path that is retracted;
-  // 0: no bound.
+  // Ends the search after runs that may draw so many; 0: no bound.
   std::int64_t max_samples = 0;
   // Several are used by planners that begin anew; the path is the same at any number.
   int threads = 1;

@@ -10,12 +10,10 @@ namespace {
 
 // How far apart configurations are retracted, a share of a planner's step; not tuned.
 constexpr double kSpacing = 0.1;
-// Of a search between two of them, and how many in a row may be out of reach and are left out.
-// Seconds per path through a hole for a peg, a window, and the slot of models/passages (medians of
-// 12 seeds; bench/README.md): 0.66, 0.45 and 0.80; with 250 and 3 0.85, 0.31 and 1.2. With none
-// left out three of eight paths through the hole were not found.
+// The most samples of a search between two of them; one that is not reached is left out. Seconds
+// per path through a hole for a peg, a window, and the slot of models/passages (medians of 12
+// seeds): 0.66, 0.45 and 0.80; with 250 0.85, 0.31 and 1.2.
 constexpr std::int64_t kSamples = 100;
-constexpr int kMostMissed = 8;
 
 }  // namespace
 
@@ -47,32 +45,29 @@ bool Tightening::Free(VectorXd& q) {
   return status != Status::kUnsolved;
 }
 
-// Appends a way from the path's end to q, if one is found.
-bool Tightening::Reach(const VectorXd& q, std::vector<VectorXd>& path) {
+// Appends a way from the path's end to q, if one is found by so many samples at most.
+bool Tightening::Reach(const VectorXd& q, std::int64_t samples, std::vector<VectorXd>& path) {
   if (search_.prover().IsFree(path.back(), q)) {
     path.push_back(q);
     return true;
   }
-  const std::vector<VectorXd> way = search_.FindNear(path.back(), q, kSamples);
+  const std::vector<VectorXd> way = search_.FindNear(path.back(), q, samples);
   if (way.empty()) return false;
   path.insert(path.end(), way.begin() + 1, way.end());
   return true;
 }
 
-std::vector<VectorXd> Tightening::Tighten(const std::vector<VectorXd>& wide) {
+std::vector<VectorXd> Tightening::Tighten(const std::vector<VectorXd>& wide, std::int64_t samples) {
+  const std::int64_t most = input_.space->samples() + samples;
   const std::vector<VectorXd> dense = Densified(wide);
   std::vector<VectorXd> path = {dense.front()};
-  int missed = 0;
   for (std::size_t k = 1; k < dense.size(); ++k) {
     if (input_.ended()) return {};
     const bool last = k + 1 == dense.size();
     VectorXd q = dense[k];
     if (!last && !Free(q)) continue;
-    if (Reach(q, path)) {
-      missed = 0;
-    } else if (last || ++missed > kMostMissed) {
-      return {};
-    }
+    if (Reach(q, std::min(most - input_.space->samples(), kSamples), path)) continue;
+    if (last || input_.space->samples() >= most) return {};
   }
   Straighten(search_.prover(), input_.ended, path);
   return path;

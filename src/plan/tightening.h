@@ -1,5 +1,5 @@
-// Retracts a path of a dilated scene (plan/dilation.h) into one that is dilated less: what planning
-// by penetration depth can do that retraction along a contact cannot.
+// Retracts a path of a relaxed scene (plan/relaxed_scenes.h) into one that is relaxed less: what
+// planning by penetration depth can do that retraction along a contact cannot.
 //
 // Source: Saha, Latombe, Chang & Prinz, Finding narrow passages with probabilistic roadmaps: the
 // small-step retraction method (Autonomous Robots, 2005).
@@ -8,6 +8,7 @@
 #ifndef MJCF_PDG_SRC_PLAN_TIGHTENING_H_
 #define MJCF_PDG_SRC_PLAN_TIGHTENING_H_
 
+#include <cstdint>
 #include <vector>
 
 #include "plan/tree_search.h"
@@ -19,16 +20,16 @@ class Tightening {
   // Of the scene into which paths are retracted. The planner must be one that retracts.
   explicit Tightening(const TreeSearchInput& input);
 
-  // A path with the same ends, which must be free in the scene; empty if none was found. Each of
-  // its motions is proven free.
-  std::vector<VectorXd> Tighten(const std::vector<VectorXd>& wide);
+  // A path with the same ends, which must be free in the scene; empty if about `samples` samples
+  // (of the space) make none. Each of its motions is proven free.
+  std::vector<VectorXd> Tighten(const std::vector<VectorXd>& wide, std::int64_t samples);
 
   SearchCost cost() const;
 
  private:
   std::vector<VectorXd> Densified(const std::vector<VectorXd>& path) const;
   bool Free(VectorXd& q);
-  bool Reach(const VectorXd& q, std::vector<VectorXd>& path);
+  bool Reach(const VectorXd& q, std::int64_t samples, std::vector<VectorXd>& path);
 
   const TreeSearchInput input_;
   TreeSearch search_;

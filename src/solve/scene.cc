@@ -244,6 +244,15 @@ void CheckAllowed(const std::vector<AllowedOverlap>& allow) {
   }
 }
 
+// What is made of the geoms in kept pairs.
+void FillShapes(SceneTables& tables) {
+  BuildBvhs(tables);
+  tables.support = std::make_shared<const SupportPoints>(*tables.model, tables.pairs);
+  tables.query_model = UnblindedCopy(tables);
+  tables.query_model.opt.disableflags |= mjDSBL_MULTICCD;
+  tables.query_model.opt.ccd_tolerance = kCcdTolerance * tables.size;
+}
+
 // The kept pairs with all that is made for them.
 void FillPairs(const SceneOptions& options, SceneTables& tables) {
   tables.pairs.clear();
@@ -253,11 +262,7 @@ void FillPairs(const SceneOptions& options, SceneTables& tables) {
   tables.largest_kept = 0.0;
   FillKeptPairs(options, tables);
   RefuseUnseenPairs(tables);
-  BuildBvhs(tables);
-  tables.support = std::make_shared<const SupportPoints>(*tables.model, tables.pairs);
-  tables.query_model = UnblindedCopy(tables);
-  tables.query_model.opt.disableflags |= mjDSBL_MULTICCD;
-  tables.query_model.opt.ccd_tolerance = kCcdTolerance * tables.size;
+  FillShapes(tables);
 }
 
 std::shared_ptr<const SceneTables> MakeTables(std::shared_ptr<const mjModel> owner,
@@ -295,6 +300,15 @@ Scene::Scene(std::shared_ptr<const mjModel> owner, const mjModel& model,
     : tables_(MakeTables(owner, &model, options)),
       verifier_model_(std::make_shared<const VerifierModel>(std::move(owner), model, options,
                                                             tables_->ignored)) {}
+
+Scene Scene::Resized(std::shared_ptr<const mjModel> model) const {
+  auto tables = std::make_shared<SceneTables>(*tables_);
+  tables->owner = model;
+  tables->model = model.get();
+  FillShapes(*tables);
+  return {std::move(tables),
+          std::make_shared<const VerifierModel>(verifier_model_->Resized(std::move(model)))};
+}
 
 Scene Scene::FromFile(const std::string& path, const SceneOptions& options) {
   std::error_code ec;

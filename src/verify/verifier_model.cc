@@ -193,31 +193,56 @@ VerifierModel::VerifierModel(std::shared_ptr<const mjModel> model_owner, const m
     return left_out.contains(std::minmax(pair.geom1, pair.geom2));
   });
   unblinded = Unblinded(m, pairs, options.model_flags);
-  std::map<int, std::shared_ptr<const VertexTree>> trees;  // by mesh
-  shapes.resize(m.ngeom);
-  std::vector<char> has_shape(m.ngeom);
-  double largest = 0.0;  // extent of the largest box or mesh of an exact pair [m]
   for (const CheckedPair& pair : pairs) {
     has_sdf_pairs |= pair.sdf;
     largest_margin = std::max(largest_margin, pair.margin);
+  }
+  MakeShapes(m);
+  MakeSolids(m);
+}
+
+VerifierModel VerifierModel::Resized(std::shared_ptr<const mjModel> model) const {
+  VerifierModel other = *this;
+  const mjModel& m = *model;
+  other.unblinded = m;
+  other.unblinded.opt = unblinded.opt;
+  other.unblinded.nflex = unblinded.nflex;
+  other.unblinded.narena = unblinded.narena;
+  other.owner = std::move(model);
+  other.MakeShapes(m);
+  other.MakeSolids(m);
+  return other;
+}
+
+void VerifierModel::MakeShapes(const mjModel& m) {
+  std::map<int, std::shared_ptr<const VertexTree>> trees;  // by mesh
+  shapes.assign(m.ngeom, {});
+  std::vector<char> has_shape(m.ngeom);
+  for (const CheckedPair& pair : pairs) {
     for (const int g : {pair.geom1, pair.geom2}) {
-      const int type = m.geom_type[g];
-      if (!has_shape[g]) {
-        has_shape[g] = true;
-        shapes[g] = ShapeOf(m, g);
-        if (type == mjGEOM_MESH) {
-          std::shared_ptr<const VertexTree>& tree = trees[m.geom_dataid[g]];
-          if (!tree) tree = HullOf(m, m.geom_dataid[g]);
-          shapes[g].vertices = tree;
-          shapes[g].extent = Extent(*tree);
-        }
-      }
-      if (pair.exact && (type == mjGEOM_BOX || type == mjGEOM_MESH)) {
-        largest = std::max(largest, shapes[g].extent);
-      }
+      if (has_shape[g]) continue;
+      has_shape[g] = true;
+      shapes[g] = ShapeOf(m, g);
+      if (m.geom_type[g] != mjGEOM_MESH) continue;
+      std::shared_ptr<const VertexTree>& tree = trees[m.geom_dataid[g]];
+      if (!tree) tree = HullOf(m, m.geom_dataid[g]);
+      shapes[g].vertices = tree;
+      shapes[g].extent = Extent(*tree);
     }
   }
-  solids.resize(m.ngeom);
+}
+
+// After the shapes.
+void VerifierModel::MakeSolids(const mjModel& m) {
+  solids.assign(m.ngeom, nullptr);
+  double largest = 0.0;  // extent of the largest box or mesh of an exact pair [m]
+  for (const CheckedPair& pair : pairs) {
+    if (!pair.exact) continue;
+    for (const int g : {pair.geom1, pair.geom2}) {
+      const int type = m.geom_type[g];
+      if (type == mjGEOM_BOX || type == mjGEOM_MESH) largest = std::max(largest, shapes[g].extent);
+    }
+  }
   if (!(largest > 0.0)) return;
   // The scale is a power of two, so that scaling does not round coordinates.
   SolidBuilder builder(m, std::exp2(std::round(std::log2(kLargestInTrees / (2.0 * largest)))));

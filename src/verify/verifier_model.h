@@ -22,6 +22,9 @@ struct VerifierModel {
   VerifierModel(std::shared_ptr<const mjModel> owner, const mjModel& m, const SceneOptions& options,
                 const std::vector<std::array<int, 2>>& ignored = {});
 
+  // The same of a copy of the model in which geoms have other sizes; nothing else may differ.
+  VerifierModel Resized(std::shared_ptr<const mjModel> model) const;
+
   std::shared_ptr<const mjModel> owner;
   // A copy of the mjModel struct, whose arrays are the user's. Settings that make MuJoCo's
   // collision detection miss contacts are undone, and the arena is large enough for all contacts.
@@ -39,6 +42,10 @@ struct VerifierModel {
   std::vector<verify::ConvexShape> shapes;
   // By geom; null unless the geom is a box or mesh of an exact pair.
   std::vector<std::shared_ptr<const verify::MeshSolid>> solids;
+
+ private:
+  void MakeShapes(const mjModel& m);
+  void MakeSolids(const mjModel& m);
 };
 
 }  // namespace mjcf_pdg

@@ -1,4 +1,4 @@
-// Paths of a scene in which geoms may overlap, retracted into one in which they may not.
+// Paths of a relaxed scene, retracted into one that is not.
 #include "plan/tightening.h"
 
 #include <gtest/gtest.h>
@@ -27,12 +27,14 @@ Scene BarAndGap(double gap) {
       <geom type="box" size=".3 .1 .2"/></body></worldbody></mujoco>)");
 }
 
-std::vector<VectorXd> Tightened(const Scene& scene, const std::vector<VectorXd>& wide) {
+std::vector<VectorXd> Tightened(const Scene& scene, const std::vector<VectorXd>& wide,
+                                std::int64_t samples = 1000) {
   const PlanOptions options = With("birrt-pdg");
   const auto space =
       std::make_shared<ConfigurationSpace>(scene, MocapPoses{}, wide.front(), wide.back());
   Tightening tightening({scene, options, space, 1e-4, [] { return false; }});
-  std::vector<VectorXd> path = tightening.Tighten(wide);
+  std::vector<VectorXd> path = tightening.Tighten(wide, samples);
+  EXPECT_LE(space->samples(), samples);
   EXPECT_GT(tightening.cost().collision_queries, 0);
   return path;
 }
@@ -68,6 +70,11 @@ TEST(TighteningTest, APathThatIsFreeIsKept) {
   ASSERT_GE(path.size(), 2u);
   EXPECT_EQ(path.front(), wide.front());
   EXPECT_EQ(path.back(), wide.back());
+}
+
+TEST(TighteningTest, WithoutSamplesNoWayAroundIsFound) {
+  EXPECT_FALSE(Tightened(BarAndGap(0.6), SlantedWay(), 0).empty());  // needs none
+  EXPECT_TRUE(Tightened(BarAndGap(0.202), SlantedWay(), 0).empty());
 }
 
 TEST(TighteningTest, ThroughAGapThatIsNarrowerNoneIsFound) {

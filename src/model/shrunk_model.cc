@@ -1,0 +1,55 @@
+#include "model/shrunk_model.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace mjcf_pdg {
+namespace {
+
+bool HasSizeOfItsOwn(int type) {
+  return type != mjGEOM_PLANE && type != mjGEOM_HFIELD && type != mjGEOM_SDF;
+}
+
+// nmesh: a geom on a body at rest has the mesh.
+std::vector<char> MeshesAtRest(const SceneTables& tables) {
+  const mjModel& m = *tables.model;
+  std::vector<char> rests(m.nmesh, 0);
+  for (int g = 0; g < m.ngeom; ++g) {
+    const bool has_mesh = m.geom_type[g] == mjGEOM_MESH || m.geom_type[g] == mjGEOM_SDF;
+    const bool stays = m.geom_type[g] == mjGEOM_SDF || !tables.body_moves[m.geom_bodyid[g]];
+    if (has_mesh && stays && m.geom_dataid[g] >= 0) rests[m.geom_dataid[g]] = 1;
+  }
+  return rests;
+}
+
+template <typename T>
+void Scale(T* begin, int count, double factor) {
+  std::transform(begin, begin + count, begin, [factor](T x) { return static_cast<T>(factor * x); });
+}
+
+}  // namespace
+
+std::shared_ptr<const mjModel> ShrunkModel(const SceneTables& tables, double share) {
+  const double factor = 1.0 - share;
+  const std::shared_ptr<mjModel> model(mj_copyModel(nullptr, tables.model), mj_deleteModel);
+  mjModel& m = *model;
+  const std::vector<char> rests = MeshesAtRest(tables);
+  std::vector<char> smaller(m.nmesh, 0);
+  for (int g = 0; g < m.ngeom; ++g) {
+    if (!tables.body_moves[m.geom_bodyid[g]] || !HasSizeOfItsOwn(m.geom_type[g])) continue;
+    if (m.geom_type[g] == mjGEOM_MESH) {
+      const int mesh = m.geom_dataid[g];
+      if (rests[mesh]) continue;
+      if (!smaller[mesh]) {
+        Scale(m.mesh_vert + 3 * m.mesh_vertadr[mesh], 3 * m.mesh_vertnum[mesh], factor);
+      }
+      smaller[mesh] = 1;
+    }
+    Scale(m.geom_size + 3 * g, 3, factor);
+    Scale(m.geom_aabb + 6 * g, 6, factor);
+    m.geom_rbound[g] *= factor;
+  }
+  return model;
+}
+
+}  // namespace mjcf_pdg
