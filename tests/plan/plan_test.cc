@@ -176,6 +176,17 @@ TEST_P(EveryPlanner, BeginsAnew) {
   }
 }
 
+// After runs of 250, 250 and 500 samples comes one of 1000, those near the path included that is
+// found with a smaller disc and cannot be retracted.
+TEST(PlanTest, SamplesNearAPathThatIsRetractedCount) {
+  PlanOptions options = With("birrt-pdg");
+  options.max_samples = 2000;
+  const Path path = Plan(Scene::FromString(DiscAndGap(-0.01)), {-0.5, 0.5}, {0.5, -0.5}, options);
+  EXPECT_FALSE(path.found);
+  EXPECT_LE(path.samples, 2000);
+  EXPECT_GT(path.samples, 1100);
+}
+
 TEST(PlanTest, RetractionNeedsFewerNodesInANarrowGap) {
   const Scene scene = Scene::FromString(DiscAndGap(0.01));
   const auto nodes = [&](const char* planner) {

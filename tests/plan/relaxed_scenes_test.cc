@@ -57,6 +57,18 @@ TEST(ShrunkScenesTest, WhatMovesIsSmallerByThreeQuartersThenByHalfOfThat) {
   }
 }
 
+// Balls beside each other's tops: no plane along an axis of their boxes parts them.
+TEST(ShrunkScenesTest, TheVerifierKnowsTheSmallerShapes) {
+  const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
+      <geom type="sphere" size="2" pos="-1.2 -.9 -2"/>
+      <body><joint type="slide" axis="0 0 1"/><geom type="sphere" size=".4"/></body>
+      </worldbody></mujoco>)");
+  const double radius = 2.0 + 0.25 * 0.4, touching = std::sqrt(radius * radius - 1.5 * 1.5) - 2.0;
+  Solver smaller(ShrunkScenes(scene).front());
+  EXPECT_TRUE(smaller.IsFree(std::vector<double>{touching + 1e-4}));
+  EXPECT_FALSE(smaller.IsFree(std::vector<double>{touching - 1e-4}));
+}
+
 TEST(ShrunkScenesTest, AMeshThatSomethingAtRestHasTooStaysAsItIs) {
   const Scene scene = Scene::FromString(R"(<mujoco><asset><mesh name="cube" vertex="
       -.4 -.4 -.4  .4 -.4 -.4  -.4 .4 -.4  .4 .4 -.4
@@ -71,17 +83,20 @@ TEST(ShrunkScenesTest, AnExactMeshIsSmallerToo) {
   const Scene piano = Scene::FromFile(std::string(MJCF_PDG_MODEL_DIR) + "/passages/piano.xml",
                                       {.exact_mesh = true});
   ASSERT_TRUE(piano.HasExactMeshes());
+  const Scene smaller = ShrunkScenes(piano).front();
   const std::vector<double> start = piano.KeyQpos(0), goal = piano.KeyQpos(1);
-  Solver of_piano(piano), of_smaller(ShrunkScenes(piano).front());
+  Solver of_piano(piano), of_smaller(smaller);
   int free = 0, smaller_free = 0;
-  for (int k = 0; k <= 100; ++k) {
+  for (int k = 0; k <= 200; ++k) {
     std::vector<double> q(start.size());
-    for (std::size_t i = 0; i < q.size(); ++i) q[i] = std::lerp(start[i], goal[i], 0.01 * k);
+    for (std::size_t i = 0; i < q.size(); ++i) q[i] = std::lerp(start[i], goal[i], 0.005 * k);
     free += of_piano.IsFree(q);
     smaller_free += of_smaller.IsFree(q);
+    EXPECT_EQ(of_smaller.IsFree(q), CheckMotion(smaller, q, q).outcome == MotionOutcome::kFree);
   }
   EXPECT_GT(free, 0);
   EXPECT_GT(smaller_free, free);
+  EXPECT_LT(smaller_free, 201);
 }
 
 TEST(DilatedScenesTest, OverlapsMayBeAsDeepAsTheThinnerMovingGeomIsWideThenHalfOfThat) {
