@@ -161,6 +161,20 @@ std::optional<std::size_t> RowSource::size() const {
   return file_ ? file_->size() : listed_.size();
 }
 
+namespace {
+
+// Whether a text that is no keyframe's name was meant to be one: it is an index, a single word, or
+// begins with a letter.
+bool MeansName(const std::string& text, int entries) {
+  constexpr const char *kDigits = "0123456789", *kNumbers = "0123456789+-.eE, \t";
+  if (text.find_first_not_of(kDigits) == std::string::npos) return entries > 1;  // an index
+  const bool listed = text.find_first_of(", \t") != std::string::npos;
+  const std::size_t other = text.find_first_not_of(kNumbers);
+  return other != std::string::npos && (!listed || other == 0);
+}
+
+}  // namespace
+
 Configuration ReadConfiguration(const Scene& scene, const std::string& text,
                                 const std::string& flag) {
   const std::vector<std::string> names = scene.KeyNames();
@@ -168,8 +182,7 @@ Configuration ReadConfiguration(const Scene& scene, const std::string& text,
   Configuration configuration;
   if (const int key = KeyIndex(names, text); key >= 0 && (named || scene.nq() > 1)) {
     configuration = FromKey(scene, names, key);
-  } else if (text.find_first_not_of("0123456789+-.eE, \t") != std::string::npos ||
-             (text.find_first_not_of("0123456789") == std::string::npos && scene.nq() > 1)) {
+  } else if (MeansName(text, scene.nq())) {
     throw Error(flag + ": no keyframe '" + text + "' (" + ValidKeys(names) + ")");
   } else {
     configuration.q = ParseNumbers(text, flag);

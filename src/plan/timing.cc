@@ -174,7 +174,8 @@ class PathTimer {
   void Sample(const Way& way, const Profile& profile) {
     const double steps = std::round(profile.duration() / limits_.step);
     if (static_cast<double>(timed_.samples.size()) + steps > kMaxSamples) {
-      throw Error("the path takes more than a million steps of the trajectory");
+      throw Error(
+          "the path takes more than a million steps of the trajectory (--speeds, --time-step)");
     }
     VectorXd q;
     std::size_t piece = 0;

@@ -120,7 +120,8 @@ TEST_F(CliTrajectoryTest, BadInputIsRefused) {
   ExpectRefused(Timed({"--out-trajectory", "t.csv"}), "--out-trajectory needs --speeds");
   ExpectRefused(Timed({"--speeds", "1", "--time-step", "0"}), "--time-step");
   ExpectRefused(Timed({"--speeds", "1", "--out-trajectory", "t.doc"}), "--out-trajectory");
-  ExpectRefused(Timed({"--speeds", "1e-9"}), "more than a million steps");
+  ExpectRefused(Timed({"--speeds", "1e-9"}),
+                "more than a million steps of the trajectory (--speeds, --time-step)");
   // Before any path is sought.
   ExpectRefused(Timed({"--speeds", "1e-9", "--time-limit", "1e-6"}), "more than a million steps");
 }
