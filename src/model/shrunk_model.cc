@@ -22,6 +22,17 @@ std::vector<char> MeshesAtRest(const SceneTables& tables) {
   return rests;
 }
 
+// ngeom: a tendon wraps around the geom, so that its size is part of the tendon's length.
+std::vector<char> WrappedGeoms(const mjModel& m) {
+  std::vector<char> wrapped(m.ngeom, 0);
+  for (int w = 0; w < m.nwrap; ++w) {
+    if (m.wrap_type[w] == mjWRAP_SPHERE || m.wrap_type[w] == mjWRAP_CYLINDER) {
+      wrapped[m.wrap_objid[w]] = 1;
+    }
+  }
+  return wrapped;
+}
+
 template <typename T>
 void Scale(T* begin, int count, double factor) {
   std::transform(begin, begin + count, begin, [factor](T x) { return static_cast<T>(factor * x); });
@@ -33,10 +44,11 @@ std::shared_ptr<const mjModel> ShrunkModel(const SceneTables& tables, double sha
   const double factor = 1.0 - share;
   const std::shared_ptr<mjModel> model(mj_copyModel(nullptr, tables.model), mj_deleteModel);
   mjModel& m = *model;
-  const std::vector<char> rests = MeshesAtRest(tables);
+  const std::vector<char> rests = MeshesAtRest(tables), wrapped = WrappedGeoms(m);
   std::vector<char> smaller(m.nmesh, 0);
   for (int g = 0; g < m.ngeom; ++g) {
     if (!tables.body_moves[m.geom_bodyid[g]] || !HasSizeOfItsOwn(m.geom_type[g])) continue;
+    if (wrapped[g]) continue;
     if (m.geom_type[g] == mjGEOM_MESH) {
       const int mesh = m.geom_dataid[g];
       if (rests[mesh]) continue;

@@ -10,10 +10,11 @@
 
 namespace mjcf_pdg {
 
-// Geoms on bodies that move are smaller by `share` (0 to 1) of their size, about their own frames'
-// origins; where those are inside a convex geom, the smaller one lies in the larger. Planes, height
-// fields and SDFs stay as they are, and so do meshes that a geom on a body at rest has, too. Masses
-// and inertias stay, so that the norm is the same. Never null.
+// Geoms on bodies that move are smaller by `share` (at least 0, less than 1) of their size, about
+// their own frames' origins; where those are inside a convex geom, the smaller one lies in the
+// larger. Planes, height fields and SDFs stay as they are, and so do geoms that tendons wrap around
+// and meshes that a geom on a body at rest has, too. Masses and inertias stay, so that the norm is
+// the same. Never null.
 std::shared_ptr<const mjModel> ShrunkModel(const SceneTables& tables, double share);
 
 }  // namespace mjcf_pdg

@@ -255,6 +255,16 @@ void ConfigurationSpace::Sample(ompl::RNG& rng, VectorXd& q) const {
   q = base_;
 }
 
+bool ConfigurationSpace::Covers(const VectorXd& q) const {
+  for (const JointEntry& joint : tables_.joints) {
+    const int entries = joint.type == mjJNT_FREE ? 3 : joint.type == mjJNT_BALL ? 0 : 1;
+    for (int k = joint.qadr; k < joint.qadr + entries; ++k) {
+      if (q[k] < low_[k] - kLimitTolerance || q[k] > high_[k] + kLimitTolerance) return false;
+    }
+  }
+  return true;
+}
+
 void ConfigurationSpace::Draw(ompl::RNG& rng, VectorXd& q) const {
   q = base_;
   for (const JointEntry& joint : tables_.joints) {

@@ -82,6 +82,8 @@ class ConfigurationSpace : public ompl::base::StateSpace {
   // admits; where there are equality constraints, brought onto them.
   void Sample(ompl::RNG& rng, VectorXd& q) const;
   std::int64_t samples() const { return samples_; }  // drawn so far
+  // Whether samples are drawn around q: slides, hinges and free bodies' places are in the bounds.
+  bool Covers(const VectorXd& q) const;
 
   // The largest √σ between random configurations [m], by 200 pairs.
   double extent() const { return extent_; }

@@ -40,10 +40,11 @@ Scene Dilated(const Scene& scene, double share) {
 }  // namespace
 
 std::vector<Scene> ShrunkScenes(const Scene& scene) {
-  // Shares of a size. Seconds of the processor for models/passages/peg.xml, its slot, the bridge, a
-  // board in a window and an L in its hole (medians of 6 seeds, 9701 and after): 0.20, 1.3, 0.13,
-  // 0.80 and 5.4; from seven eighths 0.22, 1.3, 0.14, 0.57 and 9.9 (half of them not found).
-  // At 2 % the last step is short: a passage that is 3 % wider than a body has that much room.
+  // Shares of a size. Seconds of the processor for peg.xml, slot.xml (models/passages), the bridge,
+  // a board in a window and an L in its hole (medians of 6 seeds, 9701 and after; shrunken scenes
+  // alone, whose paths were straightened first): 0.20, 1.3, 0.13, 0.80 and 5.4; from seven eighths
+  // 0.22, 1.3, 0.14, 0.57 and 9.9 (half of them not found). The last step is short then: a passage
+  // that is 3 % wider than a body has room for it.
   constexpr double kMost = 0.75, kLeast = 0.02;
   std::vector<Scene> scenes;
   for (double share = kMost; share >= kLeast; share *= 0.5) {

@@ -35,10 +35,10 @@ std::int64_t Luby(std::int64_t k) {
 }
 
 // Every fourth run begins in a relaxed scene, shrunken and dilated by turns, and may take four
-// times the samples, so that all kinds take about as many. Medians, s, of 8 seeds, 9511 and after,
-// for a peg in a hole, in its slot, on the bridge and for a peg in a hole that is 1 % wider,
-// shrunken alone: 0.23, 1.1, 0.32 and 0.40. With as many samples as other runs: 0.88, 1.6, 0.33
-// and 1.1; every second run, twice the samples: 0.25, 0.95, 0.59 and 0.57.
+// times the samples, so that these take about as many as all others. Seconds, medians of 8 seeds,
+// 9511 and after, of peg.xml, slot.xml (models/passages), the bridge, and a peg in a hole that is 1
+// % wider, with shrunken scenes alone: 0.23, 1.1, 0.32 and 0.40. With as many samples as other
+// runs: 0.88, 1.6, 0.33 and 1.1; every second run, twice the samples: 0.25, 0.95, 0.59 and 0.57.
 constexpr std::int64_t kEvery = 4;
 
 // No scene is relaxed until a run begins in one: that copies what a scene knows.
@@ -87,13 +87,14 @@ class Searching {
     run.number = ++taken_;
     const bool relaxed = RetractsByPdg(input_.options.planner) && run.number % kEvery == 0;
     const std::int64_t begun = run.number / kEvery;  // in relaxed scenes, with this one
-    run.scenes = relaxed ? relaxed_.Of(begun - 1) : std::span<const Scene>(&input_.scene, 1);
     const std::int64_t samples =
         kSamplesOfARun * (relaxed ? kEvery * Luby(begun) : Luby(run.number));
     run.samples = begins_anew_ ? std::min(samples_left_, samples)
                                : samples_left_;  // a run of OMPL's other planners has no end
     samples_left_ -= run.samples;
-    return run.samples > 0 && run.number < found_ && !Ended();
+    if (run.samples <= 0 || run.number >= found_ || Ended()) return false;
+    run.scenes = relaxed ? relaxed_.Of(begun - 1) : std::span<const Scene>(&input_.scene, 1);
+    return true;
   }
 
   // Of the random numbers of a run: apart for all runs of all seeds.

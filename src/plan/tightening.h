@@ -20,8 +20,8 @@ class Tightening {
   // Of the scene into which paths are retracted. The planner must be one that retracts.
   explicit Tightening(const TreeSearchInput& input);
 
-  // A path with the same ends, which must be free in the scene; empty if about `samples` samples
-  // (of the space) make none. Each of its motions is proven free.
+  // A path with the same ends, which must be free in the scene; empty if `samples` samples (of
+  // the space) make none. Each of its motions is proven free.
   std::vector<VectorXd> Tighten(const std::vector<VectorXd>& wide, std::int64_t samples);
 
   SearchCost cost() const;

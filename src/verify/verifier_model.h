@@ -22,7 +22,7 @@ struct VerifierModel {
   VerifierModel(std::shared_ptr<const mjModel> owner, const mjModel& m, const SceneOptions& options,
                 const std::vector<std::array<int, 2>>& ignored = {});
 
-  // The same of a copy of the model in which geoms have other sizes; nothing else may differ.
+  // The same of a copy of the model in which geoms are smaller; nothing else may differ.
   VerifierModel Resized(std::shared_ptr<const mjModel> model) const;
 
   std::shared_ptr<const mjModel> owner;

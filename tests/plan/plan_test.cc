@@ -139,6 +139,23 @@ TEST(PlanTest, ThreadsDoNotChangeThePath) {
   EXPECT_GT(late, 0);
 }
 
+// Where paths are retracted, and none is found.
+TEST(PlanTest, ThreadsDoNotChangeWhatRelaxedRunsDo) {
+  const Scene scene = Scene::FromString(DiscAndGap(-0.01));
+  PlanOptions options = With("birrt-pdg");
+  options.max_samples = 6000;
+  const Path path = Plan(scene, {-0.5, 0.5}, {0.5, -0.5}, options);
+  EXPECT_FALSE(path.found);
+  EXPECT_GT(path.samples, 3000);
+  for (const int threads : {2, 3, 5}) {
+    options.threads = threads;
+    const Path other = Plan(scene, {-0.5, 0.5}, {0.5, -0.5}, options);
+    EXPECT_EQ(path.nodes, other.nodes);
+    EXPECT_EQ(path.samples, other.samples);
+    EXPECT_EQ(path.collision_queries, other.collision_queries);
+  }
+}
+
 // OMPL draws samples to set itself up, which are no part of a run.
 TEST_P(EveryPlanner, AnEasyProblemTakesFewSamples) {
   const Scene scene = Scene::FromString(DiscAndGap(2.0));
@@ -148,8 +165,8 @@ TEST_P(EveryPlanner, AnEasyProblemTakesFewSamples) {
 }
 
 // Walled in by a wall each, a tree keeps its root alone: nodes count the runs, of 250, 250, 500 and
-// 250 samples (Luby's sequence). In the fourth one of birrt-pdg the disc is smaller, so that its
-// trees grow, in vain.
+// 250 samples (Luby's sequence). In the fourth one of birrt-pdg, of 1000, the disc is smaller, so
+// that its trees grow, in vain.
 TEST_P(EveryPlanner, BeginsAnew) {
   const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
     <geom type="box" size="2 .05 .5" pos="0 -.251 0"/><geom type="box" size="2 .05 .5" pos="0 .251 0"/>

@@ -77,6 +77,20 @@ TEST(TighteningTest, WithoutSamplesNoWayAroundIsFound) {
   EXPECT_TRUE(Tightened(BarAndGap(0.202), SlantedWay(), 0).empty());
 }
 
+// A disc in a wall whose nearest way out is past its end, where no samples are drawn.
+TEST(TighteningTest, APathDoesNotLeaveTheBounds) {
+  const auto wall = [](double margin) {
+    return Scene::FromString("<mujoco><statistic extent=\"" + std::to_string(2.0 * margin) +
+                             R"("/><worldbody><geom type="box" size="1 .3 .5"/><body>
+        <joint type="slide" axis="1 0 0" range="-2 2" limited="true"/>
+        <joint type="slide" axis="0 1 0"/><geom type="cylinder" size=".1 .1"/></body>
+        </worldbody></mujoco>)");
+  };
+  const std::vector<VectorXd> through = {VectorXd{{-1.2, 0.05}}, VectorXd{{1.2, 0.05}}};
+  EXPECT_FALSE(Tightened(wall(0.6), through).empty());
+  EXPECT_TRUE(Tightened(wall(0.2), through).empty());
+}
+
 TEST(TighteningTest, ThroughAGapThatIsNarrowerNoneIsFound) {
   EXPECT_TRUE(Tightened(BarAndGap(0.198), SlantedWay()).empty());
 }
