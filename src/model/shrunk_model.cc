@@ -46,6 +46,7 @@ std::shared_ptr<const mjModel> ShrunkModel(const SceneTables& tables, double sha
   mjModel& m = *model;
   const std::vector<char> rests = MeshesAtRest(tables), wrapped = WrappedGeoms(m);
   std::vector<char> smaller(m.nmesh, 0);
+  bool any = false;
   for (int g = 0; g < m.ngeom; ++g) {
     if (!tables.body_moves[m.geom_bodyid[g]] || !HasSizeOfItsOwn(m.geom_type[g])) continue;
     if (wrapped[g]) continue;
@@ -60,8 +61,9 @@ std::shared_ptr<const mjModel> ShrunkModel(const SceneTables& tables, double sha
     Scale(m.geom_size + 3 * g, 3, factor);
     Scale(m.geom_aabb + 6 * g, 6, factor);
     m.geom_rbound[g] *= factor;
+    any = true;
   }
-  return model;
+  return any ? model : nullptr;
 }
 
 }  // namespace mjcf_pdg

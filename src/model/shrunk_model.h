@@ -14,7 +14,7 @@ namespace mjcf_pdg {
 // their own frames' origins; where those are inside a convex geom, the smaller one lies in the
 // larger. Planes, height fields and SDFs stay as they are, and so do geoms that tendons wrap around
 // and meshes that a geom on a body at rest has, too. Masses and inertias stay, so that the norm is
-// the same. Never null.
+// the same. Null if nothing becomes smaller.
 std::shared_ptr<const mjModel> ShrunkModel(const SceneTables& tables, double share);
 
 }  // namespace mjcf_pdg

@@ -48,7 +48,9 @@ std::vector<Scene> ShrunkScenes(const Scene& scene) {
   constexpr double kMost = 0.75, kLeast = 0.02;
   std::vector<Scene> scenes;
   for (double share = kMost; share >= kLeast; share *= 0.5) {
-    scenes.push_back(scene.Resized(ShrunkModel(scene.tables(), share)));
+    std::shared_ptr<const mjModel> smaller = ShrunkModel(scene.tables(), share);
+    if (!smaller) break;
+    scenes.push_back(scene.Resized(std::move(smaller)));
   }
   return scenes;
 }

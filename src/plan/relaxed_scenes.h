@@ -17,7 +17,7 @@ namespace mjcf_pdg {
 
 // What moves is smaller (model/shrunk_model.h) by three quarters, then by half of that, and so on
 // down to 2.3 %. Of exact meshes that are not star-shaped the smaller one is not in the larger, so
-// that what is free in `scene` may not be free there.
+// that what is free in `scene` may not be free there. Empty if nothing that moves can be smaller.
 std::vector<Scene> ShrunkScenes(const Scene& scene);
 
 // A pair that can move apart may overlap by the least width of its geom that moves (of the thinner

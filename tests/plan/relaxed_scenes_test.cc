@@ -76,7 +76,32 @@ TEST(ShrunkScenesTest, AMeshThatSomethingAtRestHasTooStaysAsItIs) {
       <geom type="mesh" mesh="cube" pos="0 0 -.4"/>
       <body><joint type="slide" axis="0 0 1"/><geom type="mesh" mesh="cube"/></body>
       </worldbody></mujoco>)");
-  ExpectMayOverlapBy(0.0, ShrunkScenes(scene).front());
+  EXPECT_TRUE(ShrunkScenes(scene).empty());
+}
+
+TEST(ShrunkScenesTest, AMeshOfTwoThatMoveIsSmallerForBoth) {
+  const Scene scene = Scene::FromString(R"(<mujoco><asset><mesh name="cube" vertex="
+      -.4 -.4 -.4  .4 -.4 -.4  -.4 .4 -.4  .4 .4 -.4
+      -.4 -.4 .4  .4 -.4 .4  -.4 .4 .4  .4 .4 .4"/></asset><worldbody>
+      <geom type="box" size="2 2 2" pos="0 0 -2"/>
+      <body><joint type="slide" axis="0 0 1"/><geom type="mesh" mesh="cube"/></body>
+      <body pos="1 0 0"><joint type="slide" axis="0 0 1"/><geom type="mesh" mesh="cube"/></body>
+      </worldbody></mujoco>)");
+  Solver smaller(ShrunkScenes(scene).front());
+  EXPECT_TRUE(smaller.IsFree(std::vector<double>{0.1 + 1e-4, 0.1 + 1e-4}));
+  EXPECT_FALSE(smaller.IsFree(std::vector<double>{0.1 - 1e-4, 0.1 + 1e-4}));
+  EXPECT_FALSE(smaller.IsFree(std::vector<double>{0.1 + 1e-4, 0.1 - 1e-4}));
+}
+
+// Its size is part of the tendon's length.
+TEST(ShrunkScenesTest, AGeomThatATendonWrapsAroundStaysAsItIs) {
+  const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
+      <site name="from" pos="-1 0 1"/><site name="to" pos="1 0 1"/>
+      <geom type="box" size="2 2 2" pos="0 0 -2"/>
+      <body><joint type="slide" axis="0 0 1"/><geom name="pulley" type="sphere" size=".4"/></body>
+      </worldbody><tendon><spatial>
+      <site site="from"/><geom geom="pulley"/><site site="to"/></spatial></tendon></mujoco>)");
+  EXPECT_TRUE(ShrunkScenes(scene).empty());
 }
 
 TEST(ShrunkScenesTest, AnExactMeshIsSmallerToo) {
