@@ -47,6 +47,7 @@ std::vector<Scene> ShrunkScenes(const Scene& scene) {
   // that is 3 % wider than a body has room for it.
   constexpr double kMost = 0.75, kLeast = 0.02;
   std::vector<Scene> scenes;
+  if (scene.HasExactMeshes()) return scenes;
   for (double share = kMost; share >= kLeast; share *= 0.5) {
     std::shared_ptr<const mjModel> smaller = ShrunkModel(scene.tables(), share);
     if (!smaller) break;

@@ -16,8 +16,8 @@
 namespace mjcf_pdg {
 
 // What moves is smaller (model/shrunk_model.h) by three quarters, then by half of that, and so on
-// down to 2.3 %. Of exact meshes that are not star-shaped the smaller one is not in the larger, so
-// that what is free in `scene` may not be free there. Empty if nothing that moves can be smaller.
+// down to 2.3 %. Empty if nothing that moves can be smaller, or if meshes collide as their
+// triangles: the way out where triangles cross is a guess, so that retracted paths are seldom near.
 std::vector<Scene> ShrunkScenes(const Scene& scene);
 
 // A pair that can move apart may overlap by the least width of its geom that moves (of the thinner
