@@ -85,15 +85,18 @@ class Searching {
  private:
   bool Take(Run& run) {
     run.number = ++taken_;
-    const bool relaxed = RetractsByPdg(input_.options.planner) && run.number % kEvery == 0;
+    if (samples_left_ <= 0 || run.number >= found_ || Ended()) return false;
     const std::int64_t begun = run.number / kEvery;  // in relaxed scenes, with this one
+    run.scenes = {&input_.scene, 1};
+    if (RetractsByPdg(input_.options.planner) && run.number % kEvery == 0) {
+      run.scenes = relaxed_.Of(begun - 1);
+    }
+    const bool relaxed = run.scenes.size() > 1;
     const std::int64_t samples =
         kSamplesOfARun * (relaxed ? kEvery * Luby(begun) : Luby(run.number));
     run.samples = begins_anew_ ? std::min(samples_left_, samples)
                                : samples_left_;  // a run of OMPL's other planners has no end
     samples_left_ -= run.samples;
-    if (run.samples <= 0 || run.number >= found_ || Ended()) return false;
-    run.scenes = relaxed ? relaxed_.Of(begun - 1) : std::span<const Scene>(&input_.scene, 1);
     return true;
   }
 
