@@ -10,7 +10,7 @@ bool HasSizeOfItsOwn(int type) {
   return type != mjGEOM_PLANE && type != mjGEOM_HFIELD && type != mjGEOM_SDF;
 }
 
-// nmesh: a geom on a body at rest has the mesh.
+// nmesh: a geom that does not become smaller has the mesh, as it is at rest or an SDF.
 std::vector<char> MeshesAtRest(const SceneTables& tables) {
   const mjModel& m = *tables.model;
   std::vector<char> rests(m.nmesh, 0);

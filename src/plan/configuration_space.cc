@@ -15,6 +15,11 @@ namespace {
 
 namespace ob = ompl::base;
 
+// How many entries of q a joint has that are no rotation's, from JointEntry::qadr on.
+int EntriesWithBounds(const JointEntry& joint) {
+  return joint.type == mjJNT_FREE ? 3 : joint.type == mjJNT_BALL ? 0 : 1;
+}
+
 class UniformSampler : public ob::StateSampler {
  public:
   UniformSampler(const ConfigurationSpace* space, std::uint64_t seed)
@@ -128,8 +133,7 @@ void ConfigurationSpace::FindBounds(const VectorXd& start, const VectorXd& goal)
   const double margin = 0.5 * tables_.model->stat.extent;
   for (const JointEntry& joint : tables_.joints) {
     const bool turns = joint.type == mjJNT_HINGE;
-    const int entries = joint.type == mjJNT_FREE ? 3 : joint.type == mjJNT_BALL ? 0 : 1;
-    for (int k = joint.qadr; k < joint.qadr + entries; ++k) {
+    for (int k = joint.qadr; k < joint.qadr + EntriesWithBounds(joint); ++k) {
       if (joint.limited) {
         low_[k] = joint.lo;
         high_[k] = joint.hi;
@@ -257,8 +261,7 @@ void ConfigurationSpace::Sample(ompl::RNG& rng, VectorXd& q) const {
 
 bool ConfigurationSpace::Covers(const VectorXd& q) const {
   for (const JointEntry& joint : tables_.joints) {
-    const int entries = joint.type == mjJNT_FREE ? 3 : joint.type == mjJNT_BALL ? 0 : 1;
-    for (int k = joint.qadr; k < joint.qadr + entries; ++k) {
+    for (int k = joint.qadr; k < joint.qadr + EntriesWithBounds(joint); ++k) {
       if (q[k] < low_[k] - kLimitTolerance || q[k] > high_[k] + kLimitTolerance) return false;
     }
   }
@@ -268,8 +271,7 @@ bool ConfigurationSpace::Covers(const VectorXd& q) const {
 void ConfigurationSpace::Draw(ompl::RNG& rng, VectorXd& q) const {
   q = base_;
   for (const JointEntry& joint : tables_.joints) {
-    const int entries = joint.type == mjJNT_FREE ? 3 : joint.type == mjJNT_BALL ? 0 : 1;
-    for (int k = joint.qadr; k < joint.qadr + entries; ++k) {
+    for (int k = joint.qadr; k < joint.qadr + EntriesWithBounds(joint); ++k) {
       q[k] = low_[k] < high_[k] ? rng.uniformReal(low_[k], high_[k]) : low_[k];
     }
     if (joint.type != mjJNT_FREE && joint.type != mjJNT_BALL) continue;

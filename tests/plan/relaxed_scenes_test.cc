@@ -21,6 +21,11 @@ constexpr char kBar[] = R"(<mujoco><worldbody>
     <body name="bar"><joint type="slide" axis="0 0 1"/><geom name="bar" type="box" size=".3 .1 .4"/>
     </body></worldbody></mujoco>)";
 
+// The beginning of a model, with a mesh of 0.8 m a side.
+const std::string kCube = R"(<mujoco><asset><mesh name="cube" vertex="
+    -.4 -.4 -.4  .4 -.4 -.4  -.4 .4 -.4  .4 .4 -.4
+    -.4 -.4 .4  .4 -.4 .4  -.4 .4 .4  .4 .4 .4"/></asset>)";
+
 constexpr double kTouching = 0.4;  // z of the bar on the block [m]
 
 // The solver asks the verifier, the motion checker the contacts of the search.
@@ -40,9 +45,7 @@ TEST(ShrunkScenesTest, WhatMovesIsSmallerByThreeQuartersThenByHalfOfThat) {
                                  "type='capsule' size='.1 .3'", "type='cylinder' size='.1 .4'",
                                  "type='ellipsoid' size='.1 .2 .4'", "type='mesh' mesh='cube'"}) {
     SCOPED_TRACE(geom);
-    const Scene scene = Scene::FromString(R"(<mujoco><asset><mesh name="cube" vertex="
-        -.4 -.4 -.4  .4 -.4 -.4  -.4 .4 -.4  .4 .4 -.4
-        -.4 -.4 .4  .4 -.4 .4  -.4 .4 .4  .4 .4 .4"/></asset><worldbody>
+    const Scene scene = Scene::FromString(kCube + R"(<worldbody>
         <geom type="box" size="2 2 2" pos="0 0 -2"/>
         <body><joint type="slide" axis="0 0 1"/><geom )" +
                                           geom + "/></body></worldbody></mujoco>");
@@ -71,9 +74,7 @@ TEST(ShrunkScenesTest, TheVerifierKnowsTheSmallerShapes) {
 }
 
 TEST(ShrunkScenesTest, AMeshThatSomethingAtRestHasTooStaysAsItIs) {
-  const Scene scene = Scene::FromString(R"(<mujoco><asset><mesh name="cube" vertex="
-      -.4 -.4 -.4  .4 -.4 -.4  -.4 .4 -.4  .4 .4 -.4
-      -.4 -.4 .4  .4 -.4 .4  -.4 .4 .4  .4 .4 .4"/></asset><worldbody>
+  const Scene scene = Scene::FromString(kCube + R"(<worldbody>
       <geom type="mesh" mesh="cube" pos="0 0 -.4"/>
       <body><joint type="slide" axis="0 0 1"/><geom type="mesh" mesh="cube"/></body>
       </worldbody></mujoco>)");
@@ -81,9 +82,7 @@ TEST(ShrunkScenesTest, AMeshThatSomethingAtRestHasTooStaysAsItIs) {
 }
 
 TEST(ShrunkScenesTest, AMeshOfTwoThatMoveIsSmallerForBoth) {
-  const Scene scene = Scene::FromString(R"(<mujoco><asset><mesh name="cube" vertex="
-      -.4 -.4 -.4  .4 -.4 -.4  -.4 .4 -.4  .4 .4 -.4
-      -.4 -.4 .4  .4 -.4 .4  -.4 .4 .4  .4 .4 .4"/></asset><worldbody>
+  const Scene scene = Scene::FromString(kCube + R"(<worldbody>
       <geom type="box" size="2 2 2" pos="0 0 -2"/>
       <body><joint type="slide" axis="0 0 1"/><geom type="mesh" mesh="cube"/></body>
       <body pos="1 0 0"><joint type="slide" axis="0 0 1"/><geom type="mesh" mesh="cube"/></body>
