@@ -1,4 +1,4 @@
-"""Makes gap.xml, slot.xml, peg.xml and piano.xml: narrow passages of known width. Those here are made without arguments."""
+"""Makes gap.xml, slot.xml, socket.xml, peg.xml and piano.xml: narrow passages of known width. Those here are made without arguments."""
 import argparse
 import math
 import sys
@@ -51,6 +51,30 @@ def make_gap(folder, slack):
     scene.write(GAP.format(wide=wide, gap=round(gap, 6)))
 
 
+def add_arm(scene):
+    """Seven hinges. Returns the last link, of which the hand is to be a part."""
+    # Where each hinge is on the link before, its axis and range, and the capsule behind it: radius, from, to.
+    links = [(0.2, "z", 170, 0.05, 0, 0.15), (0.2, "y", 110, 0.04, 0.05, 0.25), (0.25, "z", 170, 0.04, 0.05, 0.1),
+             (0.1, "y", 150, 0.04, 0.08, 0.2), (0.2, "z", 170, 0.025, 0.07, 0.15), (0.15, "y", 120, 0.02, 0.06, 0.1),
+             (0.1, "z", 170, None, None, None)]
+    parent = scene.world
+    for k, (height, axis, most, radius, low, top) in enumerate(links, 1):
+        parent = element(parent, "body", name=f"link{k}", pos=(0, 0, height))
+        element(parent, "joint", name=f"hinge{k}", axis=[float(axis == a) for a in "xyz"], range=radians(-most, most))
+        if radius:
+            element(parent, "geom", name=f"link{k}", type="capsule", size=radius, fromto=(0, 0, low, 0, 0, top), material="mover")
+    return parent
+
+
+def add_keys_of_arm(scene):
+    """The goal has the hand level, at a height of 0.45 m; it begins 0.63 m from the base."""
+    scene.key("start", {"hinge2": -20, "hinge4": 60, "hinge6": 80, "hinge1": 40})
+    # Two links of 0.35 m from the shoulder, 0.4 m high, to the wrist before the wall; the hand is level, behind it.
+    x, z = 0.53, 0.05
+    to_wrist, half = math.degrees(math.atan2(x, z)), math.degrees(math.acos(math.hypot(x, z) / 0.7))
+    scene.key("goal", {"hinge2": to_wrist - half, "hinge4": 2 * half, "hinge6": 90 - to_wrist - half})
+
+
 SLOT = """
 An arm of seven hinges and a slot in a wall. Made by make_passages.py; change that, not this.
 
@@ -63,24 +87,27 @@ def make_slot(folder, slack):
     high, slot = thick * (1 + slack), 0.2
     scene = new_scene("slot", folder, (1.0, -2.2, 1.0), (1, 0.25, 0, -0.07, 0.3, 1), (0.4, 0, 0.45), 0.7)
     add_wall(scene, 0.02, (-slot / 2, slot / 2, 0.45 - high / 2, 0.45 + high / 2), 1.5, x=0.64)
-    # Where each hinge is on the link before, its axis and range, and the capsule behind it: radius, from, to.
-    links = [(0.2, "z", 170, 0.05, 0, 0.15), (0.2, "y", 110, 0.04, 0.05, 0.25), (0.25, "z", 170, 0.04, 0.05, 0.1),
-             (0.1, "y", 150, 0.04, 0.08, 0.2), (0.2, "z", 170, 0.025, 0.07, 0.15), (0.15, "y", 120, 0.02, 0.06, 0.1),
-             (0.1, "z", 170, None, None, None)]
-    parent = scene.world
-    for k, (height, axis, most, radius, low, top) in enumerate(links, 1):
-        parent = element(parent, "body", name=f"link{k}", pos=(0, 0, height))
-        element(parent, "joint", name=f"hinge{k}", axis=[float(axis == a) for a in "xyz"], range=radians(-most, most))
-        if radius:
-            element(parent, "geom", name=f"link{k}", type="capsule", size=radius, fromto=(0, 0, low, 0, 0, top), material="mover")
-        else:
-            element(parent, "geom", name="hand", type="cylinder", size=(thick / 2, 0.05), pos=(0, 0, 0.1), material="mover")
-    scene.key("start", {"hinge2": -20, "hinge4": 60, "hinge6": 80, "hinge1": 40})
-    # Two links of 0.35 m from the shoulder, 0.4 m high, to the wrist before the wall; the hand is level, behind it.
-    x, z = 0.53, 0.05
-    to_wrist, half = math.degrees(math.atan2(x, z)), math.degrees(math.acos(math.hypot(x, z) / 0.7))
-    scene.key("goal", {"hinge2": to_wrist - half, "hinge4": 2 * half, "hinge6": 90 - to_wrist - half})
+    element(add_arm(scene), "geom", name="hand", type="cylinder", size=(thick / 2, 0.05), pos=(0, 0, 0.1), material="mover")
+    add_keys_of_arm(scene)
     scene.write(SLOT.format(thick=thick, high=round(high, 6), slot=slot))
+
+
+SOCKET = """
+An arm of seven hinges and a deep hole that its hand is to fill. Made by make_passages.py; change that, not this.
+
+Units: m, kg, s, rad. The hand is {wide} m wide, {thick} m thick and {long} m long, the hole {hole_wide} m wide, {hole_thick} m high and {deep} m deep.
+"""
+
+
+def make_socket(folder, slack):
+    wide, thick, long, deep = 0.06, 0.04, 0.2, 0.2
+    hole_wide, hole_thick = wide * (1 + slack), thick * (1 + slack)
+    scene = new_scene("socket", folder, (1.0, -2.2, 1.0), (1, 0.25, 0, -0.07, 0.3, 1), (0.4, 0, 0.45), 0.7)
+    add_wall(scene, deep, (-hole_wide / 2, hole_wide / 2, 0.45 - hole_thick / 2, 0.45 + hole_thick / 2), 1.5, x=0.67 + deep / 2)
+    element(add_arm(scene), "geom", name="hand", type="box", size=(thick / 2, wide / 2, long / 2), pos=(0, 0, 0.02 + long / 2),
+            material="mover")
+    add_keys_of_arm(scene)
+    scene.write(SOCKET.format(wide=wide, thick=thick, long=long, deep=deep, hole_wide=round(hole_wide, 6), hole_thick=round(hole_thick, 6)))
 
 
 PEG = """
@@ -144,10 +171,11 @@ def make_piano(folder):
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--slack", type=float, default=0.03,
-                        help="by which gap, slot and hole are wider than what must pass, a share of that")
+                        help="by which gap, slot and holes are wider than what must pass, a share of that")
     parser.add_argument("--folder", type=Path, default=HERE, help="where they are written")
     arguments = parser.parse_args()
     make_gap(arguments.folder, arguments.slack)
     make_slot(arguments.folder, arguments.slack)
+    make_socket(arguments.folder, arguments.slack)
     make_peg(arguments.folder, arguments.slack)
     make_piano(arguments.folder)

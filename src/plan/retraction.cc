@@ -1,41 +1,46 @@
 #include "plan/retraction.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
-#include <limits>
+
+#include "plan/contact_slide.h"
 
 namespace mjcf_pdg {
 namespace {
 
-// How much of the way to a contact is gone, so that the next motion does not begin in its band.
-// This and the next are not tuned.
+// How much of the way to a contact is gone, so that the next motion does not begin in its band; not
+// tuned.
 constexpr double kUpToContact = 0.98;
-// Shorter steps do not count as progress [share of the step that the tree was to make].
-constexpr double kLeastProgress = 0.05;
+// The most slides that are made; not tuned.
+constexpr int kSlides = 8;
+
+// How slides are tried.
+struct SlideRules {
+  int tries;  // of a slide, each half as long as the one before
+  double
+      least_progress;  // shorter steps are not made [share of the step that the tree was to make]
+};
+constexpr SlideRules kWhole = {.tries = 1, .least_progress = 0.05};
+constexpr SlideRules kCareful = {.tries = 5, .least_progress = 0.01};
+constexpr double kShorter = 0.5;
 
 class ContactRetraction : public Retraction {
  public:
   explicit ContactRetraction(const RetractionInput& input)
       : input_(input),
-        tables_(input.scene.tables()),
-        finder_(tables_, input.clearance),
-        norm_(tables_, Metric::kSequential),
-        mocap_{input.options.mocap_pos, input.options.mocap_quat} {
-    finder_.SetMocap(mocap_);
-  }
+        rules_(input.careful ? kCareful : kWhole),
+        slide_(input.scene.tables(), *input.space,
+               {input.options.mocap_pos, input.options.mocap_quat},
+               {.clearance = input.clearance, .careful = input.careful}) {}
 
   const std::vector<VectorXd>& Retract(const VectorXd& near, const VectorXd& target) override {
-    constexpr int kSlides = 8;  // most that are made
     chain_.clear();
+    slide_.Forget();
+    share_ = 1.0;
     double left = input_.space->Distance(target, near);
-    const double least = kLeastProgress * left;
-    if (Advance(near, target, least)) return chain_;
-    VectorXd at = chain_.empty() ? near : chain_.back(), step;
-    for (int k = 0; k < kSlides; ++k) {
-      Slide(at, target, step);
-      const std::size_t before = chain_.size();
-      Advance(at, step, least);
-      if (chain_.size() == before) break;
+    least_ = rules_.least_progress * left;
+    if (Advance(near, target)) return chain_;
+    VectorXd at = chain_.empty() ? near : chain_.back();
+    for (int k = 0; k < kSlides && Slide(at, target); ++k) {
       const double now = input_.space->Distance(target, chain_.back());
       if (now >= left) {
         chain_.pop_back();
@@ -47,70 +52,44 @@ class ContactRetraction : public Retraction {
     return chain_;
   }
 
-  std::int64_t queries() const override { return finder_.queries(); }
+  std::int64_t queries() const override { return slide_.queries(); }
 
  private:
   // Appends the end of the free part of the motion if that is progress. Returns whether all is
   // free.
-  bool Advance(const VectorXd& from, const VectorXd& to, double least) {
+  bool Advance(const VectorXd& from, const VectorXd& to) {
     const MotionProver::FreePart free = input_.prover->Move(from, to);
     input_.space->Interpolate(from, to, free.all ? 1.0 : kUpToContact * free.t, end_);
     const bool proven = free.all || input_.space->straight() ||
                         input_.prover->Move(from, end_).all;  // bends otherwise than the whole
-    if (proven && input_.space->Distance(end_, from) >= least) chain_.push_back(end_);
+    if (proven && input_.space->Distance(end_, from) >= least_) chain_.push_back(end_);
     return free.all;
   }
 
-  // The nearest configuration to `to` that keeps the clearance of the contacts as they are
-  // linearized at q: min ½ ‖dq - (to ⊖ q)‖²_H subject to C dq + gap >= 0.
-  void Slide(const VectorXd& q, const VectorXd& to, VectorXd& out) {
-    // Pairs nearer than this are rows, a tenth of a link [m].
-    const double margin = 0.1 * tables_.size;
-    finder_.Forget();
-    finder_.Pose(q);
-    rows_.Clear(tables_.n);
-    for (const NearPair& near : finder_.Find(margin)) {
-      const int row = rows_.Append(near.distance - input_.clearance);
-      ContactRow(tables_, finder_.posed(), near.pair, near.p1_W, near.p2_W, near.n_W,
-                 rows_.C.row(row));
+  // Appends where a slide towards the target leads, if that is progress, and returns whether it
+  // is. After a slide that was free the next may be longer.
+  bool Slide(const VectorXd& at, const VectorXd& target) {
+    const std::size_t before = chain_.size();
+    for (int k = 0; k < rules_.tries && chain_.size() == before; ++k) {
+      input_.space->Interpolate(at, target, share_, to_);
+      const VectorXd& end = slide_.Go(at, to_);
+      if (input_.space->Distance(end, at) < least_) return false;
+      if (Advance(at, end)) {
+        share_ = std::min(1.0, share_ / kShorter);
+      } else if (chain_.size() == before) {
+        share_ *= kShorter;
+      }
     }
-    dq_.resize(tables_.n);
-    Difference(tables_, q, to, dq_);
-    if (rows_.m > 0) Correct(q);
-    out = q;
-    Integrate(tables_, out, dq_, out);
-    ClampToLimits(tables_, out);
-    if (!input_.space->Project(out)) out = q;
-  }
-
-  // dq_ += H⁻¹ Cᵀ λ.
-  void Correct(const VectorXd& q) {
-    const int n = tables_.n, m = rows_.m;
-    norm_.SetReference(q, mocap_);
-    norm_.Linearize(q, r_, J_);
-    H_.setZero(n, n);
-    norm_.InnerProduct(J_, H_);
-    const Eigen::LLT<MatrixXd> llt(H_);
-    const MatrixXd C = rows_.C.topRows(m);
-    const MatrixXd G = llt.matrixL().solve(C.transpose());
-    const VectorXd b = -(C * dq_) - rows_.gap.head(m);
-    const VectorXd mu = VectorXd::Constant(m, 1e9);  // rows are hard
-    VectorXd lambda = VectorXd::Zero(m);
-    lcp_.Reserve(n, m);
-    lcp_.Solve(G, b, mu, {}, lambda);
-    dq_ += llt.matrixU().solve(G * lambda);
+    return chain_.size() > before;
   }
 
   const RetractionInput input_;
-  const SceneTables& tables_;
-  ContactFinder finder_;
-  NormEvaluator norm_;
-  const MocapPoses mocap_;
-  ContactRows rows_;
-  ActiveSetLcp lcp_;
+  const SlideRules rules_;
+  ContactSlide slide_;
+  double least_ = 0.0;  // progress [m]
+  double share_ = 1.0;  // of the way to the target that the next slide tries
   std::vector<VectorXd> chain_;
-  VectorXd end_, dq_, r_;
-  MatrixXd J_, H_;
+  VectorXd end_, to_;
 };
 
 class PdgRetraction : public Retraction {

@@ -6,11 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "collide/contacts.h"
 #include "mjcf_pdg/pdg.h"
-#include "norm/norm_evaluator.h"
-#include "optimize/contact_matrix.h"
-#include "optimize/lcp.h"
 #include "plan/configuration_space.h"
 #include "plan/motion_prover.h"
 
@@ -32,19 +28,22 @@ struct RetractionInput {
   Options options;
   std::shared_ptr<ConfigurationSpace> space;
   std::shared_ptr<MotionProver> prover;
-  double clearance =
-      0.0;  // that contact samples keep, so that motions along walls are provable [m]
+  // That contact samples keep, so that motions along walls are provable [m].
+  double clearance = 0.0;
+  bool careful = false;  // slides are (contact_slide.h), and shorter ones are tried
 };
 
 // Of a solver that retracts: fast, without reports, with the clearance of contact samples [m].
 Options RetractingOptions(const Options& options, double clearance);
 
 // Along the contact, without PDg: to the first contact by CCD, then sliding towards the sample as
-// long as that comes nearer to it, each slide to the point that is nearest under the linearized
-// contacts.
+// long as that comes nearer to it (contact_slide.h).
 //
 // Source: Pan, Zhang & Manocha, Retraction-based RRT planner for articulated models (ICRA 2010).
-// Differs from it: the distance is the object norm's, and every slide is proven free by CCDg.
+// Differs from it:
+//   1. Every slide is proven free by CCDg.
+//   2. Where a slide is not free, careful ones are tried half of the way, a quarter, down to a
+//   sixteenth.
 std::unique_ptr<Retraction> MakeContactRetraction(const RetractionInput& input);
 
 // By generalized penetration depth: towards the nearest free configuration to the sample, from the

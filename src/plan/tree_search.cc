@@ -88,9 +88,10 @@ TreeSearch::TreeSearch(const TreeSearchInput& input)
       information_(std::make_shared<ob::SpaceInformation>(input.space)) {
   UseProver(prover_, input.ended, information_);
   information_->setup();
-  named_ = MakePlanner(input.options.planner, range_,
-                       {input.scene, input.options.options, input.space, prover_, input.clearance},
-                       information_);
+  named_ = MakePlanner(
+      input.options.planner, range_,
+      {input.scene, input.options.options, input.space, prover_, input.clearance, input.careful},
+      information_);
 }
 
 std::vector<VectorXd> TreeSearch::Find(const VectorXd& from, const VectorXd& to,

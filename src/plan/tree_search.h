@@ -21,6 +21,7 @@ struct TreeSearchInput {
   const PlanOptions& options;
   std::shared_ptr<ConfigurationSpace> space;
   double clearance;             // that contact samples keep [m]
+  bool careful;                 // whether retractions are (plan/retraction.h)
   std::function<bool()> ended;  // whether to give up; never empty
 };
 

@@ -169,9 +169,9 @@ TEST_P(EveryPlanner, AnEasyProblemTakesFewSamples) {
 // that its trees grow, in vain.
 TEST_P(EveryPlanner, BeginsAnew) {
   const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
-    <geom type="box" size="2 .05 .5" pos="0 -.251 0"/><geom type="box" size="2 .05 .5" pos="0 .251 0"/>
-    <geom type="box" size=".05 .2 .5" pos="-1.251 0 0"/><geom type="box" size=".05 .2 .5" pos="-.749 0 0"/>
-    <geom type="box" size=".05 .2 .5" pos=".749 0 0"/><geom type="box" size=".05 .2 .5" pos="1.251 0 0"/>
+    <geom type="box" size="2 .05 .5" pos="0 -.25001 0"/><geom type="box" size="2 .05 .5" pos="0 .25001 0"/>
+    <geom type="box" size=".05 .2 .5" pos="-1.25001 0 0"/><geom type="box" size=".05 .2 .5" pos="-.74999 0 0"/>
+    <geom type="box" size=".05 .2 .5" pos=".74999 0 0"/><geom type="box" size=".05 .2 .5" pos="1.25001 0 0"/>
     <body name="disc">
       <joint type="slide" axis="1 0 0" range="-2 2" limited="true"/>
       <joint type="slide" axis="0 1 0" range="-2 2" limited="true"/>

@@ -56,7 +56,7 @@ TEST(PlanScenesTest, TheBridgeIsPassedWhateverTheSeed) {
 }
 
 TEST(PlanScenesTest, NarrowPassagesOfKnownWidthArePassed) {
-  for (const auto& [name, seed] : {std::pair{"gap", 1}, {"slot", 1}, {"peg", 1}, {"piano", 1}}) {
+  for (const auto& [name, seed] : {std::pair{"gap", 1}, {"slot", 1}, {"socket", 1}, {"peg", 1}, {"piano", 1}}) {
     SCOPED_TRACE(name);
     const Scene scene =
         Scene::FromFile(std::string(MJCF_PDG_MODEL_DIR) + "/passages/" + name + ".xml",

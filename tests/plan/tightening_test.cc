@@ -32,7 +32,7 @@ std::vector<VectorXd> Tightened(const Scene& scene, const std::vector<VectorXd>&
   const PlanOptions options = With("birrt-pdg");
   const auto space =
       std::make_shared<ConfigurationSpace>(scene, MocapPoses{}, wide.front(), wide.back());
-  Tightening tightening({scene, options, space, 1e-4, [] { return false; }});
+  Tightening tightening({scene, options, space, 1e-4, true, [] { return false; }});
   std::vector<VectorXd> path = tightening.Tighten(wide, samples);
   EXPECT_LE(space->samples(), samples);
   EXPECT_GT(tightening.cost().collision_queries, 0);
