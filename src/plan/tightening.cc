@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "plan/retraction.h"
-
 namespace mjcf_pdg {
 namespace {
 
@@ -21,6 +19,9 @@ constexpr std::int64_t kSamples = 100;
 Tightening::Tightening(const TreeSearchInput& input)
     : input_(input),
       search_(input),
+      along_contact_(
+          MakeContactRetraction({input.scene, input.options.options, input.space,
+                                 search_.shared_prover(), input.clearance, input.careful})),
       solver_(input.scene, RetractingOptions(input.options.options, input.clearance)) {}
 
 // With configurations on the edges, kSpacing apart at most.
@@ -36,6 +37,18 @@ std::vector<VectorXd> Tightening::Densified(const std::vector<VectorXd>& path) c
     }
   }
   return dense;
+}
+
+// Goes from the path's end towards q, along contacts if need be. Returns whether that leads to
+// within a planner's step of q.
+bool Tightening::Follow(const VectorXd& q, std::vector<VectorXd>& path) {
+  if (search_.prover().IsFree(path.back(), q)) {
+    path.push_back(q);
+    return true;
+  }
+  const std::vector<VectorXd>& chain = along_contact_->Retract(path.back(), q);
+  path.insert(path.end(), chain.begin(), chain.end());
+  return input_.space->Distance(path.back(), q) < search_.step();
 }
 
 // Moves q to the nearest free configuration. Returns whether one was found where paths may go: a
@@ -68,6 +81,7 @@ std::vector<VectorXd> Tightening::Tighten(const std::vector<VectorXd>& wide, std
     if (input_.ended()) return {};
     const bool last = k + 1 == dense.size();
     VectorXd q = dense[k];
+    if (Follow(q, path) && (!last || path.back() == q)) continue;
     if (!last && !Free(q)) continue;
     if (Reach(q, std::min(most - input_.space->samples(), kSamples), path)) continue;
     if (last || input_.space->samples() >= most) return {};
@@ -78,7 +92,7 @@ std::vector<VectorXd> Tightening::Tighten(const std::vector<VectorXd>& wide, std
 
 SearchCost Tightening::cost() const {
   SearchCost cost = search_.cost();
-  cost.collision_queries += queries_;
+  cost.collision_queries += queries_ + along_contact_->queries();
   return cost;
 }
 

@@ -3,14 +3,19 @@
 //
 // Source: Saha, Latombe, Chang & Prinz, Finding narrow passages with probabilistic roadmaps: the
 // small-step retraction method (Autonomous Robots, 2005).
-// Differs from it: configurations are retracted by PDg, not by random samples nearby, and those of
-// the path are joined by searches between neighbours.
+// Differs from it:
+//   1. The path is followed along the contacts (plan/retraction.h) as far as that stays near it.
+//      Configurations that are retracted one by one come to lie on this side of a wall or that.
+//   2. Elsewhere they are retracted by PDg, not by random samples nearby, and neighbours are joined
+//      by searches between them.
 #ifndef MJCF_PDG_SRC_PLAN_TIGHTENING_H_
 #define MJCF_PDG_SRC_PLAN_TIGHTENING_H_
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
+#include "plan/retraction.h"
 #include "plan/tree_search.h"
 
 namespace mjcf_pdg {
@@ -28,11 +33,13 @@ class Tightening {
 
  private:
   std::vector<VectorXd> Densified(const std::vector<VectorXd>& path) const;
+  bool Follow(const VectorXd& q, std::vector<VectorXd>& path);
   bool Free(VectorXd& q);
   bool Reach(const VectorXd& q, std::int64_t samples, std::vector<VectorXd>& path);
 
   const TreeSearchInput input_;
   TreeSearch search_;
+  const std::unique_ptr<Retraction> along_contact_;
   Solver solver_;
   Result result_;
   std::int64_t queries_ = 0;  // of solver_

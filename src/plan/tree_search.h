@@ -50,6 +50,7 @@ class TreeSearch {
   std::vector<VectorXd> FindNear(const VectorXd& from, const VectorXd& to, std::int64_t samples);
 
   MotionProver& prover() { return *prover_; }
+  const std::shared_ptr<MotionProver>& shared_prover() const { return prover_; }
   double step() const { return range_ * input_.space->extent(); }  // of Find [m]
   SearchCost cost() const;  // of all that was done, the prover's queries included
 
