@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "mjcf_pdg/motion.h"
@@ -56,14 +55,12 @@ TEST(PlanScenesTest, TheBridgeIsPassedWhateverTheSeed) {
 }
 
 TEST(PlanScenesTest, NarrowPassagesOfKnownWidthArePassed) {
-  for (const auto& [name, seed] : {std::pair{"gap", 1}, {"slot", 1}, {"socket", 1}, {"peg", 1}, {"piano", 1}}) {
+  for (const std::string name : {"gap", "slot", "socket", "peg", "piano"}) {
     SCOPED_TRACE(name);
     const Scene scene =
         Scene::FromFile(std::string(MJCF_PDG_MODEL_DIR) + "/passages/" + name + ".xml",
-                        {.exact_mesh = std::string(name) == "piano"});
-    ExpectFree(scene,
-               Plan(scene, scene.KeyQpos(0), scene.KeyQpos(1),
-                    With("birrt-pdg", static_cast<std::uint64_t>(seed))),
+                        {.exact_mesh = name == "piano"});
+    ExpectFree(scene, Plan(scene, scene.KeyQpos(0), scene.KeyQpos(1), With("birrt-pdg", 1)),
                scene.KeyQpos(0), scene.KeyQpos(1));
   }
 }
