@@ -64,6 +64,11 @@ TEST(TighteningTest, APathThatOverlapsIsMadeFree) {
   }
 }
 
+// By PDg alone more than 10 samples are taken.
+TEST(TighteningTest, APathThatIsFollowedAlongContactsTakesFewSamples) {
+  EXPECT_FALSE(Tightened(BarAndGap(0.25), SlantedWay(), 10).empty());
+}
+
 TEST(TighteningTest, APathThatIsFreeIsKept) {
   const std::vector<VectorXd> wide = SlantedWay();
   const std::vector<VectorXd> path = Tightened(BarAndGap(0.6), wide);
