@@ -33,6 +33,16 @@ std::vector<char> WrappedGeoms(const mjModel& m) {
   return wrapped;
 }
 
+// Brings the geom nearer to a point of its body's frame.
+void Draw(mjModel& m, int geom, const Eigen::Vector3d& center_B, double factor) {
+  Eigen::Map<Eigen::Vector3d> pos(m.geom_pos + 3 * geom);
+  pos = center_B + factor * (pos - center_B);
+  // What MuJoCo notes of frames that coincide: their origins do no more.
+  mjtByte& same = m.geom_sameframe[geom];
+  if (same == mjSAMEFRAME_BODY) same = mjSAMEFRAME_BODYROT;
+  if (same == mjSAMEFRAME_INERTIA) same = mjSAMEFRAME_INERTIAROT;
+}
+
 template <typename T>
 void Scale(T* begin, int count, double factor) {
   std::transform(begin, begin + count, begin, [factor](T x) { return static_cast<T>(factor * x); });
@@ -58,6 +68,7 @@ std::shared_ptr<const mjModel> ShrunkModel(const SceneTables& tables, double sha
       }
       smaller[mesh] = 1;
     }
+    Draw(m, g, tables.body_spheres[m.geom_bodyid[g]].center_B, factor);
     Scale(m.geom_size + 3 * g, 3, factor);
     Scale(m.geom_aabb + 6 * g, 6, factor);
     m.geom_rbound[g] *= factor;

@@ -10,11 +10,12 @@
 
 namespace mjcf_pdg {
 
-// Geoms on bodies that move are smaller by `share` (at least 0, less than 1) of their size, about
-// their own frames' origins; where those are inside a convex geom, the smaller one lies in the
-// larger. Planes, height fields and SDFs stay as they are, and so do geoms that tendons wrap around
-// and meshes that a geom on a body at rest has, too. Masses and inertias stay, so that the norm is
-// the same. Null if nothing becomes smaller.
+// Each body that moves is smaller by `share` (at least 0, less than 1) of its size, about the
+// centre of the sphere around its geoms (SceneTables::body_spheres): of a body with one convex geom
+// that lies in the larger one. Planes, height fields and SDFs stay as they are, and so do geoms
+// that tendons wrap around and meshes that a geom on a body at rest has, too. Joints stay where
+// they are, and so do masses and inertias, so that the norm is the same. Null if nothing becomes
+// smaller.
 std::shared_ptr<const mjModel> ShrunkModel(const SceneTables& tables, double share);
 
 }  // namespace mjcf_pdg

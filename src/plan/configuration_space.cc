@@ -259,6 +259,8 @@ void ConfigurationSpace::Sample(ompl::RNG& rng, VectorXd& q) const {
   q = base_;
 }
 
+std::uint64_t ConfigurationSpace::NextSeed() const { return Random(seed_++).Bits(); }
+
 bool ConfigurationSpace::Covers(const VectorXd& q) const {
   for (const JointEntry& joint : tables_.joints) {
     for (int k = joint.qadr; k < joint.qadr + EntriesWithBounds(joint); ++k) {
@@ -321,7 +323,7 @@ void ConfigurationSpace::interpolate(const ob::State* from, const ob::State* to,
 }
 
 ob::StateSamplerPtr ConfigurationSpace::allocDefaultStateSampler() const {
-  return std::make_shared<UniformSampler>(this, Random(seed_++).Bits());
+  return std::make_shared<UniformSampler>(this, NextSeed());
 }
 
 ob::State* ConfigurationSpace::allocState() const {

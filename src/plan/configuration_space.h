@@ -82,6 +82,7 @@ class ConfigurationSpace : public ompl::base::StateSpace {
   // admits; where there are equality constraints, brought onto them.
   void Sample(ompl::RNG& rng, VectorXd& q) const;
   std::int64_t samples() const { return samples_; }  // drawn so far
+  std::uint64_t NextSeed() const;                    // of a sampler, each time another
   // Whether samples are drawn around q: slides, hinges and free bodies' places are in the bounds.
   bool Covers(const VectorXd& q) const;
 
@@ -124,7 +125,7 @@ class ConfigurationSpace : public ompl::base::StateSpace {
   mutable NormEvaluator norm_;
   mutable EqualityConstraints equalities_;
   const bool straight_;
-  mutable std::uint64_t seed_ = 0;  // of the next sampler
+  mutable std::uint64_t seed_ = 0;  // of NextSeed
   mutable VectorXd reference_;      // that norm_ measures from
   mutable VectorXd dq_, part_;      // scratch
   mutable std::int64_t samples_ = 0;

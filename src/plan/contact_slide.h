@@ -24,7 +24,7 @@ class ContactSlide {
     bool careful = false;
   };
 
-  // Contacts are those of `tables`, which may be a relaxed scene's; ends are brought onto the
+  // Contacts are those of `tables`, which may be a shrunken scene's; ends are brought onto the
   // equality constraints that `space` holds. Both must outlive this object.
   ContactSlide(const SceneTables& tables, const ConfigurationSpace& space, const MocapPoses& mocap,
                const Options& options);

@@ -118,9 +118,9 @@ std::vector<std::string> PlannerNames() {
   return names;
 }
 
-bool BeginsAnew(const std::string& planner) {
-  return planner == "birrt" || planner == "birrt-r" || planner == "birrt-pdg";
-}
+bool BeginsAnew(const std::string& planner) { return planner == "birrt" || Retracts(planner); }
+
+bool Retracts(const std::string& planner) { return planner == "birrt-r" || RetractsByPdg(planner); }
 
 bool RetractsByPdg(const std::string& planner) { return planner == "birrt-pdg"; }
 

@@ -17,7 +17,8 @@ std::vector<std::string> PlannerNames();
 // Whether the planner is one of the three of Table IV: these begin anew after some samples.
 bool BeginsAnew(const std::string& planner);
 
-// Whether the planner retracts by penetration depth.
+// Whether the planner retracts samples, and whether by penetration depth.
+bool Retracts(const std::string& planner);
 bool RetractsByPdg(const std::string& planner);
 
 struct NamedPlanner {

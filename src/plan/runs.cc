@@ -1,7 +1,6 @@
 #include "plan/runs.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <limits>
 #include <memory>
@@ -11,8 +10,9 @@
 
 #include "base/in_order.h"
 #include "base/random.h"
+#include "plan/motion_prover.h"
 #include "plan/planners.h"
-#include "plan/relaxed_scenes.h"
+#include "plan/shrunk_scenes.h"
 #include "plan/tightening.h"
 #include "plan/tree_search.h"
 
@@ -34,41 +34,50 @@ std::int64_t Luby(std::int64_t k) {
   return 2 * power - 1 == k ? power : Luby(k - power + 1);
 }
 
-// Every second run slides along contacts with care (plan/retraction.h), in steps so short that
-// they lead through holes and round corners in which others are stuck. Seconds for the bridge and
-// slot.xml (models/passages), medians of 20 seeds: 0.43 and 1.5 without such runs, 0.48 and 1.4
-// with every second one, 1.3 and 0.61 with the others instead (bench/README.md, plan_bench).
-constexpr std::int64_t kCareful = 2;
+// Runs are of these kinds by turns, as far as the planner knows them. Careful ones slide along
+// contacts (plan/retraction.h) in steps so short that they lead through holes and round corners in
+// which others are stuck. Those that begin with smaller bodies are careful as well, and may take
+// three times the samples, so that they take about as many as both others. Each kind is the
+// cheapest somewhere. Seconds of the processor per path in runs of one kind: for the bridge 1.0,
+// 1.6 and 6.8, for slot.xml (models/passages) never, 1.0 and 2.3, for piano.xml 8.0, 9.9 and 1.4
+// (bench/README.md, plan_bench).
+enum class Kind { kOrdinary, kCareful, kShrunk };
 
-// Every fourth run begins in a relaxed scene, shrunken and dilated by turns, and may take four
-// times the samples, so that these take about as many as all others. Seconds, medians of 8 seeds,
-// 9511 and after, of peg.xml, slot.xml (models/passages), the bridge, and a peg in a hole that is 1
-// % wider, with shrunken scenes alone: 0.23, 1.1, 0.32 and 0.40. With as many samples as other
-// runs: 0.88, 1.6, 0.33 and 1.1; every second run, twice the samples: 0.25, 0.95, 0.59 and 0.57.
-constexpr std::int64_t kEvery = 4;
+// 1, 2 or 3: a planner knows those and the ones before.
+std::int64_t Kinds(const std::string& planner) {
+  return 1 + (Retracts(planner) ? 1 : 0) + (RetractsByPdg(planner) ? 1 : 0);
+}
 
-// No scene is relaxed until a run begins in one: that copies what a scene knows.
-class RelaxedScenes {
+// No scene is made until a run begins in one: that copies what a scene knows.
+class ShrunkForEnds {
  public:
-  explicit RelaxedScenes(const Scene& scene) : scene_(scene) {}
+  explicit ShrunkForEnds(const RunsInput& input) : input_(input) {}
 
-  // Of the number-th run that begins in one, 0, 1, ...; the last is the scene itself. Not empty.
-  const std::vector<Scene>& Of(std::int64_t number) {
-    std::vector<Scene>& scenes = scenes_[number % 2];
-    if (scenes.empty()) {
-      scenes = number % 2 == 0 ? ShrunkScenes(scene_) : DilatedScenes(scene_);
-      scenes.push_back(scene_);
+  // Those (plan/shrunk_scenes.h) in which start and goal are free, as they may not be for a body
+  // that reaches around something, and at last the scene itself.
+  std::span<const Scene> Get() {
+    if (scenes_.empty()) {
+      scenes_ = ShrunkScenes(input_.scene);
+      std::erase_if(scenes_, [this](const Scene& scene) { return !EndsAreFree(scene); });
+      scenes_.push_back(input_.scene);
     }
-    return scenes;
+    return scenes_;
   }
 
  private:
-  const Scene& scene_;
-  std::array<std::vector<Scene>, 2> scenes_;
+  bool EndsAreFree(const Scene& scene) const {
+    MotionProver prover(scene, input_.options.options,
+                        std::make_shared<ConfigurationSpace>(input_.space, 0));
+    return prover.IsFree(input_.start) && prover.IsFree(input_.goal);
+  }
+
+  const RunsInput& input_;
+  std::vector<Scene> scenes_;
 };
 
 struct Run {
-  std::int64_t number = 0;        // 1, 2, ...
+  std::int64_t number = 0;  // 1, 2, ...
+  Kind kind = Kind::kOrdinary;
   std::int64_t samples = 0;       // at most so many
   std::span<const Scene> scenes;  // where it begins, and into which its path is retracted
   Runs result;
@@ -77,7 +86,9 @@ struct Run {
 class Searching {
  public:
   explicit Searching(const RunsInput& input)
-      : input_(input), begins_anew_(BeginsAnew(input.options.planner)) {
+      : input_(input),
+        begins_anew_(BeginsAnew(input.options.planner)),
+        kinds_(Kinds(input.options.planner)) {
     if (input.options.max_samples > 0) samples_left_ = input.options.max_samples;
   }
 
@@ -92,14 +103,10 @@ class Searching {
   bool Take(Run& run) {
     run.number = ++taken_;
     if (samples_left_ <= 0 || run.number >= found_ || Ended()) return false;
-    const std::int64_t begun = run.number / kEvery;  // in relaxed scenes, with this one
-    run.scenes = {&input_.scene, 1};
-    if (RetractsByPdg(input_.options.planner) && run.number % kEvery == 0) {
-      run.scenes = relaxed_.Of(begun - 1);
-    }
-    const bool relaxed = run.scenes.size() > 1;
+    run.kind = static_cast<Kind>((run.number - 1) % kinds_);
+    run.scenes = run.kind == Kind::kShrunk ? shrunk_.Get() : std::span(&input_.scene, 1);
     const std::int64_t samples =
-        kSamplesOfARun * (relaxed ? kEvery * Luby(begun) : Luby(run.number));
+        kSamplesOfARun * Luby((run.number - 1) / kinds_ + 1) * (run.scenes.size() > 1 ? kinds_ : 1);
     run.samples = begins_anew_ ? std::min(samples_left_, samples)
                                : samples_left_;  // a run of OMPL's other planners has no end
     samples_left_ -= run.samples;
@@ -124,7 +131,7 @@ class Searching {
             input_.options,
             std::make_shared<ConfigurationSpace>(input_.space, seed),
             input_.clearance,
-            run.number % kCareful == 0,
+            run.kind != Kind::kOrdinary,
             [&run, this] { return IsOver(run); }};
   }
 
@@ -171,7 +178,8 @@ class Searching {
 
   const RunsInput& input_;
   const bool begins_anew_;
-  RelaxedScenes relaxed_{input_.scene};
+  const std::int64_t kinds_;
+  ShrunkForEnds shrunk_{input_};
   std::int64_t taken_ = 0, samples_left_ = kNoBound;
   std::atomic<std::int64_t> found_ = kNoBound;  // the first run that found a path
   mutable std::mutex ended_;

@@ -1,9 +1,9 @@
 // The runs of a search. One of the three planners of Table IV that has not found a path after some
 // samples begins anew: a few samples in the right place make a path soon or not at all. The runs
 // are independent, each with random numbers of its own, so that several threads may be at different
-// ones. Of planners that retract every second run is careful (plan/contact_slide.h); of one that
-// retracts by penetration depth every fourth run plans in a relaxed scene
-// (plan/relaxed_scenes.h) and retracts the path from there (plan/tightening.h).
+// ones. Of planners that retract, every second or third run is careful (plan/contact_slide.h); of
+// one that retracts by penetration depth, every third begins with smaller bodies
+// (plan/shrunk_scenes.h) and retracts the path as they grow (plan/tightening.h).
 #ifndef MJCF_PDG_SRC_PLAN_RUNS_H_
 #define MJCF_PDG_SRC_PLAN_RUNS_H_
 

@@ -1,5 +1,5 @@
-// Retracts a path of a relaxed scene (plan/relaxed_scenes.h) into one that is relaxed less: what
-// planning by penetration depth can do that retraction along a contact cannot.
+// Retracts a path of smaller bodies (plan/shrunk_scenes.h) when they have grown: what planning by
+// penetration depth can do that retraction along a contact cannot.
 //
 // Source: Saha, Latombe, Chang & Prinz, Finding narrow passages with probabilistic roadmaps: the
 // small-step retraction method (Autonomous Robots, 2005).

@@ -49,15 +49,14 @@ class NodeCount : public ob::PlannerData {
 // Draws from around the motion between two states.
 class SamplerNearMotion : public ob::StateSampler {
  public:
-  SamplerNearMotion(const ob::StateSpace* space, std::uint_fast32_t seed, const ob::State* from,
-                    const ob::State* to)
+  SamplerNearMotion(const ConfigurationSpace* space, const ob::State* from, const ob::State* to)
       : ob::StateSampler(space),
         around_(space->allocDefaultStateSampler()),
         from_(from),
         to_(to),
         spread_(kSpread * space->distance(from, to)),
         middle_(space->allocState()) {
-    rng_.setLocalSeed(seed);
+    rng_.setLocalSeed(static_cast<std::uint_fast32_t>(space->NextSeed()));
   }
   ~SamplerNearMotion() override { space_->freeState(middle_); }
 
@@ -119,9 +118,8 @@ std::vector<VectorXd> TreeSearch::FindNear(const VectorXd& from, const VectorXd&
   ob::ScopedState<> first(information_->getStateSpace()), last(information_->getStateSpace());
   ConfigurationSpace::Q(first.get()) = from;
   ConfigurationSpace::Q(last.get()) = to;
-  const std::uint_fast32_t seed = ++near_;
-  input_.space->setStateSamplerAllocator([&, seed](const ob::StateSpace* space) {
-    return std::make_shared<SamplerNearMotion>(space, seed, first.get(), last.get());
+  input_.space->setStateSamplerAllocator([&](const ob::StateSpace*) {
+    return std::make_shared<SamplerNearMotion>(input_.space.get(), first.get(), last.get());
   });
   named_.retracting->setRange(kRangeNear * information_->distance(first.get(), last.get()));
   std::vector<VectorXd> path = Find(from, to, samples);

@@ -60,8 +60,7 @@ class TreeSearch {
   const std::shared_ptr<MotionProver> prover_;
   const ompl::base::SpaceInformationPtr information_;
   NamedPlanner named_;
-  bool used_ = false;            // the planner has searched
-  std::uint_fast32_t near_ = 0;  // calls of FindNear
+  bool used_ = false;  // the planner has searched
   int nodes_ = 0;
 };
 

@@ -83,13 +83,13 @@ TEST_F(ContactSlideTest, TheEndOfACarefulOneIsCorrected) {
   EXPECT_GT(end_[1], 0.2);
 }
 
-// As in a run that begins in a relaxed scene.
+// As in a run that begins with smaller bodies: the space is of the scene itself.
 TEST_F(ContactSlideTest, ContactsAreOfTheTablesAndNotOfTheSpace) {
   scene_ = Scene::FromString(kBallOnARod);
-  const Scene relaxed = Scene::FromString(kBallOnARod, {.allow = {{{"ground", "ball"}, 0.2}}});
+  const Scene other = Scene::FromString(kBallOnARod, {.allow = {{{"ground", "ball"}, 0.2}}});
   const VectorXd q{{0.0, 0.0}}, to{{0.0, 0.4}};
   const ConfigurationSpace space(scene_, {}, q, to);
-  ContactSlide slide(relaxed.tables(), space, {}, {.careful = true});
+  ContactSlide slide(other.tables(), space, {}, {.careful = true});
   EXPECT_LT((slide.Go(q, to) - to).norm(), 1e-12);
 }
 

@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "plan/planners.h"
 #include "tests/plan/plan_test_support.h"
@@ -140,7 +142,7 @@ TEST(PlanTest, ThreadsDoNotChangeThePath) {
 }
 
 // Where paths are retracted, and none is found.
-TEST(PlanTest, ThreadsDoNotChangeWhatRelaxedRunsDo) {
+TEST(PlanTest, ThreadsDoNotChangeWhatRunsOfSmallerBodiesDo) {
   const Scene scene = Scene::FromString(DiscAndGap(-0.01));
   PlanOptions options = With("birrt-pdg");
   options.max_samples = 6000;
@@ -164,9 +166,9 @@ TEST_P(EveryPlanner, AnEasyProblemTakesFewSamples) {
   EXPECT_LT(path.samples, 20);
 }
 
-// Walled in by a wall each, a tree keeps its root alone: nodes count the runs, of 250, 250, 500 and
-// 250 samples (Luby's sequence). In the fourth one of birrt-pdg, of 1000, the disc is smaller, so
-// that its trees grow, in vain.
+// Walled in by a wall each, a tree keeps its root alone: nodes count the runs. Each kind has the
+// terms of Luby's sequence, 1 1 2 ..., times 250 samples; a third kind of birrt-pdg has three times
+// as many, and its disc is smaller, so that its trees grow, in vain.
 TEST_P(EveryPlanner, BeginsAnew) {
   const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
     <geom type="box" size="2 .05 .5" pos="0 -.25001 0"/><geom type="box" size="2 .05 .5" pos="0 .25001 0"/>
@@ -177,31 +179,54 @@ TEST_P(EveryPlanner, BeginsAnew) {
       <joint type="slide" axis="0 1 0" range="-2 2" limited="true"/>
       <geom type="cylinder" size=".2 .1"/>
     </body></worldbody></mujoco>)");
-  for (const auto& [samples, runs] :
-       {std::pair{250, 1}, {251, 2}, {500, 2}, {1000, 3}, {1001, 4}}) {
+  using Counts = std::vector<std::pair<int, int>>;  // of samples and runs
+  const std::map<std::string, Counts> expected = {
+      {"birrt", {{250, 1}, {251, 2}, {500, 2}, {1000, 3}, {1001, 4}}},
+      {"birrt-r", {{250, 1}, {251, 2}, {500, 2}, {1000, 4}, {1001, 5}, {2000, 6}, {2001, 7}}},
+      {"birrt-pdg", {{250, 1}, {251, 2}, {500, 2}}}};
+  const auto nodes = [&](int samples) {
     PlanOptions options = With(GetParam());
     options.max_samples = samples;
     const Path path = Plan(scene, {-1.0, 0.0}, {1.0, 0.0}, options);
     EXPECT_FALSE(path.found);
     EXPECT_EQ(path.samples, samples);
-    const bool relaxed = runs == 4 && GetParam() == std::string("birrt-pdg");
-    if (relaxed) {
-      EXPECT_GT(path.nodes, 2 * runs);
-    } else {
-      EXPECT_EQ(path.nodes, 2 * runs);
-    }
+    return path.nodes;
+  };
+  for (const auto& [samples, runs] : expected.at(GetParam())) {
+    EXPECT_EQ(nodes(samples), 2 * runs) << samples;
   }
+  if (GetParam() != std::string("birrt-pdg")) return;
+  EXPECT_GT(nodes(600), 2 * 3);
+  EXPECT_EQ(nodes(1251), nodes(1250) + 2);  // a run of the first kind
 }
 
-// After runs of 250, 250 and 500 samples comes one of 1000, those near the path included that is
-// found with a smaller disc and cannot be retracted.
+// A frame around a post, and another post around which it is to be: if it were smaller, the posts
+// would be in it. So the third run is one of 250 samples as well.
+TEST(PlanTest, WhereEndsAreNotFreeWithSmallerBodiesThereAreNone) {
+  const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
+    <geom type="box" size=".2 .2 .5" pos="-1 0 0"/><geom type="box" size=".2 .2 .5" pos="1 0 0"/>
+    <body name="frame">
+      <joint type="slide" axis="1 0 0" range="-2 2" limited="true"/>
+      <joint type="slide" axis="0 1 0" range="-2 2" limited="true"/>
+      <geom type="box" size=".3 .05 .1" pos="0 -.25001 0"/><geom type="box" size=".3 .05 .1" pos="0 .25001 0"/>
+      <geom type="box" size=".05 .3 .1" pos="-.25001 0 0"/><geom type="box" size=".05 .3 .1" pos=".25001 0 0"/>
+    </body></worldbody></mujoco>)");
+  PlanOptions options = With("birrt-pdg");
+  options.max_samples = 751;
+  const Path path = Plan(scene, {-1.0, 0.0}, {1.0, 0.0}, options);
+  EXPECT_FALSE(path.found);
+  EXPECT_EQ(path.nodes, 2 * 4);
+}
+
+// After two runs of 250 samples comes one of 750, those near the path included that is found with a
+// smaller disc and cannot be retracted.
 TEST(PlanTest, SamplesNearAPathThatIsRetractedCount) {
   PlanOptions options = With("birrt-pdg");
-  options.max_samples = 2000;
+  options.max_samples = 1250;
   const Path path = Plan(Scene::FromString(DiscAndGap(-0.01)), {-0.5, 0.5}, {0.5, -0.5}, options);
   EXPECT_FALSE(path.found);
-  EXPECT_LE(path.samples, 2000);
-  EXPECT_GT(path.samples, 1100);
+  EXPECT_LE(path.samples, 1250);
+  EXPECT_GT(path.samples, 600);
 }
 
 TEST(PlanTest, RetractionNeedsFewerNodesInANarrowGap) {

@@ -1,4 +1,4 @@
-// Paths of a relaxed scene, retracted into one that is not.
+// Paths of smaller bodies, retracted when they have grown.
 #include "plan/tightening.h"
 
 #include <gtest/gtest.h>

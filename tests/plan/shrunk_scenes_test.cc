@@ -1,5 +1,5 @@
-// Relaxed scenes: what is smaller there or may overlap, and by how much.
-#include "plan/relaxed_scenes.h"
+// Scenes in which what moves is smaller: by how much, and about what.
+#include "plan/shrunk_scenes.h"
 
 #include <gtest/gtest.h>
 
@@ -10,37 +10,30 @@
 #include "mjcf_pdg/motion.h"
 #include "mjcf_pdg/pdg.h"
 #include "model/scene_tables.h"
-#include "model/shrunk_model.h"
 
 namespace mjcf_pdg {
 namespace {
-
-// A bar, 0.2 m at its thinnest, over a block that is larger.
-constexpr char kBar[] = R"(<mujoco><worldbody>
-    <geom name="block" type="box" size="2 2 2" pos="0 0 -2"/>
-    <body name="bar"><joint type="slide" axis="0 0 1"/><geom name="bar" type="box" size=".3 .1 .4"/>
-    </body></worldbody></mujoco>)";
 
 // The beginning of a model, with a mesh of 0.8 m a side.
 const std::string kCube = R"(<mujoco><asset><mesh name="cube" vertex="
     -.4 -.4 -.4  .4 -.4 -.4  -.4 .4 -.4  .4 .4 -.4
     -.4 -.4 .4  .4 -.4 .4  -.4 .4 .4  .4 .4 .4"/></asset>)";
 
-constexpr double kTouching = 0.4;  // z of the bar on the block [m]
+constexpr double kTouching = 0.4;  // z of the geom on the block [m]
 
 // The solver asks the verifier, the motion checker the contacts of the search.
-void ExpectMayOverlapBy(double depth, const Scene& scene) {
-  const double less = kTouching - depth + 1e-4, more = kTouching - depth - 1e-4;
-  EXPECT_TRUE(Solver(scene).IsFree(std::vector<double>{less}));
-  EXPECT_FALSE(Solver(scene).IsFree(std::vector<double>{more}));
-  const auto moved_down_to = [&](double z) {
-    return CheckMotion(scene, std::vector<double>{1.0}, std::vector<double>{z}).outcome;
+void ExpectTouchesAt(double z, const Scene& scene) {
+  const double above = z + 1e-4, below = z - 1e-4;
+  EXPECT_TRUE(Solver(scene).IsFree(std::vector<double>{above}));
+  EXPECT_FALSE(Solver(scene).IsFree(std::vector<double>{below}));
+  const auto moved_down_to = [&](double end) {
+    return CheckMotion(scene, std::vector<double>{1.0}, std::vector<double>{end}).outcome;
   };
-  EXPECT_EQ(moved_down_to(less), MotionOutcome::kFree);
-  EXPECT_EQ(moved_down_to(more), MotionOutcome::kContact);
+  EXPECT_EQ(moved_down_to(above), MotionOutcome::kFree);
+  EXPECT_EQ(moved_down_to(below), MotionOutcome::kContact);
 }
 
-TEST(ShrunkScenesTest, WhatMovesIsSmallerByThreeQuartersThenByHalfOfThat) {
+TEST(ShrunkScenesTest, WhatMovesDoublesFromASixteenthThenLacksHalfAsMuch) {
   for (const std::string geom : {"type='box' size='.3 .1 .4'", "type='sphere' size='.4'",
                                  "type='capsule' size='.1 .3'", "type='cylinder' size='.1 .4'",
                                  "type='ellipsoid' size='.1 .2 .4'", "type='mesh' mesh='cube'"}) {
@@ -50,14 +43,33 @@ TEST(ShrunkScenesTest, WhatMovesIsSmallerByThreeQuartersThenByHalfOfThat) {
         <body><joint type="slide" axis="0 0 1"/><geom )" +
                                           geom + "/></body></worldbody></mujoco>");
     const std::vector<Scene> shrunk = ShrunkScenes(scene);
-    ASSERT_EQ(shrunk.size(), 6u);
-    double share = 0.75;
-    for (const Scene& each : shrunk) {
-      ExpectMayOverlapBy(share * kTouching, each);
-      EXPECT_EQ(each.tables().size, scene.tables().size);
-      share /= 2.0;
+    const std::vector<double> sizes = {1.0 / 16, 1.0 / 8, 1.0 / 4,   1.0 / 2,
+                                       3.0 / 4,  7.0 / 8, 15.0 / 16, 31.0 / 32};
+    ASSERT_EQ(shrunk.size(), sizes.size());
+    for (std::size_t k = 0; k < shrunk.size(); ++k) {
+      ExpectTouchesAt(sizes[k] * kTouching, shrunk[k]);
+      EXPECT_EQ(shrunk[k].tables().size, scene.tables().size);
     }
-    ExpectMayOverlapBy(0.0, scene);  // which is what it was
+    ExpectTouchesAt(kTouching, scene);  // which is what it was
+  }
+}
+
+// About the centre of the sphere around its geoms, here 0.5 m above the body's frame. The frames of
+// geoms that coincide with the body's or with that of its inertia move with the others.
+TEST(ShrunkScenesTest, ABodyOfSeveralGeomsIsSmallerAsAWhole) {
+  const std::string foot = R"(<geom type="box" size=".1 .1 .1"/>)";
+  const std::string head = R"(<geom type="box" size=".1 .1 .1" pos="0 0 1"/>)";
+  const std::string inertia = R"(<inertial mass="1" pos="0 0 1" diaginertia="1 1 1"/>)";
+  for (const std::string& body : {foot + head, inertia + head + foot}) {
+    const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
+        <geom type="box" size="2 2 2" pos="0 0 -2"/><geom type="box" size="2 2 2" pos="0 0 5"/>
+        <body><joint type="slide" axis="0 0 1"/>)" +
+                                          body + "</body></worldbody></mujoco>");
+    const Scene shrunk = ShrunkScenes(scene).at(3);  // half as large
+    ExpectTouchesAt(-0.2, shrunk);
+    Solver smaller(shrunk);
+    EXPECT_TRUE(smaller.IsFree(std::vector<double>{2.2 - 1e-4}));
+    EXPECT_FALSE(smaller.IsFree(std::vector<double>{2.2 + 1e-4}));
   }
 }
 
@@ -67,7 +79,7 @@ TEST(ShrunkScenesTest, TheVerifierKnowsTheSmallerShapes) {
       <geom type="sphere" size="2" pos="-1.2 -.9 -2"/>
       <body><joint type="slide" axis="0 0 1"/><geom type="sphere" size=".4"/></body>
       </worldbody></mujoco>)");
-  const double radius = 2.0 + 0.25 * 0.4, touching = std::sqrt(radius * radius - 1.5 * 1.5) - 2.0;
+  const double radius = 2.0 + 0.4 / 16.0, touching = std::sqrt(radius * radius - 1.5 * 1.5) - 2.0;
   Solver smaller(ShrunkScenes(scene).front());
   EXPECT_TRUE(smaller.IsFree(std::vector<double>{touching + 1e-4}));
   EXPECT_FALSE(smaller.IsFree(std::vector<double>{touching - 1e-4}));
@@ -88,9 +100,10 @@ TEST(ShrunkScenesTest, AMeshOfTwoThatMoveIsSmallerForBoth) {
       <body pos="1 0 0"><joint type="slide" axis="0 0 1"/><geom type="mesh" mesh="cube"/></body>
       </worldbody></mujoco>)");
   Solver smaller(ShrunkScenes(scene).front());
-  EXPECT_TRUE(smaller.IsFree(std::vector<double>{0.1 + 1e-4, 0.1 + 1e-4}));
-  EXPECT_FALSE(smaller.IsFree(std::vector<double>{0.1 - 1e-4, 0.1 + 1e-4}));
-  EXPECT_FALSE(smaller.IsFree(std::vector<double>{0.1 + 1e-4, 0.1 - 1e-4}));
+  constexpr double kHalf = 0.4 / 16.0;
+  EXPECT_TRUE(smaller.IsFree(std::vector<double>{kHalf + 1e-4, kHalf + 1e-4}));
+  EXPECT_FALSE(smaller.IsFree(std::vector<double>{kHalf - 1e-4, kHalf + 1e-4}));
+  EXPECT_FALSE(smaller.IsFree(std::vector<double>{kHalf + 1e-4, kHalf - 1e-4}));
 }
 
 // Its size is part of the tendon's length.
@@ -104,12 +117,11 @@ TEST(ShrunkScenesTest, AGeomThatATendonWrapsAroundStaysAsItIs) {
   EXPECT_TRUE(ShrunkScenes(scene).empty());
 }
 
-TEST(ShrunkModelTest, AnExactMeshIsSmallerToo) {
+TEST(ShrunkScenesTest, AnExactMeshIsSmallerToo) {
   const Scene piano = Scene::FromFile(std::string(MJCF_PDG_MODEL_DIR) + "/passages/piano.xml",
                                       {.exact_mesh = true});
   ASSERT_TRUE(piano.HasExactMeshes());
-  EXPECT_TRUE(ShrunkScenes(piano).empty());
-  const Scene smaller = piano.Resized(ShrunkModel(piano.tables(), 0.75));
+  const Scene smaller = ShrunkScenes(piano).at(2);
   const std::vector<double> start = piano.KeyQpos(0), goal = piano.KeyQpos(1);
   Solver of_piano(piano), of_smaller(smaller);
   int free = 0, smaller_free = 0;
@@ -123,30 +135,6 @@ TEST(ShrunkModelTest, AnExactMeshIsSmallerToo) {
   EXPECT_GT(free, 0);
   EXPECT_GT(smaller_free, free);
   EXPECT_LT(smaller_free, 201);
-}
-
-TEST(DilatedScenesTest, OverlapsMayBeAsDeepAsTheThinnerMovingGeomIsWideThenHalfOfThat) {
-  const Scene scene = Scene::FromString(kBar);
-  const std::vector<Scene> dilated = DilatedScenes(scene);
-  ASSERT_EQ(dilated.size(), 7u);
-  double depth = 0.2;
-  for (const Scene& each : dilated) {
-    ExpectMayOverlapBy(depth, each);
-    depth /= 2.0;
-  }
-  ExpectMayOverlapBy(0.0, scene);  // which is what it was
-}
-
-TEST(DilatedScenesTest, WhatTheModelAllowsIsAllowedOnTopOfThat) {
-  const Scene scene =
-      Scene::FromString(kBar, {.allow = {{.names = {"bar", "block"}, .depth = 0.05}}});
-  ExpectMayOverlapBy(0.25, DilatedScenes(scene).front());
-}
-
-TEST(DilatedScenesTest, WhereNothingIsConvexThereIsNone) {
-  const Scene piano = Scene::FromFile(std::string(MJCF_PDG_MODEL_DIR) + "/passages/piano.xml",
-                                      {.exclude = {{"piano", "world"}}, .exact_mesh = true});
-  EXPECT_TRUE(DilatedScenes(piano).empty());
 }
 
 }  // namespace
