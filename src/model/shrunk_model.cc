@@ -50,7 +50,8 @@ void Scale(T* begin, int count, double factor) {
 
 }  // namespace
 
-std::shared_ptr<const mjModel> ShrunkModel(const SceneTables& tables, double share) {
+std::shared_ptr<const mjModel> ShrunkModel(const SceneTables& tables, double share,
+                                           ShrunkAbout about) {
   const double factor = 1.0 - share;
   const std::shared_ptr<mjModel> model(mj_copyModel(nullptr, tables.model), mj_deleteModel);
   mjModel& m = *model;
@@ -68,7 +69,9 @@ std::shared_ptr<const mjModel> ShrunkModel(const SceneTables& tables, double sha
       }
       smaller[mesh] = 1;
     }
-    Draw(m, g, tables.body_spheres[m.geom_bodyid[g]].center_B, factor);
+    if (about == ShrunkAbout::kBodies) {
+      Draw(m, g, tables.body_spheres[m.geom_bodyid[g]].center_B, factor);
+    }
     Scale(m.geom_size + 3 * g, 3, factor);
     Scale(m.geom_aabb + 6 * g, 6, factor);
     m.geom_rbound[g] *= factor;

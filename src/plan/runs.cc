@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdlib>
 #include <limits>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -34,18 +36,22 @@ std::int64_t Luby(std::int64_t k) {
   return 2 * power - 1 == k ? power : Luby(k - power + 1);
 }
 
-// Runs are of these kinds by turns, as far as the planner knows them. Careful ones slide along
-// contacts (plan/retraction.h) in steps so short that they lead through holes and round corners in
-// which others are stuck. Those that begin with smaller bodies are careful as well, and may take
-// three times the samples, so that they take about as many as both others. Each kind is the
-// cheapest somewhere. Seconds of the processor per path in runs of one kind: for the bridge 1.0,
-// 1.6 and 6.8, for slot.xml (models/passages) never, 1.0 and 2.3, for piano.xml 8.0, 9.9 and 1.4
-// (bench/README.md, plan_bench).
-enum class Kind { kOrdinary, kCareful, kShrunk };
+// Careful runs slide along contacts (plan/retraction.h) in steps so short that they lead through
+// holes and round corners in which others are stuck. Those that begin with smaller bodies or geoms
+// are careful as well. Each kind is the cheapest somewhere. Seconds of the processor per path in
+// runs of one kind: for the bridge 1.0, 1.6, 6.8, for slot.xml (models/passages) 2.3, 0.57, 2.9,
+// for piano.xml 8.0, 9.9, 1.4; for a U in its hole smaller geoms find a path in 0.4 and no other
+// kind does (bench/README.md, plan_bench).
+enum class Kind { kOrdinary, kCareful, kSmallerBodies, kSmallerGeoms };
 
-// 1, 2 or 3: a planner knows those and the ones before.
-std::int64_t Kinds(const std::string& planner) {
-  return 1 + (Retracts(planner) ? 1 : 0) + (RetractsByPdg(planner) ? 1 : 0);
+// A round of runs.
+std::vector<Kind> Round(const std::string& planner) {
+  if (RetractsByPdg(planner)) {
+    return {Kind::kOrdinary, Kind::kCareful, Kind::kSmallerBodies,
+            Kind::kOrdinary, Kind::kCareful, Kind::kSmallerGeoms};
+  }
+  if (Retracts(planner)) return {Kind::kOrdinary, Kind::kCareful};
+  return {Kind::kOrdinary};
 }
 
 // No scene is made until a run begins in one: that copies what a scene knows.
@@ -55,13 +61,14 @@ class ShrunkForEnds {
 
   // Those (plan/shrunk_scenes.h) in which start and goal are free, as they may not be for a body
   // that reaches around something, and at last the scene itself.
-  std::span<const Scene> Get() {
-    if (scenes_.empty()) {
-      scenes_ = ShrunkScenes(input_.scene);
-      std::erase_if(scenes_, [this](const Scene& scene) { return !EndsAreFree(scene); });
-      scenes_.push_back(input_.scene);
+  std::span<const Scene> Get(ShrunkAbout about) {
+    std::vector<Scene>& scenes = scenes_[about];
+    if (scenes.empty()) {
+      scenes = ShrunkScenes(input_.scene, about);
+      std::erase_if(scenes, [this](const Scene& scene) { return !EndsAreFree(scene); });
+      scenes.push_back(input_.scene);
     }
-    return scenes_;
+    return scenes;
   }
 
  private:
@@ -72,7 +79,7 @@ class ShrunkForEnds {
   }
 
   const RunsInput& input_;
-  std::vector<Scene> scenes_;
+  std::map<ShrunkAbout, std::vector<Scene>> scenes_;
 };
 
 struct Run {
@@ -88,7 +95,7 @@ class Searching {
   explicit Searching(const RunsInput& input)
       : input_(input),
         begins_anew_(BeginsAnew(input.options.planner)),
-        kinds_(Kinds(input.options.planner)) {
+        round_(Round(input.options.planner)) {
     if (input.options.max_samples > 0) samples_left_ = input.options.max_samples;
   }
 
@@ -103,14 +110,21 @@ class Searching {
   bool Take(Run& run) {
     run.number = ++taken_;
     if (samples_left_ <= 0 || run.number >= found_ || Ended()) return false;
-    run.kind = static_cast<Kind>((run.number - 1) % kinds_);
-    run.scenes = run.kind == Kind::kShrunk ? shrunk_.Get() : std::span(&input_.scene, 1);
-    const std::int64_t samples =
-        kSamplesOfARun * Luby((run.number - 1) / kinds_ + 1) * (run.scenes.size() > 1 ? kinds_ : 1);
+    const auto [round, place] = std::lldiv(run.number - 1, std::ssize(round_));
+    run.kind = round_[static_cast<std::size_t>(place)];
+    run.scenes = ScenesOf(run.kind);
+    // Those that begin smaller take about as many samples as all others.
+    const std::int64_t samples = kSamplesOfARun * Luby(round + 1) * (run.scenes.size() > 1 ? 3 : 1);
     run.samples = begins_anew_ ? std::min(samples_left_, samples)
                                : samples_left_;  // a run of OMPL's other planners has no end
     samples_left_ -= run.samples;
     return true;
+  }
+
+  std::span<const Scene> ScenesOf(Kind kind) {
+    if (kind == Kind::kSmallerBodies) return shrunk_.Get(ShrunkAbout::kBodies);
+    if (kind == Kind::kSmallerGeoms) return shrunk_.Get(ShrunkAbout::kGeoms);
+    return {&input_.scene, 1};
   }
 
   // Of the random numbers of a run: apart for all runs of all seeds.
@@ -178,7 +192,7 @@ class Searching {
 
   const RunsInput& input_;
   const bool begins_anew_;
-  const std::int64_t kinds_;
+  const std::vector<Kind> round_;
   ShrunkForEnds shrunk_{input_};
   std::int64_t taken_ = 0, samples_left_ = kNoBound;
   std::atomic<std::int64_t> found_ = kNoBound;  // the first run that found a path

@@ -3,16 +3,14 @@
 #include <memory>
 #include <utility>
 
-#include "model/shrunk_model.h"
-
 namespace mjcf_pdg {
 
-std::vector<Scene> ShrunkScenes(const Scene& scene) {
+std::vector<Scene> ShrunkScenes(const Scene& scene, ShrunkAbout about) {
   constexpr double kMost = 15.0 / 16.0, kLeast = 0.02;
   std::vector<Scene> scenes;
   for (double share = kMost; share >= kLeast;
        share = share > 0.5 ? 2.0 * share - 1.0 : 0.5 * share) {
-    std::shared_ptr<const mjModel> smaller = ShrunkModel(scene.tables(), share);
+    std::shared_ptr<const mjModel> smaller = ShrunkModel(scene.tables(), share, about);
     if (!smaller) break;
     scenes.push_back(scene.Resized(std::move(smaller)));
   }

@@ -1,6 +1,10 @@
 // Scenes in which what moves is smaller: more room for a planner, and less and less of it, until it
 // is as the scene has it. As bodies grow in a narrow passage they turn into the only way through.
 //
+// Neither way to be smaller is good everywhere. A bent tube as a whole is a short one, which passes
+// anywhere; its geoms, each by itself, are as far apart as ever. Half of a U does not pass through
+// a hole that is shaped like a U; its geoms do at any size, as they lie in those of a larger one.
+//
 // Sources: Bayazit, Xie & Amato, Iterative relaxation of constraints: a framework for improving
 // automated motion planning (IROS 2005); Saha, Latombe, Chang & Prinz, Finding narrow passages with
 // probabilistic roadmaps: the small-step retraction method (Autonomous Robots, 2005).
@@ -10,13 +14,13 @@
 #include <vector>
 
 #include "mjcf_pdg/scene.h"
+#include "model/shrunk_model.h"
 
 namespace mjcf_pdg {
 
-// Each body that moves has a sixteenth of its size (model/shrunk_model.h), then twice as much, up
-// to a half; then it lacks half as much each time, down to 3 %. Empty if nothing that moves can be
-// smaller.
-std::vector<Scene> ShrunkScenes(const Scene& scene);
+// What moves has a sixteenth of its size (model/shrunk_model.h), then twice as much, up to a half;
+// then it lacks half as much each time, down to 3 %. Empty if nothing that moves can be smaller.
+std::vector<Scene> ShrunkScenes(const Scene& scene, ShrunkAbout about);
 
 }  // namespace mjcf_pdg
 

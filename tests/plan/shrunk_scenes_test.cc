@@ -42,13 +42,15 @@ TEST(ShrunkScenesTest, WhatMovesDoublesFromASixteenthThenLacksHalfAsMuch) {
         <geom type="box" size="2 2 2" pos="0 0 -2"/>
         <body><joint type="slide" axis="0 0 1"/><geom )" +
                                           geom + "/></body></worldbody></mujoco>");
-    const std::vector<Scene> shrunk = ShrunkScenes(scene);
     const std::vector<double> sizes = {1.0 / 16, 1.0 / 8, 1.0 / 4,   1.0 / 2,
                                        3.0 / 4,  7.0 / 8, 15.0 / 16, 31.0 / 32};
-    ASSERT_EQ(shrunk.size(), sizes.size());
-    for (std::size_t k = 0; k < shrunk.size(); ++k) {
-      ExpectTouchesAt(sizes[k] * kTouching, shrunk[k]);
-      EXPECT_EQ(shrunk[k].tables().size, scene.tables().size);
+    for (const ShrunkAbout about : {ShrunkAbout::kBodies, ShrunkAbout::kGeoms}) {
+      const std::vector<Scene> shrunk = ShrunkScenes(scene, about);
+      ASSERT_EQ(shrunk.size(), sizes.size());
+      for (std::size_t k = 0; k < shrunk.size(); ++k) {
+        ExpectTouchesAt(sizes[k] * kTouching, shrunk[k]);
+        EXPECT_EQ(shrunk[k].tables().size, scene.tables().size);
+      }
     }
     ExpectTouchesAt(kTouching, scene);  // which is what it was
   }
@@ -65,11 +67,13 @@ TEST(ShrunkScenesTest, ABodyOfSeveralGeomsIsSmallerAsAWhole) {
         <geom type="box" size="2 2 2" pos="0 0 -2"/><geom type="box" size="2 2 2" pos="0 0 5"/>
         <body><joint type="slide" axis="0 0 1"/>)" +
                                           body + "</body></worldbody></mujoco>");
-    const Scene shrunk = ShrunkScenes(scene).at(3);  // half as large
+    const Scene shrunk = ShrunkScenes(scene, ShrunkAbout::kBodies).at(3);  // half as large
     ExpectTouchesAt(-0.2, shrunk);
     Solver smaller(shrunk);
     EXPECT_TRUE(smaller.IsFree(std::vector<double>{2.2 - 1e-4}));
     EXPECT_FALSE(smaller.IsFree(std::vector<double>{2.2 + 1e-4}));
+    // By geoms, which stay where they are, its feet are lower.
+    ExpectTouchesAt(0.05, ShrunkScenes(scene, ShrunkAbout::kGeoms).at(3));
   }
 }
 
@@ -80,7 +84,7 @@ TEST(ShrunkScenesTest, TheVerifierKnowsTheSmallerShapes) {
       <body><joint type="slide" axis="0 0 1"/><geom type="sphere" size=".4"/></body>
       </worldbody></mujoco>)");
   const double radius = 2.0 + 0.4 / 16.0, touching = std::sqrt(radius * radius - 1.5 * 1.5) - 2.0;
-  Solver smaller(ShrunkScenes(scene).front());
+  Solver smaller(ShrunkScenes(scene, ShrunkAbout::kBodies).front());
   EXPECT_TRUE(smaller.IsFree(std::vector<double>{touching + 1e-4}));
   EXPECT_FALSE(smaller.IsFree(std::vector<double>{touching - 1e-4}));
 }
@@ -90,7 +94,7 @@ TEST(ShrunkScenesTest, AMeshThatSomethingAtRestHasTooStaysAsItIs) {
       <geom type="mesh" mesh="cube" pos="0 0 -.4"/>
       <body><joint type="slide" axis="0 0 1"/><geom type="mesh" mesh="cube"/></body>
       </worldbody></mujoco>)");
-  EXPECT_TRUE(ShrunkScenes(scene).empty());
+  EXPECT_TRUE(ShrunkScenes(scene, ShrunkAbout::kBodies).empty());
 }
 
 TEST(ShrunkScenesTest, AMeshOfTwoThatMoveIsSmallerForBoth) {
@@ -99,7 +103,7 @@ TEST(ShrunkScenesTest, AMeshOfTwoThatMoveIsSmallerForBoth) {
       <body><joint type="slide" axis="0 0 1"/><geom type="mesh" mesh="cube"/></body>
       <body pos="1 0 0"><joint type="slide" axis="0 0 1"/><geom type="mesh" mesh="cube"/></body>
       </worldbody></mujoco>)");
-  Solver smaller(ShrunkScenes(scene).front());
+  Solver smaller(ShrunkScenes(scene, ShrunkAbout::kBodies).front());
   constexpr double kHalf = 0.4 / 16.0;
   EXPECT_TRUE(smaller.IsFree(std::vector<double>{kHalf + 1e-4, kHalf + 1e-4}));
   EXPECT_FALSE(smaller.IsFree(std::vector<double>{kHalf - 1e-4, kHalf + 1e-4}));
@@ -114,14 +118,14 @@ TEST(ShrunkScenesTest, AGeomThatATendonWrapsAroundStaysAsItIs) {
       <body><joint type="slide" axis="0 0 1"/><geom name="pulley" type="sphere" size=".4"/></body>
       </worldbody><tendon><spatial>
       <site site="from"/><geom geom="pulley"/><site site="to"/></spatial></tendon></mujoco>)");
-  EXPECT_TRUE(ShrunkScenes(scene).empty());
+  EXPECT_TRUE(ShrunkScenes(scene, ShrunkAbout::kBodies).empty());
 }
 
 TEST(ShrunkScenesTest, AnExactMeshIsSmallerToo) {
   const Scene piano = Scene::FromFile(std::string(MJCF_PDG_MODEL_DIR) + "/passages/piano.xml",
                                       {.exact_mesh = true});
   ASSERT_TRUE(piano.HasExactMeshes());
-  const Scene smaller = ShrunkScenes(piano).at(2);
+  const Scene smaller = ShrunkScenes(piano, ShrunkAbout::kBodies).at(2);
   const std::vector<double> start = piano.KeyQpos(0), goal = piano.KeyQpos(1);
   Solver of_piano(piano), of_smaller(smaller);
   int free = 0, smaller_free = 0;
