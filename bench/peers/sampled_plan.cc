@@ -87,7 +87,7 @@ Path SampledPlan(const Scene& scene, const std::vector<double>& start,
   ompl::msg::setLogLevel(ompl::msg::LOG_NONE);
   ompl::RNG::setSeed(static_cast<std::uint_fast32_t>(options.options.seed % 0xffffffffu + 1));
   const auto space = std::make_shared<ConfigurationSpace>(
-      *SpaceOf(scene, start, goal, options.options), options.options.seed);
+      *SpaceOf(scene, start, goal, options.options), options.options.seed, 1.0);
   const auto check = std::make_shared<MujocoCheck>(scene, options.options.tolerance);
   const auto information = std::make_shared<ob::SpaceInformation>(space);
   information->setStateValidityChecker(std::make_shared<NoContacts>(information, check));

@@ -110,13 +110,16 @@ ConfigurationSpace::ConfigurationSpace(const Scene& scene, const MocapPoses& moc
   MeasureExtent();
 }
 
-ConfigurationSpace::ConfigurationSpace(const ConfigurationSpace& space, std::uint64_t seed)
+ConfigurationSpace::ConfigurationSpace(const ConfigurationSpace& space, std::uint64_t seed,
+                                       double margin_share)
     : scene_(space.scene_),
       tables_(scene_.tables()),
       mocap_(space.mocap_),
       base_(space.base_),
       low_(space.low_),
       high_(space.high_),
+      margin_(space.margin_),
+      margin_share_(margin_share),
       extent_(space.extent_),
       norm_(tables_, Metric::kSequential),
       equalities_(tables_),
@@ -125,11 +128,13 @@ ConfigurationSpace::ConfigurationSpace(const ConfigurationSpace& space, std::uin
       dq_(tables_.n) {
   setName(space.getName());
   equalities_.SetMocap(mocap_);
+  if (margin_share_ < space.margin_share_ && !margin_.isZero()) MeasureExtent();
 }
 
 void ConfigurationSpace::FindBounds(const VectorXd& start, const VectorXd& goal) {
   low_ = start.cwiseMin(goal);
   high_ = start.cwiseMax(goal);
+  margin_.setZero(low_.size());
   const double margin = 0.5 * tables_.model->stat.extent;
   for (const JointEntry& joint : tables_.joints) {
     const bool turns = joint.type == mjJNT_HINGE;
@@ -138,6 +143,7 @@ void ConfigurationSpace::FindBounds(const VectorXd& start, const VectorXd& goal)
         low_[k] = joint.lo;
         high_[k] = joint.hi;
       } else {
+        if (!turns) margin_[k] = margin;
         low_[k] -= turns ? std::numbers::pi : margin;
         high_[k] += turns ? std::numbers::pi : margin;
       }
@@ -274,7 +280,9 @@ void ConfigurationSpace::Draw(ompl::RNG& rng, VectorXd& q) const {
   q = base_;
   for (const JointEntry& joint : tables_.joints) {
     for (int k = joint.qadr; k < joint.qadr + EntriesWithBounds(joint); ++k) {
-      q[k] = low_[k] < high_[k] ? rng.uniformReal(low_[k], high_[k]) : low_[k];
+      const double inwards = (1.0 - margin_share_) * margin_[k];
+      const double low = low_[k] + inwards, high = high_[k] - inwards;
+      q[k] = low < high ? rng.uniformReal(low, high) : low;
     }
     if (joint.type != mjJNT_FREE && joint.type != mjJNT_BALL) continue;
     double quat[4];

@@ -45,8 +45,10 @@ class ConfigurationSpace : public ompl::base::StateSpace {
   // for frozen joints, and hold the equality constraints.
   ConfigurationSpace(const Scene& scene, const MocapPoses& mocap, const VectorXd& start,
                      const VectorXd& goal);
-  // The same space for another thread; its samplers draw from a sequence that `seed` begins.
-  ConfigurationSpace(const ConfigurationSpace& space, std::uint64_t seed);
+  // The same space for another thread; its samplers draw from a sequence that `seed` begins, and
+  // from a box of slides and free bodies to which the model's extent adds `margin_share`, at most
+  // 1, of what it adds to that of `space`. extent() is of these samples.
+  ConfigurationSpace(const ConfigurationSpace& space, std::uint64_t seed, double margin_share);
 
   const SceneTables& tables() const { return tables_; }
   // All motions are straight, so that a part of one is the motion between its ends.
@@ -83,7 +85,7 @@ class ConfigurationSpace : public ompl::base::StateSpace {
   void Sample(ompl::RNG& rng, VectorXd& q) const;
   std::int64_t samples() const { return samples_; }  // drawn so far
   std::uint64_t NextSeed() const;                    // of a sampler, each time another
-  // Whether samples are drawn around q: slides, hinges and free bodies' places are in the bounds.
+  // Whether slides, hinges and free bodies' places are in the bounds of the whole space.
   bool Covers(const VectorXd& q) const;
 
   // The largest √σ between random configurations [m], by 200 pairs.
@@ -121,6 +123,8 @@ class ConfigurationSpace : public ompl::base::StateSpace {
   const MocapPoses mocap_;
   const VectorXd base_;  // values of frozen joints
   VectorXd low_, high_;  // nq; of the entries that are no quaternions
+  VectorXd margin_;      // nq; what the model's extent has added to these on each side
+  double margin_share_ = 1.0;
   double extent_ = 1.0;
   mutable NormEvaluator norm_;
   mutable EqualityConstraints equalities_;

@@ -70,10 +70,10 @@ RetractingRrtConnect::GrowState RetractingRrtConnect::Join(
   return state;
 }
 
-bool RetractingRrtConnect::AddRoots(const ob::PlannerTerminationCondition& ptc) {
+bool RetractingRrtConnect::AddRoots() {
   while (const ob::State* state = pis_.nextStart()) Add(tStart_, nullptr, state);
   if (tGoal_->size() == 0) {
-    if (const ob::State* state = pis_.nextGoal(ptc)) Add(tGoal_, nullptr, state);
+    if (const ob::State* state = pis_.nextGoal()) Add(tGoal_, nullptr, state);
   }
   return tStart_->size() > 0 && tGoal_->size() > 0;
 }
@@ -93,7 +93,7 @@ void RetractingRrtConnect::Connect(const Motion* start_side, const Motion* goal_
 
 ob::PlannerStatus RetractingRrtConnect::solve(const ob::PlannerTerminationCondition& ptc) {
   checkValidity();
-  if (!AddRoots(ptc)) return ob::PlannerStatus::INVALID_START;
+  if (!AddRoots()) return ob::PlannerStatus::INVALID_START;
   if (!sampler_) sampler_ = si_->allocStateSampler();
   ob::ScopedState<> sample(si_->getStateSpace());
   for (bool from_start = true; !ptc; from_start = !from_start) {

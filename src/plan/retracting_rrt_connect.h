@@ -38,7 +38,7 @@ class RetractingRrtConnect : public ompl::geometric::RRTConnect {
   GrowState Join(TreeData& tree, const ompl::base::State* target,
                  const ompl::base::PlannerTerminationCondition& ptc, Motion*& last);
   Motion* Add(TreeData& tree, Motion* parent, const ompl::base::State* state);
-  bool AddRoots(const ompl::base::PlannerTerminationCondition& ptc);
+  bool AddRoots();
   void Connect(const Motion* start_side, const Motion* goal_side);
 
   const Retractions retractions_;

@@ -3,9 +3,11 @@
 #include "plan/configuration_space.h"
 
 #include <gtest/gtest.h>
+#include <ompl/util/RandomNumbers.h>
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "mjcf_pdg/object_norm.h"
 #include "tests/support/test_support.h"
@@ -79,6 +81,51 @@ TEST(ConfigurationSpaceTest, AWholeTurnIsTwiceAsFarAsHalfATurn) {
   EXPECT_NEAR(turned(2.0 * std::numbers::pi), 2.0 * half, 1e-12);
   EXPECT_NEAR(turned(-3.0 * std::numbers::pi), 3.0 * half, 1e-12);
   EXPECT_NEAR(turned(std::numbers::pi + 1e-9), half, 1e-8 * half);
+}
+
+// A free body beside a slide that has limits and one that has none. The model's extent is 8 m.
+TEST(ConfigurationSpaceTest, ACopyMayDrawFromASmallerBox) {
+  const Scene scene = Scene::FromString(R"(<mujoco><statistic extent="8"/><worldbody>
+      <body pos="0 0 9"><freejoint/><geom type="box" size=".1 .1 .1"/></body>
+      <body><joint type="slide" range="-9 9" limited="true"/><geom type="box" size=".1 .1 .1"/></body>
+      <body><joint type="slide"/><geom type="box" size=".1 .1 .1"/></body>
+      </worldbody></mujoco>)");
+  const VectorXd start{{0.0, 0.0, 9.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0}};
+  VectorXd goal = start;
+  goal[0] = 1.0;
+  const ConfigurationSpace whole(scene, {}, start, goal);
+  const ConfigurationSpace quarter(whole, 1, 0.25);
+  EXPECT_EQ(quarter.samples(), 0);
+  EXPECT_LT(quarter.extent(), whole.extent());
+  const auto reach = [](const ConfigurationSpace& space) {
+    ompl::RNG rng(1);
+    VectorXd q, low = VectorXd::Constant(9, 1e9), high = -low;
+    for (int k = 0; k < 2000; ++k) {
+      space.Sample(rng, q);
+      low = low.cwiseMin(q);
+      high = high.cwiseMax(q);
+    }
+    return std::pair{low, high};
+  };
+  const auto expect_reaches = [&](const ConfigurationSpace& space, double margin) {
+    const auto [low, high] = reach(space);
+    const auto expect_between = [&](int k, double least, double most) {
+      EXPECT_GE(low[k], least) << k;
+      EXPECT_LE(high[k], most) << k;
+      EXPECT_NEAR(low[k], least, 0.05) << k;
+      EXPECT_NEAR(high[k], most, 0.05) << k;
+    };
+    expect_between(0, -margin, 1.0 + margin);
+    expect_between(1, -margin, margin);
+    expect_between(2, 9.0 - margin, 9.0 + margin);
+    expect_between(7, -9.0, 9.0);
+    expect_between(8, -margin, margin);
+  };
+  expect_reaches(whole, 4.0);
+  expect_reaches(quarter, 1.0);
+  VectorXd far = start;
+  far[8] = 3.0;
+  EXPECT_TRUE(quarter.Covers(far));  // the space is as large as ever
 }
 
 }  // namespace

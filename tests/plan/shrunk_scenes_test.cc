@@ -60,8 +60,9 @@ TEST(ShrunkScenesTest, WhatMovesDoublesFromASixteenthThenLacksHalfAsMuch) {
 // geoms that coincide with the body's or with that of its inertia move with the others.
 TEST(ShrunkScenesTest, ABodyOfSeveralGeomsIsSmallerAsAWhole) {
   const std::string foot = R"(<geom type="box" size=".1 .1 .1"/>)";
-  const std::string head = R"(<geom type="box" size=".1 .1 .1" pos="0 0 1"/>)";
-  const std::string inertia = R"(<inertial mass="1" pos="0 0 1" diaginertia="1 1 1"/>)";
+  const std::string head = R"(<geom type="box" size=".1 .1 .1" pos="0 0 1" quat="1 1 0 0"/>)";
+  const std::string inertia =
+      R"(<inertial mass="1" pos="0 0 1" quat="1 1 0 0" diaginertia="3 2 1.5"/>)";
   for (const std::string& body : {foot + head, inertia + head + foot}) {
     const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
         <geom type="box" size="2 2 2" pos="0 0 -2"/><geom type="box" size="2 2 2" pos="0 0 5"/>
