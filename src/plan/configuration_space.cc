@@ -128,7 +128,7 @@ ConfigurationSpace::ConfigurationSpace(const ConfigurationSpace& space, std::uin
       dq_(tables_.n) {
   setName(space.getName());
   equalities_.SetMocap(mocap_);
-  if (margin_share_ < space.margin_share_ && !margin_.isZero()) MeasureExtent();
+  if (margin_share_ != space.margin_share_ && !margin_.isZero()) MeasureExtent();
 }
 
 void ConfigurationSpace::FindBounds(const VectorXd& start, const VectorXd& goal) {

@@ -46,8 +46,8 @@ class ConfigurationSpace : public ompl::base::StateSpace {
   ConfigurationSpace(const Scene& scene, const MocapPoses& mocap, const VectorXd& start,
                      const VectorXd& goal);
   // The same space for another thread; its samplers draw from a sequence that `seed` begins, and
-  // from a box of slides and free bodies to which the model's extent adds `margin_share`, at most
-  // 1, of what it adds to that of `space`. extent() is of these samples.
+  // slides and free bodies from a box to which the model's extent adds `margin_share`, in (0, 1],
+  // of the half above. extent() is of these samples.
   ConfigurationSpace(const ConfigurationSpace& space, std::uint64_t seed, double margin_share);
 
   const SceneTables& tables() const { return tables_; }
