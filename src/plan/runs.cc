@@ -55,16 +55,26 @@ std::vector<Kind> Round(const std::string& planner) {
   return {Kind::kOrdinary};
 }
 
+// Some things are the same for six runs, all kinds of birrt-pdg once.
+constexpr std::int64_t kRunsOfABlock = 6;
+
 // Samples of slides and free bodies without limits come from a box around start and goal. Of the
-// margin that the model's extent adds to it, whole for the first six runs, half is left for the
-// next six, then a quarter, an eighth, and all again: in a closed room nearly all of the whole box
-// may be outside. Steps follow from the box. Of seven free bodies that are to leave half of a room
+// margin that the model's extent adds to it, whole in the first block, half is left in the next,
+// then a quarter, an eighth, and all again: in a closed room nearly all of the whole box may be
+// outside. Steps follow from the box. Of seven free bodies that are to leave half of a room
 // through a hole 3 % wider, three seeds each, 21 are found within 20 s, and 9 with the whole box
 // alone (bench/README.md, plan_bench).
 double MarginShare(std::int64_t run) {
-  constexpr std::int64_t kRuns = 6, kHalvings = 4;
-  return std::ldexp(1.0, -static_cast<int>((run - 1) / kRuns % kHalvings));
+  constexpr std::int64_t kHalvings = 4;
+  return std::ldexp(1.0, -static_cast<int>((run - 1) / kRunsOfABlock % kHalvings));
 }
+
+// In every second block a quarter of the step is left: a step is a share of the extent, in which
+// an arm that swings counts for more than a hand that is to turn in a hole. Seconds per path of
+// runs that begin with smaller bodies, for a flat hand of seven hinges 8 with whole steps, 0.8 with
+// quarters; for a bent tube 1.7, and no path of 16 runs with quarters (bench/README.md,
+// plan_bench).
+double StepShare(std::int64_t run) { return (run - 1) / kRunsOfABlock % 2 == 0 ? 1.0 : 0.25; }
 
 // No scene is made until a run begins in one: that copies what a scene knows.
 class ShrunkForEnds {
@@ -158,6 +168,7 @@ class Searching {
             std::make_shared<ConfigurationSpace>(input_.space, seed, MarginShare(run.number)),
             input_.clearance,
             run.kind != Kind::kOrdinary,
+            StepShare(run.number),
             [&run, this] { return IsOver(run); }};
   }
 

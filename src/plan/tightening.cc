@@ -8,11 +8,15 @@ namespace {
 
 // How far apart configurations are retracted, a share of a planner's step; not tuned.
 constexpr double kSpacing = 0.1;
-// The most samples of a search between two of them; one that is not reached is left out. Not tuned
-// since all samples of a run are bounded. Before, 100 and at most 8 left out in a row took less
-// time than 250 and 3 for a peg in a hole and in slot.xml (models/passages), more for a board in a
-// window.
-constexpr std::int64_t kSamples = 100;
+// How far bodies may be from where the path has them while it is followed, in radii of their own.
+// Seconds per path of runs that begin with smaller bodies, of a flat hand of seven hinges in its
+// hole, a mobile base at a window, and an L in its hole (bench/README.md, plan_bench): 8, 1.0 and
+// 2.9 with 1, 17, 0.9 and 1.0 with 1.4. As far as a planner's step: none, none and 1.2.
+constexpr double kLeash = 1.0;
+// Of the samples that are left, the most for a search between two configurations; one that is not
+// reached is left out. With a hundred samples, not a share, S-, C- and Z-shaped bodies take twice
+// as long, and the mobile base and arms a little less.
+constexpr double kShareOfSamples = 0.05;
 
 }  // namespace
 
@@ -22,6 +26,7 @@ Tightening::Tightening(const TreeSearchInput& input)
       along_contact_(
           MakeContactRetraction({input.scene, input.options.options, input.space,
                                  search_.shared_prover(), input.clearance, input.careful})),
+      travel_(input.space->tables()),
       solver_(input.scene, RetractingOptions(input.options.options, input.clearance)) {}
 
 // With configurations on the edges, kSpacing apart at most.
@@ -39,8 +44,8 @@ std::vector<VectorXd> Tightening::Densified(const std::vector<VectorXd>& path) c
   return dense;
 }
 
-// Goes from the path's end towards q, along contacts if need be. Returns whether that leads to
-// within a planner's step of q.
+// Goes from the path's end towards q, along contacts if need be. Returns whether all bodies are
+// then about where they are at q.
 bool Tightening::Follow(const VectorXd& q, std::vector<VectorXd>& path) {
   if (search_.prover().IsFree(path.back(), q)) {
     path.push_back(q);
@@ -48,7 +53,7 @@ bool Tightening::Follow(const VectorXd& q, std::vector<VectorXd>& path) {
   }
   const std::vector<VectorXd>& chain = along_contact_->Retract(path.back(), q);
   path.insert(path.end(), chain.begin(), chain.end());
-  return input_.space->Distance(path.back(), q) < search_.step();
+  return travel_.InRadii(path.back(), q) < kLeash;
 }
 
 // Moves q to the nearest free configuration. Returns whether one was found where paths may go: a
@@ -83,8 +88,10 @@ std::vector<VectorXd> Tightening::Tighten(const std::vector<VectorXd>& wide, std
     VectorXd q = dense[k];
     if (Follow(q, path) && (!last || path.back() == q)) continue;
     if (!last && !Free(q)) continue;
-    if (Reach(q, std::min(most - input_.space->samples(), kSamples), path)) continue;
-    if (last || input_.space->samples() >= most) return {};
+    const std::int64_t left = most - input_.space->samples();
+    const double most_here = (last ? 1.0 : kShareOfSamples) * static_cast<double>(left);
+    if (Reach(q, static_cast<std::int64_t>(std::ceil(most_here)), path)) continue;
+    if (last || left <= 0) return {};
   }
   Straighten(search_.prover(), input_.ended, path);
   return path;

@@ -15,6 +15,7 @@
 #include <memory>
 #include <vector>
 
+#include "plan/body_travel.h"
 #include "plan/retraction.h"
 #include "plan/tree_search.h"
 
@@ -40,6 +41,7 @@ class Tightening {
   const TreeSearchInput input_;
   TreeSearch search_;
   const std::unique_ptr<Retraction> along_contact_;
+  BodyTravel travel_;
   Solver solver_;
   Result result_;
   std::int64_t queries_ = 0;  // of solver_

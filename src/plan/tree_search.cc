@@ -82,7 +82,8 @@ class SamplerNearMotion : public ob::StateSampler {
 
 TreeSearch::TreeSearch(const TreeSearchInput& input)
     : input_(input),
-      range_(input.options.range > 0.0 ? input.options.range / input.space->extent() : kRange),
+      range_(input.step_share *
+             (input.options.range > 0.0 ? input.options.range / input.space->extent() : kRange)),
       prover_(std::make_shared<MotionProver>(input.scene, input.options.options, input.space)),
       information_(std::make_shared<ob::SpaceInformation>(input.space)) {
   UseProver(prover_, input.ended, information_);

@@ -32,7 +32,7 @@ std::vector<VectorXd> Tightened(const Scene& scene, const std::vector<VectorXd>&
   const PlanOptions options = With("birrt-pdg");
   const auto space =
       std::make_shared<ConfigurationSpace>(scene, MocapPoses{}, wide.front(), wide.back());
-  Tightening tightening({scene, options, space, 1e-4, true, [] { return false; }});
+  Tightening tightening({scene, options, space, 1e-4, true, 1.0, [] { return false; }});
   std::vector<VectorXd> path = tightening.Tighten(wide, samples);
   EXPECT_LE(space->samples(), samples);
   EXPECT_GT(tightening.cost().collision_queries, 0);
@@ -64,9 +64,21 @@ TEST(TighteningTest, APathThatOverlapsIsMadeFree) {
   }
 }
 
-// By PDg alone more than 10 samples are taken.
-TEST(TighteningTest, APathThatIsFollowedAlongContactsTakesFewSamples) {
-  EXPECT_FALSE(Tightened(BarAndGap(0.25), SlantedWay(), 10).empty());
+// The bar touches one wall. Its nearest free configurations, from each by itself, are no path.
+TEST(TighteningTest, APathThatIsFollowedAlongContactsTakesNoSamples) {
+  EXPECT_FALSE(Tightened(BarAndGap(0.35), SlantedWay(), 0).empty());
+}
+
+TEST(TreeSearchTest, AShareOfAStep) {
+  const Scene scene = BarAndGap(0.25);
+  const PlanOptions options = With("birrt-pdg");
+  const std::vector<VectorXd> way = SlantedWay();
+  const auto space =
+      std::make_shared<ConfigurationSpace>(scene, MocapPoses{}, way.front(), way.back());
+  const auto never = [] { return false; };
+  const TreeSearch whole({scene, options, space, 1e-4, true, 1.0, never});
+  const TreeSearch quarter({scene, options, space, 1e-4, true, 0.25, never});
+  EXPECT_NEAR(quarter.step(), 0.25 * whole.step(), 1e-12);
 }
 
 TEST(TighteningTest, APathThatIsFreeIsKept) {
