@@ -182,7 +182,9 @@ def repair(plan: Plan, worker: type[RepairShard] = RepairShard) -> np.ndarray:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        usage=argparse.SUPPRESS, description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("model", help="an MJCF file")
     parser.add_argument("rows", help="a .npy file, float64 (n, nq)")
     parser.add_argument("out", help="a folder: new, or that of a run that was interrupted")

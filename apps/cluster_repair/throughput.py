@@ -101,7 +101,7 @@ def compare(model: mujoco.MjModel, rows: np.ndarray, cores: int) -> tuple[Cost, 
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(usage=argparse.SUPPRESS, description=__doc__)
     parser.add_argument("--rows", type=int, default=10000)
     parser.add_argument("--rounds", type=int, default=2)
     arguments = parser.parse_args()

@@ -174,7 +174,7 @@ def plot(path: str, title: str, runs: dict[str, list[Tick]]) -> None:
 
 
 def parse(argv: list[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(usage=argparse.SUPPRESS, description=__doc__.splitlines()[0])
     parser.add_argument("model", help="MJCF with position actuators")
     parser.add_argument("--filters", default="raw,solve,tracker", help=f"of {','.join(FILTERS)}")
     parser.add_argument("--ticks", type=int, default=10000, help="at 1 kHz")

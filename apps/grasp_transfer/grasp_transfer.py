@@ -207,7 +207,7 @@ def animate(path: str, t: Transfer) -> None:
 
 
 def parse(argv: list[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(usage=argparse.SUPPRESS, description=__doc__.splitlines()[0])
     parser.add_argument("--cups", type=int, default=50, help="how many new cups (default 50)")
     parser.add_argument("--seed", type=int, default=1, help="of the new cups (default 1)")
     parser.add_argument("--any-width", action="store_true", help="the most similar vessel, wider than the cup or not")

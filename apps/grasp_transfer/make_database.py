@@ -86,7 +86,7 @@ def entry(k: int) -> dict:
 
 
 def main() -> None:
-    argparse.ArgumentParser(description=__doc__.splitlines()[0]).parse_args()
+    argparse.ArgumentParser(usage=argparse.SUPPRESS, description=__doc__.splitlines()[0]).parse_args()
     with concurrent.futures.ProcessPoolExecutor() as pool:
         entries = list(pool.map(entry, range(CUPS + BOTTLES)))
     DATABASE.write_text("[\n" + ",\n".join(json.dumps(each) for each in entries) + "\n]\n")

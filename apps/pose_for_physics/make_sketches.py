@@ -94,7 +94,7 @@ def sketch(model: mujoco.MjModel, unit: float, rng: np.random.Generator) -> np.n
 
 
 def main(argv: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(usage=argparse.SUPPRESS, description=__doc__.splitlines()[0])
     parser.add_argument("robot", metavar="MODEL", help="MJCF of a robot with a free base")
     parser.add_argument("--out", required=True, help="the scene with its keyframes (MJCF)")
     parser.add_argument("--count", type=int, default=20, help="how many poses (default 20)")

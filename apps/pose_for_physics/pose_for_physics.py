@@ -169,7 +169,7 @@ def write_csv(path: str, lines: list[list[str]]) -> None:
 
 
 def parse(argv: list[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(usage=argparse.SUPPRESS, description=__doc__.splitlines()[0])
     parser.add_argument("models", nargs="+", metavar="MODEL", help="MJCF of a figure or robot with keyframes")
     parser.add_argument("--key", action="append", help="a keyframe; may be repeated (default: all)")
     parser.add_argument("--weightless", action="store_true", help="no gravity: the penetration alone")

@@ -100,8 +100,6 @@ class MJCF_PDG_API Scene {
   Scene(std::shared_ptr<const SceneTables> tables,
         std::shared_ptr<const VerifierModel> verifier_model)
       : tables_(std::move(tables)), verifier_model_(std::move(verifier_model)) {}
-  // The same scene of a copy of its model in which geoms are smaller; nothing else may differ.
-  Scene Resized(std::shared_ptr<const mjModel> model) const;
 
   int nq() const;               // entries of a configuration
   int dof() const;              // n, the number of movable degrees of freedom

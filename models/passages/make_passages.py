@@ -169,7 +169,7 @@ def make_piano(folder):
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(usage=argparse.SUPPRESS, description=__doc__)
     parser.add_argument("--slack", type=float, default=0.03,
                         help="by which gap, slot and holes are wider than what must pass, a share of that")
     parser.add_argument("--folder", type=Path, default=HERE, help="where they are written")

@@ -150,7 +150,7 @@ def show(name: str, model: mujoco.MjModel, results, clip: np.ndarray, stands: np
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(usage=argparse.SUPPRESS, description=__doc__.splitlines()[0])
     parser.add_argument("--smooth", type=float, default=10.0, metavar="W")
     parser.add_argument("--write", type=pathlib.Path, metavar="FOLDER")
     arguments = parser.parse_args()

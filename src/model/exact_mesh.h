@@ -1,6 +1,6 @@
 // Exact meshes (--exact-mesh): which mesh geoms collide as their triangles instead of their convex
-// hulls, and the triangle meshes of all geoms that need them for that. solve/scene.cc calls these
-// while it fills the SceneTables.
+// hulls, and the triangle meshes of all geoms that need them for that.
+// solve/make_tables.cc calls these while it fills the SceneTables.
 #ifndef MJCF_PDG_SRC_MODEL_EXACT_MESH_H_
 #define MJCF_PDG_SRC_MODEL_EXACT_MESH_H_
 

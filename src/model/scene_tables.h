@@ -1,5 +1,6 @@
-// The contents of a Scene as plain tables: movable joints, kept pairs, exact meshes. solve/scene.cc
-// fills them once; all later stages only read them, from any number of threads.
+// The contents of a Scene as plain tables: movable joints, kept pairs, exact meshes.
+// solve/make_tables.cc fills them once; all later stages only read them, from any number of
+// threads.
 #ifndef MJCF_PDG_SRC_MODEL_SCENE_TABLES_H_
 #define MJCF_PDG_SRC_MODEL_SCENE_TABLES_H_
 

@@ -1,7 +1,9 @@
 #include "plan/shrunk_scenes.h"
 
 #include <memory>
-#include <utility>
+
+#include "solve/make_tables.h"
+#include "verify/verifier_model.h"
 
 namespace mjcf_pdg {
 
@@ -12,7 +14,9 @@ std::vector<Scene> ShrunkScenes(const Scene& scene, ShrunkAbout about) {
        share = share > 0.5 ? 2.0 * share - 1.0 : 0.5 * share) {
     std::shared_ptr<const mjModel> smaller = ShrunkModel(scene.tables(), share, about);
     if (!smaller) break;
-    scenes.push_back(scene.Resized(std::move(smaller)));
+    scenes.emplace_back(
+        ResizedTables(scene.tables(), smaller),
+        std::make_shared<const VerifierModel>(scene.verifier_model()->Resized(smaller)));
   }
   return scenes;
 }

@@ -1,7 +1,7 @@
 // Pairs that overlap wherever the joints go: links that are drawn into each other. Not in the
 // paper.
-#ifndef MJCF_PDG_SRC_SOLVE_PERMANENT_H_
-#define MJCF_PDG_SRC_SOLVE_PERMANENT_H_
+#ifndef MJCF_PDG_SRC_COLLIDE_PERMANENT_H_
+#define MJCF_PDG_SRC_COLLIDE_PERMANENT_H_
 
 #include <array>
 #include <vector>
@@ -17,4 +17,4 @@ std::vector<std::array<int, 2>> FindPermanentOverlaps(const SceneTables& tables)
 
 }  // namespace mjcf_pdg
 
-#endif  // MJCF_PDG_SRC_SOLVE_PERMANENT_H_
+#endif  // MJCF_PDG_SRC_COLLIDE_PERMANENT_H_

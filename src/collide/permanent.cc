@@ -1,4 +1,4 @@
-#include "solve/permanent.h"
+#include "collide/permanent.h"
 
 #include <algorithm>
 #include <cmath>
