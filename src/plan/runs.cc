@@ -55,7 +55,8 @@ std::vector<Kind> Round(const std::string& planner) {
   return {Kind::kOrdinary};
 }
 
-// Some things are the same for six runs, all kinds of birrt-pdg once.
+// Runs come in blocks, in which the box of samples and the length of steps are the same: a round of
+// birrt-pdg, so that each kind has its turn in each block.
 constexpr std::int64_t kRunsOfABlock = 6;
 
 // Samples of slides and free bodies without limits come from a box around start and goal. Of the
