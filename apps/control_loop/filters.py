@@ -36,12 +36,13 @@ def body_of(model: mujoco.MjModel, geom: str) -> str:
         return geom.rpartition("/")[0]
 
 
-def scene_options(model: mujoco.MjModel, robot: Robot, clearance: float) -> dict:
+def scene_options(model: mujoco.MjModel, robot: Robot, clearance: float, widest: float | None = None) -> dict:
     """Only the robot's joints may move; what it grasps or stands beside is where the simulation has it.
 
-    Pairs that no servo parts, as the fingers of a gripper, do not count, and what is nearer than the clearance at home
-    need not be farther apart.
+    Pairs that no servo parts, as the fingers of a gripper, do not count. Of the clearance, bodies that are near each
+    other at home keep so much less that of the widest clearance of a filter they keep half of what they have there.
     """
+    widest = widest or clearance
     name = lambda body: model.body(body).name  # noqa: E731
     jointed = {int(b) for b in model.jnt_bodyid}
     fixed = [name(b) for b in jointed - set(robot.bodies) if moves(model, b, robot.bodies)]
@@ -56,10 +57,11 @@ def scene_options(model: mujoco.MjModel, robot: Robot, clearance: float) -> dict
     options = {"movable": [name(b) for b in robot.bodies], "fixed": fixed or None, "exclude": exclude,
                "equality": "ignore"}  # fmt: skip
     allow: dict[tuple[str, str], float] = {}
-    for contact in mjcf_pdg.verify(model, robot.home, **options, clearance=clearance).contacts:
+    for contact in mjcf_pdg.verify(model, robot.home, **options, clearance=2.0 * widest).contacts:
         bodies = body_of(model, contact.geom1), body_of(model, contact.geom2)
-        if 0.0 < contact.distance < clearance:
-            allow[bodies] = max(allow.get(bodies, 0.0), clearance - contact.distance)
+        if 0.0 < contact.distance < 2.0 * widest:
+            share = contact.distance / (2.0 * widest)
+            allow[bodies] = max(allow.get(bodies, 0.0), (1.0 - share) * clearance)
     return options | {"allow": allow, "clearance": clearance}
 
 
@@ -78,11 +80,16 @@ class Solve(Filter):
 class Tracker(Filter):
     def __init__(self, model: mujoco.MjModel, robot: Robot, arguments: argparse.Namespace):
         super().__init__(model, robot, arguments)
+        self.widest = arguments.clearance + self.cushion(arguments)
         self.tracker = self.tracker_with(model, arguments.clearance, arguments.steps)
         self.last = robot.home
 
+    def cushion(self, arguments: argparse.Namespace) -> float:
+        """What is kept beyond the clearance [m]."""
+        return 0.0
+
     def tracker_with(self, model: mujoco.MjModel, clearance: float, steps: float) -> mjcf_pdg.Tracker:
-        options = scene_options(model, self.robot, clearance)
+        options = scene_options(model, self.robot, clearance, self.widest)
         tracker = mjcf_pdg.Tracker(model, max_step=steps * self.robot.fastest_step, **options)
         tracker.reset(self.robot.home)
         return tracker
@@ -107,9 +114,10 @@ class Governed(Tracker):
     def __init__(self, model: mujoco.MjModel, robot: Robot, arguments: argparse.Namespace):
         super().__init__(model, robot, arguments)
         self.model = model
-        cushion = arguments.cushion * robot.size
-        self.far_tracker = self.tracker_with(model, arguments.clearance + cushion, self.FAR_STEPS)
-        self.guard = mjcf_pdg.Solver(model, **scene_options(model, robot, arguments.clearance + 0.5 * cushion))
+        cushion = self.cushion(arguments)
+        self.far_tracker = self.tracker_with(model, self.widest, self.FAR_STEPS)
+        between = arguments.clearance + 0.5 * cushion
+        self.guard = mjcf_pdg.Solver(model, **scene_options(model, robot, between, self.widest))
         self.far, self.asked = robot.home, robot.home.copy()
         limits = Limits(
             bandwidth=arguments.bandwidth,
@@ -119,6 +127,9 @@ class Governed(Tracker):
             looks=arguments.looks,
         )
         self.governor = Governor(robot.home[robot.qpos], levers(model, robot), limits, self.is_free)
+
+    def cushion(self, arguments: argparse.Namespace) -> float:
+        return arguments.cushion * self.robot.size
 
     def is_free(self, servos: np.ndarray) -> bool:
         self.asked[self.robot.qpos] = servos

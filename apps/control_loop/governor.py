@@ -3,8 +3,9 @@
 Source: Garone, Di Cairano & Kolmanovsky, Reference and command governors for systems with constraints: A survey on
 theory and applications (Automatica 75, 2017): a setpoint goes towards the target as far as the motion that it causes,
 predicted until it rests, keeps all constraints; what was admissible stays so.
-Differs from it: each joint's part of the setpoint's step is cut for itself; a prediction is looked at in several ticks
-and begins when that is done; where the straight way is blocked, the setpoint goes along a trail of earlier targets.
+Differs from it: each joint's part of the setpoint's step is cut for itself, but on the way to the trail; a prediction
+is looked at in several ticks and begins when that is done; where the straight way is blocked, the setpoint goes along
+a trail of earlier targets.
 """
 
 import dataclasses
@@ -82,6 +83,7 @@ class Governor:
     GRID = 128  # times at which a predicted motion is known, closer where it is fast
     SETTLED = 12.0  # it rests when so many time constants are over: (1 + 12)·exp(-12) is 8e-5
     SHARES = np.append(0.8 ** np.arange(16), 0.0)[:, np.newaxis]  # of a joint's step to the target that are tried
+    STRAIGHT = 4  # attempts at the straight way, each half as far
     TRAIL = 2048  # earlier targets that are known
     SMOOTH = 0.02  # time constant for the command's speed and acceleration [s]
 
@@ -138,14 +140,16 @@ class Governor:
 
     def _target(self, target: np.ndarray) -> np.ndarray:
         """The target, points on the straight way there, and then ever earlier ones of the trail."""
-        straight = 4
-        if self.attempt < straight:
+        if self.attempt < self.STRAIGHT:
             return self.setpoint + 0.5**self.attempt * (target - self.setpoint)
-        return self.trail[self.first + ((self.last - self.first) >> (self.attempt - straight + 1))]
+        return self.trail[self.first + ((self.last - self.first) >> (self.attempt - self.STRAIGHT + 1))]
+
+    def _attempts(self) -> int:
+        return self.STRAIGHT + (self.last - self.first).bit_length()
 
     def _next_attempt(self) -> None:
         self.candidate = None
-        self.attempt = (self.attempt + 1) % (4 + (self.last - self.first).bit_length())
+        self.attempt = (self.attempt + 1) % self._attempts()
 
     def _look(self, target: np.ndarray) -> None:
         """Goes on with the candidate, or begins one, and takes it when its time has come."""
@@ -176,6 +180,8 @@ class Governor:
             offset, rate = self._in(self.ticks * TIMESTEP)
             steps = self.SHARES * (target - self.setpoint)
             allowed = self._within_limits(offset - steps, rate - self.limits.bandwidth * steps)
+            if self.attempt == self._attempts() - 1:  # the same share of all joints keeps to the straight way
+                allowed = np.repeat(allowed.all(axis=1, keepdims=True), len(target), axis=1)
             step = np.where(allowed.any(axis=0), steps[np.argmax(allowed, axis=0), np.arange(len(target))], 0.0)
             if not step.any():
                 return None

@@ -34,4 +34,22 @@ double BodyTravel::InRadii(const VectorXd& from, const VectorXd& to) {
   return most;
 }
 
+double TypicalTravel(const ConfigurationSpace& space, double length) {
+  constexpr int kMotions = 101;
+  BodyTravel travel(space.tables());
+  ompl::RNG rng(1);
+  VectorXd from, to;
+  std::vector<double> travels(kMotions);
+  for (double& radii : travels) {
+    space.Sample(rng, from);
+    space.Sample(rng, to);
+    const double distance = space.Distance(from, to);
+    space.Interpolate(from, to, std::min(1.0, length / distance), to);
+    radii = travel.InRadii(from, to);
+  }
+  const auto median = travels.begin() + kMotions / 2;
+  std::nth_element(travels.begin(), median, travels.end());
+  return *median;
+}
+
 }  // namespace mjcf_pdg

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "model/kinematics.h"
+#include "plan/configuration_space.h"
 
 namespace mjcf_pdg {
 
@@ -30,6 +31,10 @@ class BodyTravel {
   std::vector<int> bodies_;
   std::vector<Pose> before_;  // by bodies_
 };
+
+// The median of InRadii over motions of this length, √σ [m], from random configurations of the
+// space towards others.
+double TypicalTravel(const ConfigurationSpace& space, double length);
 
 }  // namespace mjcf_pdg
 

@@ -26,6 +26,8 @@
 
 #include <utility>
 
+#include "plan/roadmap.h"
+
 namespace mjcf_pdg {
 namespace {
 
@@ -59,6 +61,12 @@ NamedPlanner Optimizing(Input, Space space) {
           .objective = std::make_shared<FirstPath>(space)};
 }
 
+template <bool star>
+NamedPlanner OnRoadmap(Input, Space space) {
+  return {.planner = std::make_shared<Roadmap>(space, star),
+          .objective = std::make_shared<FirstPath>(space)};
+}
+
 NamedPlanner Retracting(const std::string& name, Retractions retractions, Space space) {
   const auto planner = std::make_shared<RetractingRrtConnect>(space, name, std::move(retractions));
   return {planner, planner.get()};
@@ -73,8 +81,8 @@ struct Entry {
 // tree do: contact and nothing (birrt-r) 2.7 and 1.8, PDg and PDg 1.4 and 0.42, PDg and contact
 // 0.81 and 0.53, contact and PDg (birrt-pdg) 0.66 and 0.32.
 //
-// Optimizing planners end with their first path. Left out are those with threads of their own (PRM,
-// SPARS, pRRT, CForest), those that look at the clock too seldom (FMT: 16 s of 3 on Placement),
+// Optimizing planners end with their first path. Left out are those with threads of their own
+// (SPARS, pRRT, CForest), those that look at the clock too seldom (FMT: 16 s of 3 on Placement),
 // those that lose memory (LazyPRM, SORRT*), those for other spaces or controls, and LBTRRT, which
 // fails an assertion of its own.
 constexpr Entry kPlanners[] = {
@@ -104,6 +112,8 @@ constexpr Entry kPlanners[] = {
     {"rrtsharp", Optimizing<og::RRTsharp>},
     {"rrtxstatic", Optimizing<og::RRTXstatic>},
     {"informedrrtstar", Optimizing<og::InformedRRTstar>},
+    {"prm", OnRoadmap<false>},
+    {"prmstar", OnRoadmap<true>},
     {"bitrrt", Plain<og::BiTRRT>},
     {"bitstar", Optimizing<og::BITstar>},
     {"abitstar", Optimizing<og::ABITstar>},

@@ -13,6 +13,7 @@
 
 #include "base/in_order.h"
 #include "base/random.h"
+#include "plan/body_travel.h"
 #include "plan/motion_prover.h"
 #include "plan/planners.h"
 #include "plan/shrunk_scenes.h"
@@ -70,12 +71,20 @@ double MarginShare(std::int64_t run) {
   return std::ldexp(1.0, -static_cast<int>((run - 1) / kRunsOfABlock % kHalvings));
 }
 
-// In every second block a quarter of the step is left: a step is a share of the extent, in which
-// an arm that swings counts for more than a hand that is to turn in a hole. Seconds per path of
-// runs that begin with smaller bodies, for a flat hand of seven hinges 8 with whole steps, 0.8 with
-// quarters; for a bent tube 1.7, and no path of 16 runs with quarters (bench/README.md,
-// plan_bench).
-double StepShare(std::int64_t run) { return (run - 1) / kRunsOfABlock % 2 == 0 ? 1.0 : 0.25; }
+// In every second block steps are at most so long that half of them move no body farther than this
+// [its radii]: a step is a share of the extent, in which an arm that swings counts for more than a
+// hand that is to turn in a hole. A step of a flat hand of seven hinges is 8 radii long, one of a
+// bent tube 1.2. Seconds per path of runs that begin with smaller bodies, with whole steps and with
+// quarters: for the hand 8 and 0.8, for the tube 1.7 and no path of 16 runs. Of eight arms, four
+// seeds each, 31, 29 and 28 are found within 20 s with 1, 2 and 4, of eight single bodies 26 with 1
+// and 29 with 2 (bench/README.md, plan_bench).
+constexpr double kRadiiOfAShortStep = 2.0;
+
+double StepShare(const ConfigurationSpace& space, const PlanOptions& options, std::int64_t run) {
+  if ((run - 1) / kRunsOfABlock % 2 == 0) return 1.0;
+  const ConfigurationSpace drawn(space, 0, MarginShare(run));
+  return std::min(1.0, kRadiiOfAShortStep / TypicalTravel(drawn, StepLength(options, drawn)));
+}
 
 // No scene is made until a run begins in one: that copies what a scene knows.
 class ShrunkForEnds {
@@ -109,6 +118,7 @@ struct Run {
   std::int64_t number = 0;  // 1, 2, ...
   Kind kind = Kind::kOrdinary;
   std::int64_t samples = 0;       // at most so many
+  double step_share = 1.0;        // of the length of a planner's step
   std::span<const Scene> scenes;  // where it begins, and into which its path is retracted
   Runs result;
 };
@@ -136,6 +146,10 @@ class Searching {
     const auto [round, place] = std::lldiv(run.number - 1, std::ssize(round_));
     run.kind = round_[static_cast<std::size_t>(place)];
     run.scenes = ScenesOf(run.kind);
+    if ((run.number - 1) % kRunsOfABlock == 0) {
+      step_share_ = StepShare(input_.space, input_.options, run.number);
+    }
+    run.step_share = step_share_;
     // Those that begin smaller take about as many samples as all others.
     const std::int64_t samples = kSamplesOfARun * Luby(round + 1) * (run.scenes.size() > 1 ? 3 : 1);
     run.samples = begins_anew_ ? std::min(samples_left_, samples)
@@ -169,7 +183,7 @@ class Searching {
             std::make_shared<ConfigurationSpace>(input_.space, seed, MarginShare(run.number)),
             input_.clearance,
             run.kind != Kind::kOrdinary,
-            StepShare(run.number),
+            run.step_share,
             [&run, this] { return IsOver(run); }};
   }
 
@@ -218,6 +232,7 @@ class Searching {
   const bool begins_anew_;
   const std::vector<Kind> round_;
   ShrunkForEnds shrunk_{input_};
+  double step_share_ = 1.0;  // of the block
   std::int64_t taken_ = 0, samples_left_ = kNoBound;
   std::atomic<std::int64_t> found_ = kNoBound;  // the first run that found a path
   mutable std::mutex ended_;

@@ -80,10 +80,13 @@ class SamplerNearMotion : public ob::StateSampler {
 
 }  // namespace
 
+double StepLength(const PlanOptions& options, const ConfigurationSpace& space) {
+  return options.range > 0.0 ? options.range : kRange * space.extent();
+}
+
 TreeSearch::TreeSearch(const TreeSearchInput& input)
     : input_(input),
-      range_(input.step_share *
-             (input.options.range > 0.0 ? input.options.range / input.space->extent() : kRange)),
+      range_(input.step_share * StepLength(input.options, *input.space) / input.space->extent()),
       prover_(std::make_shared<MotionProver>(input.scene, input.options.options, input.space)),
       information_(std::make_shared<ob::SpaceInformation>(input.space)) {
   UseProver(prover_, input.ended, information_);

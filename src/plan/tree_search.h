@@ -26,6 +26,9 @@ struct TreeSearchInput {
   std::function<bool()> ended;  // whether to give up; never empty
 };
 
+// The length of a planner's step, √σ [m]: the one that the options give, or a share of the extent.
+double StepLength(const PlanOptions& options, const ConfigurationSpace& space);
+
 // What searches have cost.
 struct SearchCost {
   int nodes = 0;                       // of all trees

@@ -36,5 +36,30 @@ TEST(BodyTravelTest, ATurnCountsByChords) {
               1e-12);
 }
 
+// Two balls on slides of 1 m, one of 2 m across and one of 0.1 m: the small one tells.
+TEST(BodyTravelTest, TypicalTravelIsThatOfTheSmallestBodyAndInProportionToTheLength) {
+  const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
+    <body><joint type="slide" axis="1 0 0" range="-.5 .5"/><geom type="sphere" size="1"/></body>
+    <body pos="0 9 0"><joint type="slide" axis="1 0 0" range="-.5 .5"/>
+      <geom type="sphere" size=".05" density="8e6"/></body>
+    </worldbody></mujoco>)");
+  const VectorXd still = VectorXd::Zero(2);
+  const ConfigurationSpace space(scene, {}, still, still);
+  const double travel = TypicalTravel(space, 0.01);
+  // Two slides of equal masses: √σ is √½ of how far both go, and one goes at least as far as that.
+  EXPECT_GT(travel, 0.0);
+  EXPECT_LT(travel, 0.01 * std::sqrt(2.0) / 0.05);
+  EXPECT_NEAR(TypicalTravel(space, 0.005), 0.5 * travel, 1e-9 * travel);
+}
+
+TEST(BodyTravelTest, TypicalTravelOfOneBodyIsTheLength) {
+  const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
+    <body><joint type="slide" axis="1 0 0" range="-.5 .5"/><geom type="sphere" size=".2"/></body>
+    </worldbody></mujoco>)");
+  const VectorXd still = VectorXd::Zero(1);
+  const ConfigurationSpace space(scene, {}, still, still);
+  EXPECT_NEAR(TypicalTravel(space, 0.01), 0.05, 1e-9);
+}
+
 }  // namespace
 }  // namespace mjcf_pdg
