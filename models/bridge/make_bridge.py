@@ -15,7 +15,7 @@ Units: m, kg, s, rad. Robot: {links} links, 40 DoF (free head 6, eleven balls of
 After Tang & Kim, "Bridge". Meshes are MuJoCo's own superspheres: there are no mesh files.
 """
 
-WIDTH, LENGTH, HOLE, THICKNESS = 0.12, 0.16, 0.29, 0.10
+WIDTH, LENGTH, HOLE, THICKNESS = 0.12, 0.16, 0.20, 0.10
 LINKS = 13
 
 

@@ -46,43 +46,55 @@ std::int64_t Luby(std::int64_t k) {
 // kind does (bench/README.md, plan_bench).
 enum class Kind { kOrdinary, kCareful, kSmallerBodies, kSmallerGeoms };
 
-// A round of runs.
-std::vector<Kind> Round(const std::string& planner) {
+// Steps are whole, or so short that half of them move no body farther than kRadiiOfAShortStep: a
+// step is a share of the extent, in which an arm that swings counts for more than a hand that is to
+// turn in a hole.
+enum class Steps { kWhole, kShort };
+
+struct Turn {
+  Kind kind;
+  Steps steps;
+};
+
+// A round of runs; `number` is that of the round, from 0. Runs with smaller bodies and geoms take
+// longest: they come last, once each, and have whole and short steps in turn from round to round.
+std::vector<Turn> Round(const std::string& planner, std::int64_t number) {
+  using enum Kind;
+  using enum Steps;
+  if (!Retracts(planner)) return {{kOrdinary, kWhole}, {kOrdinary, kShort}};
+  std::vector<Turn> round = {
+      {kOrdinary, kWhole}, {kCareful, kShort}, {kOrdinary, kShort}, {kCareful, kWhole}};
   if (RetractsByPdg(planner)) {
-    return {Kind::kOrdinary, Kind::kCareful, Kind::kSmallerBodies,
-            Kind::kOrdinary, Kind::kCareful, Kind::kSmallerGeoms};
+    const bool whole = number % 2 == 0;
+    round.push_back({kSmallerBodies, whole ? kWhole : kShort});
+    round.push_back({kSmallerGeoms, whole ? kShort : kWhole});
   }
-  if (Retracts(planner)) return {Kind::kOrdinary, Kind::kCareful};
-  return {Kind::kOrdinary};
+  return round;
 }
 
-// Runs come in blocks, in which the box of samples and the length of steps are the same: a round of
-// birrt-pdg, so that each kind has its turn in each block.
-constexpr std::int64_t kRunsOfABlock = 6;
-
 // Samples of slides and free bodies without limits come from a box around start and goal. Of the
-// margin that the model's extent adds to it, whole in the first block, half is left in the next,
+// margin that the model's extent adds to it, whole in the first round, half is left in the next,
 // then a quarter, an eighth, and all again: in a closed room nearly all of the whole box may be
 // outside. Steps follow from the box. Of seven free bodies that are to leave half of a room
 // through a hole 3 % wider, three seeds each, 21 are found within 20 s, and 9 with the whole box
 // alone (bench/README.md, plan_bench).
-double MarginShare(std::int64_t run) {
+double MarginShare(std::int64_t round) {
   constexpr std::int64_t kHalvings = 4;
-  return std::ldexp(1.0, -static_cast<int>((run - 1) / kRunsOfABlock % kHalvings));
+  return std::ldexp(1.0, -static_cast<int>(round % kHalvings));
 }
 
-// In every second block steps are at most so long that half of them move no body farther than this
-// [its radii]: a step is a share of the extent, in which an arm that swings counts for more than a
-// hand that is to turn in a hole. A step of a flat hand of seven hinges is 8 radii long, one of a
-// bent tube 1.2. Seconds per path of runs that begin with smaller bodies, with whole steps and with
-// quarters: for the hand 8 and 0.8, for the tube 1.7 and no path of 16 runs. Of eight arms, four
-// seeds each, 31, 29 and 28 are found within 20 s with 1, 2 and 4, of eight single bodies 26 with 1
-// and 29 with 2 (bench/README.md, plan_bench).
+// How far bodies move in half of the short steps, at most [their radii]. A step of a flat hand of
+// seven hinges is 8 radii long, one of the bridge's robot, too, one of a bent tube 1.2. Seconds per
+// path of runs that begin with smaller bodies, with whole steps and with quarters: for the hand 8
+// and 0.8, for the tube 1.7 and no path of 16 runs. Of eight arms, four seeds each, 31, 29 and 28
+// are found within 20 s with 1, 2 and 4, of eight single bodies 26 with 1 and 29 with 2
+// (bench/README.md, plan_bench).
 constexpr double kRadiiOfAShortStep = 2.0;
 
-double StepShare(const ConfigurationSpace& space, const PlanOptions& options, std::int64_t run) {
-  if ((run - 1) / kRunsOfABlock % 2 == 0) return 1.0;
-  const ConfigurationSpace drawn(space, 0, MarginShare(run));
+double StepShare(const ConfigurationSpace& space, const PlanOptions& options, Steps steps,
+                 double margin_share) {
+  if (steps == Steps::kWhole) return 1.0;
+  const ConfigurationSpace drawn(space, 0, margin_share);
   return std::min(1.0, kRadiiOfAShortStep / TypicalTravel(drawn, StepLength(options, drawn)));
 }
 
@@ -118,6 +130,7 @@ struct Run {
   std::int64_t number = 0;  // 1, 2, ...
   Kind kind = Kind::kOrdinary;
   std::int64_t samples = 0;       // at most so many
+  double margin_share = 1.0;      // of the box of samples
   double step_share = 1.0;        // of the length of a planner's step
   std::span<const Scene> scenes;  // where it begins, and into which its path is retracted
   Runs result;
@@ -126,9 +139,7 @@ struct Run {
 class Searching {
  public:
   explicit Searching(const RunsInput& input)
-      : input_(input),
-        begins_anew_(BeginsAnew(input.options.planner)),
-        round_(Round(input.options.planner)) {
+      : input_(input), begins_anew_(BeginsAnew(input.options.planner)) {
     if (input.options.max_samples > 0) samples_left_ = input.options.max_samples;
   }
 
@@ -143,15 +154,18 @@ class Searching {
   bool Take(Run& run) {
     run.number = ++taken_;
     if (samples_left_ <= 0 || run.number >= found_ || Ended()) return false;
-    const auto [round, place] = std::lldiv(run.number - 1, std::ssize(round_));
-    run.kind = round_[static_cast<std::size_t>(place)];
-    run.scenes = ScenesOf(run.kind);
-    if ((run.number - 1) % kRunsOfABlock == 0) {
-      step_share_ = StepShare(input_.space, input_.options, run.number);
+    if (next_ == turns_.size()) {
+      turns_ = Round(input_.options.planner, ++round_);
+      next_ = 0;
     }
-    run.step_share = step_share_;
+    const Turn turn = turns_[next_++];
+    run.kind = turn.kind;
+    run.scenes = ScenesOf(run.kind);
+    run.margin_share = MarginShare(round_);
+    run.step_share = StepShare(input_.space, input_.options, turn.steps, run.margin_share);
     // Those that begin smaller take about as many samples as all others.
-    const std::int64_t samples = kSamplesOfARun * Luby(round + 1) * (run.scenes.size() > 1 ? 3 : 1);
+    const std::int64_t samples =
+        kSamplesOfARun * Luby(round_ + 1) * (run.scenes.size() > 1 ? 3 : 1);
     run.samples = begins_anew_ ? std::min(samples_left_, samples)
                                : samples_left_;  // a run of OMPL's other planners has no end
     samples_left_ -= run.samples;
@@ -180,7 +194,7 @@ class Searching {
   TreeSearchInput InputOf(const Run& run, const Scene& scene, std::uint64_t seed) const {
     return {scene,
             input_.options,
-            std::make_shared<ConfigurationSpace>(input_.space, seed, MarginShare(run.number)),
+            std::make_shared<ConfigurationSpace>(input_.space, seed, run.margin_share),
             input_.clearance,
             run.kind != Kind::kOrdinary,
             run.step_share,
@@ -230,9 +244,10 @@ class Searching {
 
   const RunsInput& input_;
   const bool begins_anew_;
-  const std::vector<Kind> round_;
   ShrunkForEnds shrunk_{input_};
-  double step_share_ = 1.0;  // of the block
+  std::int64_t round_ = -1;
+  std::vector<Turn> turns_;  // of the round
+  std::size_t next_ = 0;     // of them
   std::int64_t taken_ = 0, samples_left_ = kNoBound;
   std::atomic<std::int64_t> found_ = kNoBound;  // the first run that found a path
   mutable std::mutex ended_;

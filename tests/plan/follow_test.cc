@@ -43,7 +43,9 @@ std::string CoupledHand(const std::string& coupling = "0 -1 0 0 0") {
 TEST_P(EveryPlannerFollows, CouplingsAllTheWay) {
   const Scene scene = Scene::FromString(CoupledHand());
   const std::vector<double> start = {-1, -1, 0.1, 0.2, -0.2}, goal = {1, 1, -0.1, -0.3, 0.3};
-  const Path path = Plan(scene, start, goal, With(GetParam()));
+  PlanOptions options = With(GetParam());
+  options.max_samples = 200000;  // birrt needs 20,000 in the median of 24 seeds, 83,000 at most
+  const Path path = Plan(scene, start, goal, options);
   ExpectFree(scene, path, start, goal);  // the verifier's *free* is that equalities hold, too
   const auto closed = [](const std::vector<double>& q) { return std::abs(q[3]) > 0.8; };
   EXPECT_TRUE(std::any_of(path.q.begin(), path.q.end(), closed));
