@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstddef>
+#include <cstdlib>
 #include <utility>
 
 #include "apps/console/text.h"
@@ -163,14 +164,21 @@ std::optional<std::size_t> RowSource::size() const {
 
 namespace {
 
+// A number, "nan" and "inf" included, and then what parts it from the next.
+bool BeginsWithNumber(const std::string& text) {
+  char* end = nullptr;
+  std::strtod(text.c_str(), &end);
+  return end != text.c_str() && std::string(", \t").find(*end) != std::string::npos;
+}
+
 // Whether a text that is no keyframe's name was meant to be one: it is an index, a single word, or
-// begins with a letter.
+// begins with a word.
 bool MeansName(const std::string& text, int entries) {
   constexpr const char *kDigits = "0123456789", *kNumbers = "0123456789+-.eE, \t";
   if (text.find_first_not_of(kDigits) == std::string::npos) return entries > 1;  // an index
   const bool listed = text.find_first_of(", \t") != std::string::npos;
-  const std::size_t other = text.find_first_not_of(kNumbers);
-  return other != std::string::npos && (!listed || other == 0);
+  const bool other = text.find_first_not_of(kNumbers) != std::string::npos;
+  return other && (!listed || !BeginsWithNumber(text));
 }
 
 }  // namespace

@@ -191,6 +191,7 @@ TEST_F(CliPlanTest, BadInputIsOneLineAndNothingIsWritten) {
         {Ends("start", "1 2 3"), "--goal"},
         {Ends("start", "0 1e999"), "--goal"},
         {Ends("start", "0 nan"), "--goal: 'nan' is not finite"},
+        {Ends("start", "nan 0"), "--goal: 'nan' is not finite"},
         {Ends("start", "0 a"), "--goal: 'a' is not a number"},
         {Ends("start", "far away"), "--goal: no keyframe 'far away'"},
         {Ends("start", ""), "--goal"},
