@@ -41,9 +41,9 @@ std::int64_t Luby(std::int64_t k) {
 // Careful runs slide along contacts (plan/retraction.h) in steps so short that they lead through
 // holes and round corners in which others are stuck. Those that begin with smaller bodies or geoms
 // are careful as well. Each kind is the cheapest somewhere. Seconds of the processor per path in
-// runs of one kind: for the bridge 1.0, 1.6, 6.8, for slot.xml (models/passages) 2.3, 0.57, 2.9,
-// for piano.xml 8.0, 9.9, 1.4; for a U in its hole smaller geoms find a path in 0.4 and no other
-// kind does (bench/README.md, plan_bench).
+// runs of one kind: for a bridge with a hole of 0.29 m 1.0, 1.6, 6.8, for slot.xml
+// (models/passages) 2.3, 0.57, 2.9, for piano.xml 8.0, 9.9, 1.4; for a U in its hole smaller geoms
+// find a path in 0.4 and no other kind does (bench/README.md, plan_bench).
 enum class Kind { kOrdinary, kCareful, kSmallerBodies, kSmallerGeoms };
 
 // Steps are whole, or so short that half of them move no body farther than kRadiiOfAShortStep: a
