@@ -3,9 +3,9 @@
 Source: Garone, Di Cairano & Kolmanovsky, Reference and command governors for systems with constraints: A survey on
 theory and applications (Automatica 75, 2017): a setpoint goes towards the target as far as the motion that it causes,
 predicted until it rests, keeps all constraints; what was admissible stays so.
-Differs from it: each joint's part of the setpoint's step is cut for itself, but on the way to the trail; a prediction
-is looked at in several ticks and begins when that is done; where the straight way is blocked, the setpoint goes along
-a trail of earlier targets.
+Differs from it: each joint's part of the setpoint's step is cut for itself, but on the last attempt; a prediction is
+looked at in several ticks and begins when that is done; where the straight way is blocked, the setpoint goes along a
+trail of earlier targets, whose nearest is the last attempt.
 """
 
 import dataclasses
@@ -180,7 +180,9 @@ class Governor:
             offset, rate = self._in(self.ticks * TIMESTEP)
             steps = self.SHARES * (target - self.setpoint)
             allowed = self._within_limits(offset - steps, rate - self.limits.bandwidth * steps)
-            if self.attempt == self._attempts() - 1:  # the same share of all joints keeps to the straight way
+            # To the trail's nearest the straight way is short and often free, where one that is cut joint by joint is
+            # not: then all joints take the same share.
+            if self.attempt == self._attempts() - 1:
                 allowed = np.repeat(allowed.all(axis=1, keepdims=True), len(target), axis=1)
             step = np.where(allowed.any(axis=0), steps[np.argmax(allowed, axis=0), np.arange(len(target))], 0.0)
             if not step.any():

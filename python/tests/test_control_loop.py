@@ -9,10 +9,13 @@ import mujoco
 import numpy as np
 import pytest
 
+import mjcf_pdg
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "apps" / "control_loop"))
 
 import control_loop
+import filters
 import governor
 from robot import TIMESTEP, load
 
@@ -45,6 +48,23 @@ def test_governed_servos_touch_nothing_and_accelerate_no_harder_than_the_free_co
     assert float(rows["governed"][0]) == 100.0
     assert float(rows["governed"][1]) == 0.0
     assert float(rows["governed"][4]) <= 1.2
+
+
+def test_bodies_that_are_near_at_home_keep_half_of_that_in_proportion():
+    """Else no finger of the hand could move: they are nearer to each other at home than a cushion asks."""
+    model, robot = load(str(ROOT / "models/hand/hand_bottle.xml"), control_loop.parse(["-", "--obstacles", "0"]))
+    clearance, widest = 0.003, 0.005
+    options = filters.scene_options(model, robot, clearance, widest)
+    names = {name: options[name] for name in ("movable", "fixed", "exclude", "equality")}
+    near: dict[tuple[str, str], float] = {}  # the least distance at home of two bodies
+    for contact in mjcf_pdg.verify(model, robot.home, **names, clearance=2.0 * widest).contacts:
+        bodies = filters.body_of(model, contact.geom1), filters.body_of(model, contact.geom2)
+        if 0.0 < contact.distance < 2.0 * widest:
+            near[bodies] = min(near.get(bodies, np.inf), contact.distance)
+    assert near and set(near) == set(options["allow"])
+    for bodies, distance in near.items():
+        kept = clearance - options["allow"][bodies]
+        assert kept == pytest.approx(0.5 * distance * clearance / widest)
 
 
 @pytest.mark.parametrize("seed", range(5))

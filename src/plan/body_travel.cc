@@ -35,7 +35,7 @@ double BodyTravel::InRadii(const VectorXd& from, const VectorXd& to) {
 }
 
 double TypicalTravel(const ConfigurationSpace& space, double length) {
-  constexpr int kMotions = 101;
+  constexpr int kMotions = 101;  // odd, so that one is the median; not tuned
   BodyTravel travel(space.tables());
   ompl::RNG rng(1);
   VectorXd from, to;

@@ -158,10 +158,8 @@ void Planning::Connect(const VectorXd& start, const VectorXd& goal) {
   path_.nodes = runs.nodes;
   path_.samples = runs.samples;
   if (runs.path.empty()) {
-    const bool within = options_.max_samples <= 0 || runs.samples < options_.max_samples;
-    path_.reason = stopped_             ? "the search was stopped before one was found"
-                   : within && !Ended() ? "the planner gave up before the limit"
-                                        : "none was found within the limit";
+    path_.reason = stopped_ ? "the search was stopped before one was found"
+                            : "none was found within the limit";
   } else {
     Seed(options.seed);  // how many the search has drawn depends on the threads
     if (!Keep(Shorten(runs.path)) && !Keep(runs.path)) {

@@ -109,9 +109,9 @@ std::vector<VectorXd> TreeSearch::Find(const VectorXd& from, const VectorXd& to,
   used_ = true;
   named_.planner->setProblemDefinition(problem);
   named_.planner->setup();
-  const std::int64_t most = input_.space->samples() + samples;
+  const std::int64_t before = input_.space->samples();  // setup may have drawn some
   named_.planner->solve(ob::PlannerTerminationCondition(
-      [&] { return input_.space->samples() >= most || input_.ended(); }));
+      [&] { return input_.space->samples() - before >= samples || input_.ended(); }));
   nodes_ += NodeCount(information_, *named_.planner).nodes();
   if (!problem->hasExactSolution()) return {};
   return Configurations(*problem->getSolutionPath()->as<og::PathGeometric>());

@@ -354,6 +354,18 @@ TEST(PlanTest, EveryNamedPlannerPlans) {
   EXPECT_GE(planned, 25);
 }
 
+// Setting up some of OMPL's planners draws samples; no bound of samples is still none then.
+TEST(PlanTest, EveryNamedPlannerPlansWithoutABoundOfSamples) {
+  const Scene scene = Scene::FromString(DiscAndGap(1.0));
+  const std::vector<double> start = {-0.6, 0.3}, goal = {0.6, -0.3};
+  for (const std::string& name : PlannerNames()) {
+    SCOPED_TRACE(name);
+    PlanOptions options = With(name);
+    options.max_samples = 0;
+    ExpectFree(scene, Plan(scene, start, goal, options), start, goal);
+  }
+}
+
 TEST(PlanTest, BadInputIsRefused) {
   const Scene scene = Scene::FromString(DiscAndGap(0.1));
   const auto message = [&](const std::vector<double>& start, const PlanOptions& options) {
