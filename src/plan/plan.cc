@@ -19,8 +19,8 @@ namespace og = ompl::geometric;
 using Clock = std::chrono::steady_clock;
 
 // Contact samples and repaired ends keep this share of a link's size from everything, so that a
-// motion along a wall does not run in CCDg's contact band. A passage must be wider by twice that.
-// Not tuned.
+// motion along a wall does not run in CCDg's contact band. Some runs keep less (plan/runs.cc). Not
+// tuned.
 constexpr double kContactClearance = 1e-3;
 class Planning {
  public:

@@ -22,7 +22,7 @@ struct RunsInput {
   const PlanOptions& options;
   const ConfigurationSpace& space;
   VectorXd start, goal;         // free (nq)
-  double clearance = 0.0;       // that contact samples keep [m]
+  double clearance = 0.0;       // that contact samples keep, in some rounds less [m]
   std::function<bool()> ended;  // asked by one thread at a time whether to give up; never empty
 };
 

@@ -52,6 +52,22 @@ inline void ExpectFree(const Scene& scene, const Path& path, const std::vector<d
   EXPECT_NEAR(path.length, length, 1e-9);
 }
 
+// A disc of radius 0.2 m on two slides, and a gap in a wall that is wider than the disc by `slack`
+// (a share of its diameter).
+inline std::string DiscAndGap(double slack) {
+  const double y = 2.0 + 0.2 * (1.0 + slack);
+  return R"(<mujoco><worldbody>
+    <geom name="lower" type="box" size=".1 2 .5" pos="0 )" +
+         std::to_string(-y) + R"( 0"/>
+    <geom name="upper" type="box" size=".1 2 .5" pos="0 )" +
+         std::to_string(y) + R"( 0"/>
+    <body name="disc">
+      <joint type="slide" axis="1 0 0" range="-2 2" limited="true"/>
+      <joint type="slide" axis="0 1 0" range="-2 2" limited="true"/>
+      <geom type="cylinder" size=".2 .1"/>
+    </body></worldbody></mujoco>)";
+}
+
 class EveryPlanner : public testing::TestWithParam<const char*> {};
 
 }  // namespace mjcf_pdg
