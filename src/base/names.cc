@@ -67,7 +67,7 @@ std::string BodyNames(const mjModel& m) {
     const std::string name = Named(m, mjOBJ_BODY, b, "");
     if (!name.empty()) names += (names.empty() ? "" : ", ") + name;
   }
-  return names;
+  return names.empty() ? "none has a name" : names;
 }
 
 }  // namespace mjcf_pdg

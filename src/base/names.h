@@ -27,7 +27,7 @@ std::string QuotedNameOrPlace(const mjModel& m, int geom);
 // name. Throws Error, which lists the bodies, if there is neither.
 std::vector<int> GeomsNamed(const mjModel& m, const std::string& name);
 
-// The names of all bodies that have one, "a, b, c".
+// For messages: the names of all bodies that have one, "a, b, c", or that none has.
 std::string BodyNames(const mjModel& m);
 
 }  // namespace mjcf_pdg

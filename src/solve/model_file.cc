@@ -23,8 +23,11 @@ std::string OneLine(std::string text) {
   return text;
 }
 
-// MuJoCo's words, with what helps against a plugin that it does not know.
-std::string WithPlugins(const std::string& words) {
+// MuJoCo's words, or what helps where a file is no model or a plugin is not known.
+std::string Explained(const std::string& words) {
+  if (words.find("could not find decoder") != std::string::npos) {
+    return "not a model: a file ending in .xml (MJCF), .urdf or .mjb is expected";
+  }
   if (words.find("plugin ") == std::string::npos || words.find(" not found") == std::string::npos) {
     return words;
   }
@@ -94,7 +97,7 @@ struct ModelDeleter {
 SpecPtr ParseModelFile(const std::string& path) {
   std::string error(kErrorSize, '\0');
   SpecPtr spec(mj_parse(path.c_str(), nullptr, nullptr, error.data(), kErrorSize));
-  if (!spec) throw Error(WithPlugins(OneLine(error.c_str())));
+  if (!spec) throw Error(Explained(OneLine(error.c_str())));
   ResolvePackages(path, spec.get());
   return spec;
 }
@@ -102,7 +105,7 @@ SpecPtr ParseModelFile(const std::string& path) {
 SpecPtr ParseModelText(const std::string& xml) {
   std::string error(kErrorSize, '\0');
   SpecPtr spec(mj_parseXMLString(xml.c_str(), nullptr, error.data(), kErrorSize));
-  if (!spec) throw Error(WithPlugins(OneLine(error.c_str())));
+  if (!spec) throw Error(Explained(OneLine(error.c_str())));
   return spec;
 }
 

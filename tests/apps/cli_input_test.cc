@@ -44,6 +44,7 @@ TEST_F(CliInputTest, RefusesModelsThatAreNone) {
     </worldbody></mujoco>)");
   Write("junk.xml", std::string("\x00\xff\x13\x00junk", 8));
   Write("junk.mjb", "junk");
+  Write("notes.txt", "hello");
   // MuJoCo's own error handler would write MUJOCO_LOG.TXT and leave with exit code 1.
   Write("cramped.xml", R"(<mujoco><size memory="1"/><worldbody><body><joint/><geom size=".1"/>
     </body></worldbody></mujoco>)");
@@ -59,6 +60,7 @@ TEST_F(CliInputTest, RefusesModelsThatAreNone) {
     ExpectRefused({verb, "flex.xml"}, "flex");
     ExpectRefused({verb, "junk.xml"}, "junk.xml");
     ExpectRefused({verb, "junk.mjb"}, "junk.mjb");
+    ExpectRefused({verb, "notes.txt"}, "notes.txt: not a model");
     ExpectRefused({verb, "empty.xml"}, "empty.xml");
     ExpectRefused({verb, "cramped.xml"}, "memory");
   }
@@ -88,6 +90,9 @@ TEST_F(CliInputTest, RefusesValuesOutOfRange) {
     ExpectRefused(arguments, "");
   }
   ExpectRefused({"solve", "scene.xml", "--movable", "nobody"}, "bodies: ball");
+  Write("nameless.xml",
+        "<mujoco><worldbody><body><joint/><geom size='.1'/></body></worldbody></mujoco>");
+  ExpectRefused({"solve", "nameless.xml", "--movable", "nobody"}, "bodies: none has a name");
   ExpectRefused({"solve", "scene.xml", "--effort", "huge"}, "fast|default|max");
 }
 
