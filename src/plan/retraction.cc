@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "plan/contact_slide.h"
-
 namespace mjcf_pdg {
 namespace {
 
@@ -28,10 +26,9 @@ class ContactRetraction : public Retraction {
  public:
   explicit ContactRetraction(const RetractionInput& input)
       : input_(input),
-        rules_(input.careful ? kCareful : kWhole),
+        rules_(input.slide.careful ? kCareful : kWhole),
         slide_(input.scene.tables(), *input.space,
-               {input.options.mocap_pos, input.options.mocap_quat},
-               {.clearance = input.clearance, .careful = input.careful}) {}
+               {input.options.mocap_pos, input.options.mocap_quat}, input.slide) {}
 
   const std::vector<VectorXd>& Retract(const VectorXd& near, const VectorXd& target) override {
     chain_.clear();
@@ -97,7 +94,7 @@ class PdgRetraction : public Retraction {
  public:
   explicit PdgRetraction(const RetractionInput& input)
       : along_contact_(input),
-        solver_(input.scene, RetractingOptions(input.options, input.clearance)) {
+        solver_(input.scene, RetractingOptions(input.options, input.slide.clearance)) {
     // A new sample may be cheaper than a deep one. Processor seconds per path found (bridge with a
     // hole of 36 cm, 16 seeds): 1.56 with 16, 1.45 with 40, 3.0 with 100.
     constexpr int kQueries = 40;

@@ -8,6 +8,7 @@
 
 #include "mjcf_pdg/pdg.h"
 #include "plan/configuration_space.h"
+#include "plan/contact_slide.h"
 #include "plan/motion_prover.h"
 
 namespace mjcf_pdg {
@@ -28,9 +29,9 @@ struct RetractionInput {
   Options options;
   std::shared_ptr<ConfigurationSpace> space;
   std::shared_ptr<MotionProver> prover;
-  // That contact samples keep, so that motions along walls are provable [m].
-  double clearance = 0.0;
-  bool careful = false;  // slides are (contact_slide.h), and shorter ones are tried
+  // The clearance is that of contact samples, so that motions along walls are provable. Where
+  // slides are careful, shorter ones are tried.
+  ContactSlide::Options slide = {};
 };
 
 // Of a solver that retracts: fast, without reports, with the clearance of contact samples [m].

@@ -142,7 +142,7 @@ struct Run {
   std::int64_t samples = 0;       // at most so many
   double margin_share = 1.0;      // of the box of samples
   double step_share = 1.0;        // of the length of a planner's step
-  double clearance = 0.0;         // that contact samples keep [m]
+  ContactSlide::Options slide;    // of retractions
   std::span<const Scene> scenes;  // where it begins, and into which its path is retracted
   Runs result;
 };
@@ -174,7 +174,8 @@ class Searching {
     run.scenes = ScenesOf(run.kind);
     run.margin_share = MarginShare(round_);
     run.step_share = StepShare(input_.space, input_.options, turn.steps, run.margin_share);
-    run.clearance =
+    run.slide.careful = run.kind != Kind::kOrdinary;
+    run.slide.clearance =
         std::lerp(input_.options.options.clearance, input_.clearance, ClearanceShare(round_));
     // Those that begin smaller take about as many samples as all others.
     const std::int64_t samples =
@@ -208,8 +209,7 @@ class Searching {
     return {scene,
             input_.options,
             std::make_shared<ConfigurationSpace>(input_.space, seed, run.margin_share),
-            run.clearance,
-            run.kind != Kind::kOrdinary,
+            run.slide,
             run.step_share,
             [&run, this] { return IsOver(run); }};
   }

@@ -25,11 +25,10 @@ constexpr double kShareOfSamples = 0.05;
 Tightening::Tightening(const TreeSearchInput& input)
     : input_(input),
       search_(input),
-      along_contact_(
-          MakeContactRetraction({input.scene, input.options.options, input.space,
-                                 search_.shared_prover(), input.clearance, input.careful})),
+      along_contact_(MakeContactRetraction(
+          {input.scene, input.options.options, input.space, search_.shared_prover(), input.slide})),
       travel_(input.space->tables()),
-      solver_(input.scene, RetractingOptions(input.options.options, input.clearance)) {}
+      solver_(input.scene, RetractingOptions(input.options.options, input.slide.clearance)) {}
 
 // With configurations on the edges, kSpacing apart at most.
 std::vector<VectorXd> Tightening::Densified(const std::vector<VectorXd>& path) const {

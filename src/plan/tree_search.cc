@@ -91,10 +91,9 @@ TreeSearch::TreeSearch(const TreeSearchInput& input)
       information_(std::make_shared<ob::SpaceInformation>(input.space)) {
   UseProver(prover_, input.ended, information_);
   information_->setup();
-  named_ = MakePlanner(
-      input.options.planner, range_,
-      {input.scene, input.options.options, input.space, prover_, input.clearance, input.careful},
-      information_);
+  named_ = MakePlanner(input.options.planner, range_,
+                       {input.scene, input.options.options, input.space, prover_, input.slide},
+                       information_);
 }
 
 std::vector<VectorXd> TreeSearch::Find(const VectorXd& from, const VectorXd& to,

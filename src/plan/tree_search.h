@@ -20,8 +20,7 @@ struct TreeSearchInput {
   const Scene& scene;
   const PlanOptions& options;
   std::shared_ptr<ConfigurationSpace> space;
-  double clearance;             // that contact samples keep [m]
-  bool careful;                 // whether retractions are (plan/retraction.h)
+  ContactSlide::Options slide;  // of retractions (plan/retraction.h)
   double step_share;            // of the length of a planner's step, in (0, 1]
   std::function<bool()> ended;  // whether to give up; never empty
 };
