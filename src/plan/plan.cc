@@ -22,6 +22,7 @@ using Clock = std::chrono::steady_clock;
 // motion along a wall does not run in CCDg's contact band. Some runs keep less (plan/runs.cc). Not
 // tuned.
 constexpr double kContactClearance = 1e-3;
+
 class Planning {
  public:
   Planning(const Scene& scene, const PlanOptions& options);

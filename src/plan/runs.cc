@@ -86,8 +86,8 @@ double MarginShare(std::int64_t round) {
 // Of the clearance that contact samples keep, the whole in the first round, a quarter in the next,
 // a sixteenth, and all again: with less, motions along walls are harder to prove, with more, what
 // is thin does not fit a hole that is hardly wider. Of the 69 passages of bench/passages, one seed
-// each, 53 that are 1 % wider are found within 30 s with the whole clearance, and 63 so; of those
-// 3 % wider as many as before (bench/README.md, plan_bench).
+// each, 53 that are 1 % wider are found within 30 s with the whole clearance, and 63 so; of 138
+// searches of those 3 % wider 127 and 126 end within 20 s (bench/README.md, plan_bench).
 double ClearanceShare(std::int64_t round) {
   constexpr std::int64_t kQuarterings = 3;
   return std::ldexp(1.0, -2 * static_cast<int>(round % kQuarterings));
