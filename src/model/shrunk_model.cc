@@ -43,16 +43,51 @@ void Draw(mjModel& m, int geom, const Eigen::Vector3d& center_B, double factor) 
   if (same == mjSAMEFRAME_INERTIA) same = mjSAMEFRAME_INERTIAROT;
 }
 
-template <typename T>
-void Scale(T* begin, int count, double factor) {
-  std::transform(begin, begin + count, begin, [factor](T x) { return static_cast<T>(factor * x); });
+// Of lengths along the axes of the geom's frame.
+Eigen::Vector3d Factors(const mjModel& m, int geom, double share, Shrunk what) {
+  if (what != Shrunk::kThickness) return Eigen::Vector3d::Constant(1.0 - share);
+  const Eigen::Vector3d half = Eigen::Map<const Eigen::Vector3d>(m.geom_aabb + 6 * geom + 3);
+  Eigen::Vector3d factors = Eigen::Vector3d::Ones() - share * half.minCoeff() * half.cwiseInverse();
+  // Edges that differ by rounding are as long as each other.
+  constexpr double kLonger = 1.001;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double others = std::max(half[(axis + 1) % 3], half[(axis + 2) % 3]);
+    if (half[axis] > kLonger * others) factors[axis] = 1.0;
+  }
+  return factors;
+}
+
+void ScaleVertices(mjModel& m, int mesh, const Eigen::Vector3d& factors) {
+  Eigen::Map<Eigen::Matrix3Xf> vertices(m.mesh_vert + 3 * m.mesh_vertadr[mesh], 3,
+                                        m.mesh_vertnum[mesh]);
+  vertices.array().colwise() *= factors.cast<float>().array();
+}
+
+void ScaleGeom(mjModel& m, int geom, const Eigen::Vector3d& factors) {
+  Eigen::Map<Eigen::Vector3d> size(m.geom_size + 3 * geom);
+  switch (m.geom_type[geom]) {
+    case mjGEOM_SPHERE:
+      size[0] *= factors[0];
+      break;
+    case mjGEOM_CAPSULE:  // half of its length counts without the caps
+      size[1] = factors[2] * (size[1] + size[0]) - factors[0] * size[0];
+      size[0] *= factors[0];
+      break;
+    case mjGEOM_CYLINDER:
+      size[0] *= factors[0];
+      size[1] *= factors[2];
+      break;
+    default:
+      size = size.cwiseProduct(factors);
+  }
+  Eigen::Map<Eigen::Matrix<mjtNum, 3, 2>> box(m.geom_aabb + 6 * geom);  // centre and half edges
+  box.array().colwise() *= factors.array();
+  m.geom_rbound[geom] *= factors.maxCoeff();
 }
 
 }  // namespace
 
-std::shared_ptr<const mjModel> ShrunkModel(const SceneTables& tables, double share,
-                                           ShrunkAbout about) {
-  const double factor = 1.0 - share;
+std::shared_ptr<const mjModel> ShrunkModel(const SceneTables& tables, double share, Shrunk what) {
   const std::shared_ptr<mjModel> model(mj_copyModel(nullptr, tables.model), mj_deleteModel);
   mjModel& m = *model;
   const std::vector<char> rests = MeshesAtRest(tables), wrapped = WrappedGeoms(m);
@@ -61,20 +96,17 @@ std::shared_ptr<const mjModel> ShrunkModel(const SceneTables& tables, double sha
   for (int g = 0; g < m.ngeom; ++g) {
     if (!tables.body_moves[m.geom_bodyid[g]] || !HasSizeOfItsOwn(m.geom_type[g])) continue;
     if (wrapped[g]) continue;
+    const Eigen::Vector3d factors = Factors(m, g, share, what);
     if (m.geom_type[g] == mjGEOM_MESH) {
       const int mesh = m.geom_dataid[g];
       if (rests[mesh]) continue;
-      if (!smaller[mesh]) {
-        Scale(m.mesh_vert + 3 * m.mesh_vertadr[mesh], 3 * m.mesh_vertnum[mesh], factor);
-      }
+      if (!smaller[mesh]) ScaleVertices(m, mesh, factors);
       smaller[mesh] = 1;
     }
-    if (about == ShrunkAbout::kBodies) {
-      Draw(m, g, tables.body_spheres[m.geom_bodyid[g]].center_B, factor);
+    if (what == Shrunk::kBodies) {
+      Draw(m, g, tables.body_spheres[m.geom_bodyid[g]].center_B, 1.0 - share);
     }
-    Scale(m.geom_size + 3 * g, 3, factor);
-    Scale(m.geom_aabb + 6 * g, 6, factor);
-    m.geom_rbound[g] *= factor;
+    ScaleGeom(m, g, factors);
     any = true;
   }
   return any ? model : nullptr;

@@ -93,12 +93,16 @@ bool MotionProver::IsFree(const VectorXd& from, const VectorXd& to) {
 
 void Straighten(MotionProver& prover, const std::function<bool()>& ended,
                 std::vector<VectorXd>& corners) {
-  for (std::size_t k = 1; k + 1 < corners.size() && !ended();) {
-    if (prover.IsFree(corners[k - 1], corners[k + 1])) {
-      corners.erase(corners.begin() + static_cast<std::ptrdiff_t>(k));
-    } else {
-      ++k;
+  const auto at = [&corners](std::size_t k) {
+    return corners.begin() + static_cast<std::ptrdiff_t>(k);
+  };
+  for (std::size_t k = 0; k + 2 < corners.size(); ++k) {
+    std::size_t on = corners.size() - 1;
+    while (on > k + 1 && !ended() && !prover.IsFree(corners[k], corners[on])) {
+      on = k + 1 + (on - k - 1) / 2;
     }
+    if (ended()) return;
+    corners.erase(at(k + 1), at(on));
   }
 }
 

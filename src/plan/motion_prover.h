@@ -50,8 +50,8 @@ class MotionProver {
   std::int64_t queries_ = 0;
 };
 
-// Takes out corners of a path whose neighbours can be joined by a free motion, until `ended` says
-// to stop.
+// Takes out corners of a path between two that can be joined by a free motion, until `ended` says
+// to stop: from each corner the last is tried, then one half as far on, and so on.
 void Straighten(MotionProver& prover, const std::function<bool()>& ended,
                 std::vector<VectorXd>& corners);
 

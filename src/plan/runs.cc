@@ -39,12 +39,12 @@ std::int64_t Luby(std::int64_t k) {
 }
 
 // Careful runs slide along contacts (plan/retraction.h) in steps so short that they lead through
-// holes and round corners in which others are stuck. Those that begin with smaller bodies or geoms
-// are careful as well. Each kind is the cheapest somewhere. Seconds of the processor per path in
-// runs of one kind: for a bridge with a hole of 0.29 m 1.0, 1.6, 6.8, for slot.xml
-// (models/passages) 2.3, 0.57, 2.9, for piano.xml 8.0, 9.9, 1.4; for a U in its hole smaller geoms
-// find a path in 0.4 and no other kind does (bench/README.md, plan_bench).
-enum class Kind { kOrdinary, kCareful, kSmallerBodies, kSmallerGeoms };
+// holes and round corners in which others are stuck. Those that begin with smaller bodies, or
+// smaller or thinner geoms, are careful as well. Each kind is the cheapest somewhere. Seconds of
+// the processor per path in runs of one kind: for a bridge with a hole of 0.29 m 1.0, 1.6, 6.8, for
+// slot.xml (models/passages) 2.3, 0.57, 2.9, for piano.xml 8.0, 9.9, 1.4; for a U in its hole
+// smaller geoms find a path in 0.4 and no other kind does (bench/README.md, plan_bench).
+enum class Kind { kOrdinary, kCareful, kSmallerBodies, kSmallerGeoms, kThinner };
 
 // Steps are whole, or so short that half of them move no body farther than kRadiiOfAShortStep: a
 // step is a share of the extent, in which an arm that swings counts for more than a hand that is to
@@ -58,6 +58,7 @@ struct Turn {
 
 // A round of runs; `number` is that of the round, from 0. Runs with smaller bodies and geoms take
 // longest: they come last, once each, and have whole and short steps in turn from round to round.
+// Those with thinner geoms have whole ones, with which they find more (bench/README.md, Passages).
 std::vector<Turn> Round(const std::string& planner, std::int64_t number) {
   using enum Kind;
   using enum Steps;
@@ -67,6 +68,7 @@ std::vector<Turn> Round(const std::string& planner, std::int64_t number) {
   if (RetractsByPdg(planner)) {
     const bool whole = number % 2 == 0;
     round.push_back({kSmallerBodies, whole ? kWhole : kShort});
+    round.push_back({kThinner, kWhole});
     round.push_back({kSmallerGeoms, whole ? kShort : kWhole});
   }
   return round;
@@ -115,10 +117,10 @@ class ShrunkForEnds {
 
   // Those (plan/shrunk_scenes.h) in which start and goal are free, as they may not be for a body
   // that reaches around something, and at last the scene itself.
-  std::span<const Scene> Get(ShrunkAbout about) {
-    std::vector<Scene>& scenes = scenes_[about];
+  std::span<const Scene> Get(Shrunk what) {
+    std::vector<Scene>& scenes = scenes_[what];
     if (scenes.empty()) {
-      scenes = ShrunkScenes(input_.scene, about);
+      scenes = ShrunkScenes(input_.scene, what);
       std::erase_if(scenes, [this](const Scene& scene) { return !EndsAreFree(scene); });
       scenes.push_back(input_.scene);
     }
@@ -133,7 +135,7 @@ class ShrunkForEnds {
   }
 
   const RunsInput& input_;
-  std::map<ShrunkAbout, std::vector<Scene>> scenes_;
+  std::map<Shrunk, std::vector<Scene>> scenes_;
 };
 
 struct Run {
@@ -187,8 +189,9 @@ class Searching {
   }
 
   std::span<const Scene> ScenesOf(Kind kind) {
-    if (kind == Kind::kSmallerBodies) return shrunk_.Get(ShrunkAbout::kBodies);
-    if (kind == Kind::kSmallerGeoms) return shrunk_.Get(ShrunkAbout::kGeoms);
+    if (kind == Kind::kSmallerBodies) return shrunk_.Get(Shrunk::kBodies);
+    if (kind == Kind::kSmallerGeoms) return shrunk_.Get(Shrunk::kGeoms);
+    if (kind == Kind::kThinner) return shrunk_.Get(Shrunk::kThickness);
     return {&input_.scene, 1};
   }
 
@@ -227,6 +230,7 @@ class Searching {
     TreeSearch search(input);
     run.result.path = search.Find(input_.start, input_.goal, run.samples);
     run.result.samples = input.space->samples();
+    if (run.scenes.size() > 1) Straighten(search.prover(), input.ended, run.result.path);
     Add(search.cost(), run);
     Tighten(seed, run);
     if (run.result.path.empty()) return;

@@ -2,9 +2,9 @@
 // samples begins anew: a few samples in the right place make a path soon or not at all. The runs
 // are independent, each with random numbers of its own, so that several threads may be at different
 // ones. They come in rounds, in each of which steps are whole and short. Of planners that retract,
-// every second or third run is careful (plan/contact_slide.h); of one that retracts by penetration
-// depth, every third begins with smaller bodies or geoms, by turns (plan/shrunk_scenes.h), and
-// retracts the path as they grow (plan/tightening.h).
+// two runs of a round are careful (plan/contact_slide.h); of one that retracts by penetration
+// depth, three of seven begin with smaller bodies or geoms, or thinner ones (plan/shrunk_scenes.h),
+// and retract the path as they grow (plan/tightening.h).
 #ifndef MJCF_PDG_SRC_PLAN_RUNS_H_
 #define MJCF_PDG_SRC_PLAN_RUNS_H_
 

@@ -1,9 +1,11 @@
 // Scenes in which what moves is smaller: more room for a planner, and less and less of it, until it
 // is as the scene has it. As bodies grow in a narrow passage they turn into the only way through.
 //
-// Neither way to be smaller is good everywhere. A bent tube as a whole is a short one, which passes
+// No way to be smaller is good everywhere. A bent tube as a whole is a short one, which passes
 // anywhere; its geoms, each by itself, are as far apart as ever. Half of a U does not pass through
 // a hole that is shaped like a U; its geoms do at any size, as they lie in those of a larger one.
+// Of an arm that has its hand behind a wall smaller links are apart, so that the wall passes
+// between them, and a small hand finds no slot; links that are thin still lead through it.
 //
 // Sources: Bayazit, Xie & Amato, Iterative relaxation of constraints: a framework for improving
 // automated motion planning (IROS 2005); Saha, Latombe, Chang & Prinz, Finding narrow passages with
@@ -18,9 +20,10 @@
 
 namespace mjcf_pdg {
 
-// What moves has a sixteenth of its size (model/shrunk_model.h), then twice as much, up to a half;
-// then it lacks half as much each time, down to 3 %. Empty if nothing that moves can be smaller.
-std::vector<Scene> ShrunkScenes(const Scene& scene, ShrunkAbout about);
+// What moves has a sixteenth of its size or thickness (model/shrunk_model.h), then twice as much,
+// up to a half; then it lacks half as much each time, down to 3 %. Empty if nothing that moves can
+// be smaller.
+std::vector<Scene> ShrunkScenes(const Scene& scene, Shrunk what);
 
 }  // namespace mjcf_pdg
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace mjcf_pdg {
 namespace {
@@ -19,6 +20,9 @@ constexpr double kLeash = 1.0;
 // reached is left out. With a hundred samples, not a share, a C and an S in their holes take 1.9
 // and 6.8 s per path instead of 1.2 and 1.4; arms and the mobile base take up to a quarter less.
 constexpr double kShareOfSamples = 0.05;
+// So many configurations in a row that are not reached end it: the wide path leads where what has
+// grown does not fit, and another run is cheaper than what is left of the samples.
+constexpr int kMostMissed = 10;
 
 }  // namespace
 
@@ -57,45 +61,58 @@ bool Tightening::Follow(const VectorXd& q, std::vector<VectorXd>& path) {
   return travel_.InRadii(path.back(), q) < kLeash;
 }
 
-// Moves q to the nearest free configuration. Returns whether one was found where paths may go: a
-// body that has come through a wall may leave it beyond its far edge.
+// Moves q to the nearest free configuration. Returns whether one was found near it where paths may
+// go: a body that has come through a wall may leave it beyond its far edge.
 bool Tightening::Free(VectorXd& q) {
   const Status status = solver_.Solve({q.data(), static_cast<std::size_t>(q.size())}, result_);
   queries_ += result_.stats.collision_queries;
   if (status == Status::kUnsolved) return false;
-  q = ToEigen(result_.q);
-  return input_.space->Covers(q);
+  const VectorXd blocked = std::exchange(q, ToEigen(result_.q));
+  return input_.space->Covers(q) && travel_.InRadii(blocked, q) < kLeash;
 }
 
-// Appends a way from the path's end to q, if one is found by so many samples at most.
-bool Tightening::Reach(const VectorXd& q, std::int64_t samples, std::vector<VectorXd>& path) {
-  if (search_.prover().IsFree(path.back(), q)) {
-    path.push_back(q);
-    return true;
+// Joins path_ and q, which is free and stands for dense_[k]: from q the wide path is followed
+// backwards until a free motion leads there from path_. Where that ends, a way between the two is
+// looked for by so many samples at most. Returns whether they are joined.
+bool Tightening::Join(std::size_t k, const VectorXd& q, std::int64_t samples) {
+  nodes_.resize(k + 1, path_.size() - 1);
+  std::vector<VectorXd> back = {q};
+  bool met = search_.prover().IsFree(path_.back(), q);
+  for (bool follows = true; !met && follows && k > 0 && !input_.ended();) {
+    follows = Follow(dense_[--k], back);
+    met = search_.prover().IsFree(path_[nodes_[k]], back.back());
   }
-  const std::vector<VectorXd> way = search_.FindNear(path.back(), q, samples);
+  std::vector<VectorXd> way = {path_[nodes_[k]], back.back()};
+  if (!met) way = search_.FindNear(way.front(), way.back(), samples);
   if (way.empty()) return false;
-  path.insert(path.end(), way.begin() + 1, way.end());
+  path_.resize(nodes_[k] + 1);
+  path_.insert(path_.end(), way.begin() + 1, way.end());
+  path_.insert(path_.end(), back.rbegin() + 1, back.rend());
+  nodes_.resize(k + 1);
   return true;
 }
 
 std::vector<VectorXd> Tightening::Tighten(const std::vector<VectorXd>& wide, std::int64_t samples) {
   const std::int64_t most = input_.space->samples() + samples;
-  const std::vector<VectorXd> dense = Densified(wide);
-  std::vector<VectorXd> path = {dense.front()};
-  for (std::size_t k = 1; k < dense.size(); ++k) {
+  dense_ = Densified(wide);
+  path_ = {dense_.front()};
+  nodes_.clear();
+  int missed = 0;
+  for (std::size_t k = 1; k < dense_.size(); ++k) {
     if (input_.ended()) return {};
-    const bool last = k + 1 == dense.size();
-    VectorXd q = dense[k];
-    if (Follow(q, path) && (!last || path.back() == q)) continue;
+    nodes_.resize(k, path_.size() - 1);
+    const bool last = k + 1 == dense_.size();
+    VectorXd q = dense_[k];
+    if (Follow(q, path_) && (!last || path_.back() == q)) continue;
     if (!last && !Free(q)) continue;
     const std::int64_t left = most - input_.space->samples();
     const double most_here = (last ? 1.0 : kShareOfSamples) * static_cast<double>(left);
-    if (Reach(q, static_cast<std::int64_t>(std::ceil(most_here)), path)) continue;
-    if (last || left <= 0) return {};
+    const bool joined = Join(k, q, static_cast<std::int64_t>(std::ceil(most_here)));
+    missed = joined ? 0 : missed + 1;
+    if (!joined && (last || left <= 0 || missed == kMostMissed)) return {};
   }
-  Straighten(search_.prover(), input_.ended, path);
-  return path;
+  Straighten(search_.prover(), input_.ended, path_);
+  return path_;
 }
 
 SearchCost Tightening::cost() const {

@@ -7,7 +7,9 @@
 //   1. The path is followed along the contacts (plan/retraction.h) as far as that stays near it.
 //      Configurations that are retracted one by one come to lie on this side of a wall or that.
 //   2. Elsewhere they are retracted by PDg, not by random samples nearby, and neighbours are joined
-//      by searches between them.
+//      by searches between them. Those that come to lie far from where they were are left out.
+//   3. From a configuration that is not reached the path is followed backwards as well: a hole is
+//      easier to leave than to enter.
 #ifndef MJCF_PDG_SRC_PLAN_TIGHTENING_H_
 #define MJCF_PDG_SRC_PLAN_TIGHTENING_H_
 
@@ -36,7 +38,7 @@ class Tightening {
   std::vector<VectorXd> Densified(const std::vector<VectorXd>& path) const;
   bool Follow(const VectorXd& q, std::vector<VectorXd>& path);
   bool Free(VectorXd& q);
-  bool Reach(const VectorXd& q, std::int64_t samples, std::vector<VectorXd>& path);
+  bool Join(std::size_t k, const VectorXd& q, std::int64_t samples);
 
   const TreeSearchInput input_;
   TreeSearch search_;
@@ -44,7 +46,10 @@ class Tightening {
   BodyTravel travel_;
   Solver solver_;
   Result result_;
-  std::int64_t queries_ = 0;  // of solver_
+  std::vector<VectorXd> dense_;     // the wide path
+  std::vector<VectorXd> path_;      // what has been found for its first configurations
+  std::vector<std::size_t> nodes_;  // of path_, where it had come to when these were followed
+  std::int64_t queries_ = 0;        // of solver_
 };
 
 }  // namespace mjcf_pdg

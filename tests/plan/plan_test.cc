@@ -268,7 +268,7 @@ TEST(PlanTest, EndingWhileThePathIsShortenedLeavesAPath) {
   ASSERT_TRUE(whole.found);
   int found = 0;
   double longest = 0.0;
-  for (int answers = asked - 1; answers >= asked - 6; --answers) {
+  for (int answers = asked - 1; answers > 0; --answers) {
     const Path path = plan(answers).first;
     if (!path.found) break;  // that was before
     ExpectFree(scene, path, start, goal);

@@ -44,8 +44,8 @@ TEST(ShrunkScenesTest, WhatMovesDoublesFromASixteenthThenLacksHalfAsMuch) {
                                           geom + "/></body></worldbody></mujoco>");
     const std::vector<double> sizes = {1.0 / 16, 1.0 / 8, 1.0 / 4,   1.0 / 2,
                                        3.0 / 4,  7.0 / 8, 15.0 / 16, 31.0 / 32};
-    for (const ShrunkAbout about : {ShrunkAbout::kBodies, ShrunkAbout::kGeoms}) {
-      const std::vector<Scene> shrunk = ShrunkScenes(scene, about);
+    for (const Shrunk what : {Shrunk::kBodies, Shrunk::kGeoms}) {
+      const std::vector<Scene> shrunk = ShrunkScenes(scene, what);
       ASSERT_EQ(shrunk.size(), sizes.size());
       for (std::size_t k = 0; k < shrunk.size(); ++k) {
         ExpectTouchesAt(sizes[k] * kTouching, shrunk[k]);
@@ -53,6 +53,37 @@ TEST(ShrunkScenesTest, WhatMovesDoublesFromASixteenthThenLacksHalfAsMuch) {
       }
     }
     ExpectTouchesAt(kTouching, scene);  // which is what it was
+  }
+}
+
+// Half as thick: half of the shortest edge is taken from each, but not from the one that is
+// longest.
+TEST(ShrunkScenesTest, AGeomThatIsThinnerIsAsLongAsBefore) {
+  const std::string bar = R"(<mujoco><asset><mesh name="bar" vertex="
+      -.4 -.1 -.2  .4 -.1 -.2  -.4 .1 -.2  .4 .1 -.2
+      -.4 -.1 .2  .4 -.1 .2  -.4 .1 .2  .4 .1 .2"/></asset>)";
+  struct Case {
+    std::string geom;
+    std::vector<double> half;  // along x, y, z, when it is half as thick [m]
+  };
+  const std::vector<Case> cases = {{"type='box' size='.3 .1 .4'", {0.25, 0.05, 0.4}},
+                                   {"type='box' size='.4 .1 .4'", {0.35, 0.05, 0.35}},
+                                   {"type='sphere' size='.4'", {0.2, 0.2, 0.2}},
+                                   {"type='capsule' size='.1 .3'", {0.05, 0.05, 0.4}},
+                                   {"type='cylinder' size='.1 .4'", {0.05, 0.05, 0.4}},
+                                   {"type='cylinder' size='.4 .1'", {0.35, 0.35, 0.05}},
+                                   {"type='ellipsoid' size='.1 .2 .4'", {0.05, 0.15, 0.4}},
+                                   {"type='mesh' mesh='bar'", {0.4, 0.05, 0.15}}};
+  const std::vector<std::string> up = {"euler='0 90 0'", "euler='90 0 0'", ""};
+  for (const Case& each : cases) {
+    for (std::size_t axis = 0; axis < up.size(); ++axis) {
+      SCOPED_TRACE(each.geom + " " + up[axis]);
+      const Scene scene =
+          Scene::FromString(bar + R"(<worldbody>
+          <geom type="box" size="2 2 2" pos="0 0 -2"/><body><joint type="slide" axis="0 0 1"/><geom )" +
+                            each.geom + " " + up[axis] + "/></body></worldbody></mujoco>");
+      ExpectTouchesAt(each.half[axis], ShrunkScenes(scene, Shrunk::kThickness).at(3));
+    }
   }
 }
 
@@ -68,13 +99,13 @@ TEST(ShrunkScenesTest, ABodyOfSeveralGeomsIsSmallerAsAWhole) {
         <geom type="box" size="2 2 2" pos="0 0 -2"/><geom type="box" size="2 2 2" pos="0 0 5"/>
         <body><joint type="slide" axis="0 0 1"/>)" +
                                           body + "</body></worldbody></mujoco>");
-    const Scene shrunk = ShrunkScenes(scene, ShrunkAbout::kBodies).at(3);  // half as large
+    const Scene shrunk = ShrunkScenes(scene, Shrunk::kBodies).at(3);  // half as large
     ExpectTouchesAt(-0.2, shrunk);
     Solver smaller(shrunk);
     EXPECT_TRUE(smaller.IsFree(std::vector<double>{2.2 - 1e-4}));
     EXPECT_FALSE(smaller.IsFree(std::vector<double>{2.2 + 1e-4}));
     // By geoms, which stay where they are, its feet are lower.
-    ExpectTouchesAt(0.05, ShrunkScenes(scene, ShrunkAbout::kGeoms).at(3));
+    ExpectTouchesAt(0.05, ShrunkScenes(scene, Shrunk::kGeoms).at(3));
   }
 }
 
@@ -85,7 +116,7 @@ TEST(ShrunkScenesTest, TheVerifierKnowsTheSmallerShapes) {
       <body><joint type="slide" axis="0 0 1"/><geom type="sphere" size=".4"/></body>
       </worldbody></mujoco>)");
   const double radius = 2.0 + 0.4 / 16.0, touching = std::sqrt(radius * radius - 1.5 * 1.5) - 2.0;
-  Solver smaller(ShrunkScenes(scene, ShrunkAbout::kBodies).front());
+  Solver smaller(ShrunkScenes(scene, Shrunk::kBodies).front());
   EXPECT_TRUE(smaller.IsFree(std::vector<double>{touching + 1e-4}));
   EXPECT_FALSE(smaller.IsFree(std::vector<double>{touching - 1e-4}));
 }
@@ -95,7 +126,7 @@ TEST(ShrunkScenesTest, AMeshThatSomethingAtRestHasTooStaysAsItIs) {
       <geom type="mesh" mesh="cube" pos="0 0 -.4"/>
       <body><joint type="slide" axis="0 0 1"/><geom type="mesh" mesh="cube"/></body>
       </worldbody></mujoco>)");
-  EXPECT_TRUE(ShrunkScenes(scene, ShrunkAbout::kBodies).empty());
+  EXPECT_TRUE(ShrunkScenes(scene, Shrunk::kBodies).empty());
 }
 
 TEST(ShrunkScenesTest, AMeshOfTwoThatMoveIsSmallerForBoth) {
@@ -104,7 +135,7 @@ TEST(ShrunkScenesTest, AMeshOfTwoThatMoveIsSmallerForBoth) {
       <body><joint type="slide" axis="0 0 1"/><geom type="mesh" mesh="cube"/></body>
       <body pos="1 0 0"><joint type="slide" axis="0 0 1"/><geom type="mesh" mesh="cube"/></body>
       </worldbody></mujoco>)");
-  Solver smaller(ShrunkScenes(scene, ShrunkAbout::kBodies).front());
+  Solver smaller(ShrunkScenes(scene, Shrunk::kBodies).front());
   constexpr double kHalf = 0.4 / 16.0;
   EXPECT_TRUE(smaller.IsFree(std::vector<double>{kHalf + 1e-4, kHalf + 1e-4}));
   EXPECT_FALSE(smaller.IsFree(std::vector<double>{kHalf - 1e-4, kHalf + 1e-4}));
@@ -119,14 +150,14 @@ TEST(ShrunkScenesTest, AGeomThatATendonWrapsAroundStaysAsItIs) {
       <body><joint type="slide" axis="0 0 1"/><geom name="pulley" type="sphere" size=".4"/></body>
       </worldbody><tendon><spatial>
       <site site="from"/><geom geom="pulley"/><site site="to"/></spatial></tendon></mujoco>)");
-  EXPECT_TRUE(ShrunkScenes(scene, ShrunkAbout::kBodies).empty());
+  EXPECT_TRUE(ShrunkScenes(scene, Shrunk::kBodies).empty());
 }
 
 TEST(ShrunkScenesTest, AnExactMeshIsSmallerToo) {
   const Scene piano = Scene::FromFile(std::string(MJCF_PDG_MODEL_DIR) + "/passages/piano.xml",
                                       {.exact_mesh = true});
   ASSERT_TRUE(piano.HasExactMeshes());
-  const Scene smaller = ShrunkScenes(piano, ShrunkAbout::kBodies).at(2);
+  const Scene smaller = ShrunkScenes(piano, Shrunk::kBodies).at(2);
   const std::vector<double> start = piano.KeyQpos(0), goal = piano.KeyQpos(1);
   Solver of_piano(piano), of_smaller(smaller);
   int free = 0, smaller_free = 0;

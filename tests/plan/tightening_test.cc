@@ -89,9 +89,17 @@ TEST(TighteningTest, APathThatIsFreeIsKept) {
   EXPECT_EQ(path.back(), wide.back());
 }
 
+// Its mouth is not met on the way in, but on the way out of it.
+TEST(TighteningTest, AHoleThatIsNotEnteredIsLeftBackwards) {
+  EXPECT_FALSE(Tightened(BarAndGap(0.202), SlantedWay(), 0).empty());
+}
+
 TEST(TighteningTest, WithoutSamplesNoWayAroundIsFound) {
-  EXPECT_FALSE(Tightened(BarAndGap(0.6), SlantedWay(), 0).empty());  // needs none
-  EXPECT_TRUE(Tightened(BarAndGap(0.202), SlantedWay(), 0).empty());
+  const std::vector<VectorXd> through_the_wall = {
+      VectorXd{{-1.0, 0.0, 0.0}}, VectorXd{{-0.6, 0.6, 0.0}}, VectorXd{{0.6, 0.6, 0.0}},
+      VectorXd{{1.0, 0.0, 0.0}}};
+  EXPECT_TRUE(Tightened(BarAndGap(0.6), through_the_wall, 0).empty());
+  EXPECT_FALSE(Tightened(BarAndGap(0.6), through_the_wall).empty());
 }
 
 // A disc in a wall whose nearest way out is past its end, where no samples are drawn.
