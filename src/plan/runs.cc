@@ -56,22 +56,26 @@ struct Turn {
   Steps steps;
 };
 
-// A round of runs; `number` is that of the round, from 0. Runs with smaller bodies and geoms take
-// longest: they come last, once each, and have whole and short steps in turn from round to round.
-// Those with thinner geoms have whole ones, with which they find more (bench/README.md, Passages).
+// A round of runs; `number` is that of the round, from 0. Runs that begin smaller take longest, and
+// come once each: with smaller bodies, with which most narrow passages are found, after one run of
+// either kind that does not, with thinner and smaller geoms last. Those with bodies and with
+// smaller geoms have whole and short steps in turn from round to round. Thinner ones have whole
+// steps, with which they find more (bench/README.md, Passages).
 std::vector<Turn> Round(const std::string& planner, std::int64_t number) {
   using enum Kind;
   using enum Steps;
   if (!Retracts(planner)) return {{kOrdinary, kWhole}, {kOrdinary, kShort}};
-  std::vector<Turn> round = {
-      {kOrdinary, kWhole}, {kCareful, kShort}, {kOrdinary, kShort}, {kCareful, kWhole}};
-  if (RetractsByPdg(planner)) {
-    const bool whole = number % 2 == 0;
-    round.push_back({kSmallerBodies, whole ? kWhole : kShort});
-    round.push_back({kThinner, kWhole});
-    round.push_back({kSmallerGeoms, whole ? kShort : kWhole});
+  if (!RetractsByPdg(planner)) {
+    return {{kOrdinary, kWhole}, {kCareful, kShort}, {kOrdinary, kShort}, {kCareful, kWhole}};
   }
-  return round;
+  const bool even = number % 2 == 0;
+  return {{kOrdinary, kWhole},
+          {kCareful, kShort},
+          {kSmallerBodies, even ? kWhole : kShort},
+          {kOrdinary, kShort},
+          {kCareful, kWhole},
+          {kThinner, kWhole},
+          {kSmallerGeoms, even ? kShort : kWhole}};
 }
 
 // Samples of slides and free bodies without limits come from a box around start and goal. Of the

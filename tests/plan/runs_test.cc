@@ -74,7 +74,7 @@ TEST_P(EveryPlanner, BeginsAnew) {
   const std::map<std::string, Counts> expected = {
       {"birrt", {{250, 1}, {251, 2}, {1000, 4}, {1001, 5}, {1500, 5}, {1501, 6}}},
       {"birrt-r", {{250, 1}, {251, 2}, {2000, 8}, {2001, 9}, {2500, 9}, {2501, 10}}},
-      {"birrt-pdg", {{250, 1}, {251, 2}, {1000, 4}}}};
+      {"birrt-pdg", {{250, 1}, {251, 2}, {500, 2}}}};
   const auto nodes = [&](int samples) {
     PlanOptions options = With(GetParam());
     options.max_samples = samples;
@@ -87,12 +87,13 @@ TEST_P(EveryPlanner, BeginsAnew) {
     EXPECT_EQ(nodes(samples), 2 * runs) << samples;
   }
   if (GetParam() != std::string("birrt-pdg")) return;
-  EXPECT_GT(nodes(1100), 2 * 5);            // with smaller bodies there is a way
+  EXPECT_GT(nodes(600), 2 * 3);             // with smaller bodies there is a way
   EXPECT_EQ(nodes(3251), nodes(3250) + 2);  // a run of the first kind
 }
 
 // A frame around a post, and another post around which it is to be: if it were smaller, the posts
-// would be in it. So the fifth run is one of 250 samples as well.
+// would be in it. So the third run is one of 250 samples as well, and only the sixth has a frame
+// that is thinner.
 TEST(PlanTest, WhereEndsAreNotFreeWithSmallerBodiesThereAreNone) {
   const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
     <geom type="box" size=".2 .2 .5" pos="-1 0 0"/><geom type="box" size=".2 .2 .5" pos="1 0 0"/>
@@ -113,7 +114,8 @@ TEST(PlanTest, WhereEndsAreNotFreeWithSmallerBodiesThereAreNone) {
 
 // Half of a room, and a hole in the wall between the halves that is 11 % wider than the body. The
 // box that the model's extent makes is larger than the room: drawn from that alone, these seeds
-// take 56,000, more than 100,000 and 81,000 samples, and 2,000, 4,000 and 1,000 as it is.
+// took 56,000, more than 100,000 and 81,000 samples when that was new; they take 3,753, 7,512 and
+// 3,753 as it is.
 TEST(PlanTest, AFreeBodyLeavesHalfOfAClosedRoom) {
   const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
     <geom type="box" size="2 4 4" pos="-4 0 0"/><geom type="box" size="2 4 4" pos="4 0 0"/>
@@ -174,20 +176,20 @@ TEST(PlanTest, AHandBehindAWallIsDrawnOutOfItsHole) {
   EXPECT_GE(found, 1);
 }
 
-// After four runs of 250 samples comes one of 750, those near the path included that is found with
+// After two runs of 250 samples comes one of 750, those near the path included that is found with
 // a smaller disc and cannot be retracted.
 TEST(PlanTest, SamplesNearAPathThatIsRetractedCount) {
   PlanOptions options = With("birrt-pdg");
-  options.max_samples = 1750;
+  options.max_samples = 1250;
   const Path path = Plan(Scene::FromString(DiscAndGap(-0.01)), {-0.5, 0.5}, {0.5, -0.5}, options);
   EXPECT_FALSE(path.found);
-  EXPECT_LE(path.samples, 1750);
-  EXPECT_GT(path.samples, 1100);
+  EXPECT_LE(path.samples, 1250);
+  EXPECT_GT(path.samples, 600);
 }
 
 // A coin, 20 times as wide as thick, and a slot 1 % higher: less than twice what contact samples
 // keep in the first round. If they kept it in all, none of these seeds would find a path in 20,000
-// samples; they take 3,500 to 4,200.
+// samples; they take 2,900 and 3,100.
 TEST(PlanTest, AThinBodyPassesASlotThatIsHardlyWider) {
   const Scene scene = Scene::FromString(R"(<mujoco><worldbody>
     <geom type="box" size=".05 3 1.5" pos="0 0 1.507575"/><geom type="box" size=".05 3 1.5" pos="0 0 -1.507575"/>
