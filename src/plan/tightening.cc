@@ -21,7 +21,9 @@ constexpr double kLeash = 1.0;
 // and 6.8 s per path instead of 1.2 and 1.4; arms and the mobile base take up to a quarter less.
 constexpr double kShareOfSamples = 0.05;
 // So many configurations in a row that are not reached end it: the wide path leads where what has
-// grown does not fit, and another run is cheaper than what is left of the samples.
+// grown does not fit, and another run is cheaper than what is left of the samples. Of 24 searches
+// of arms with hands behind a wall 12 find a path within 10 s without this rule, and 16 with it
+// (bench/README.md, Passages).
 constexpr int kMostMissed = 10;
 
 }  // namespace
