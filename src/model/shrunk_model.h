@@ -10,13 +10,14 @@
 
 namespace mjcf_pdg {
 
-// What becomes smaller and keeps its centre: bodies, that of the sphere around their geoms
-// (SceneTables::body_spheres), geoms, the origins of their frames, or how thick these are, the same
-// origins.
-enum class Shrunk { kBodies, kGeoms, kThickness };
+enum class Shrunk {
+  kBodies,     // each body, about the centre of the sphere around its geoms (body_spheres)
+  kGeoms,      // each geom, about the origin of its frame
+  kThickness,  // each geom, about the same origin, but as long as it is
+};
 
-// What moves is smaller by `share` (at least 0, less than 1) of its size. Of a geom's thickness,
-// the shortest edge of its box along the axes of its frame, `share` is taken from each of the three
+// What moves is smaller by `share` (at least 0, less than 1) of its size. By kThickness, `share` of
+// the shortest edge of the geom's box, along the axes of its frame, is taken from each of the three
 // edges, but not from one that is longer than both others: limbs stay as long as they are, so that
 // what they are jointed to is where it was, and nothing passes between. Convex geoms that shrink
 // about their own centres lie in the larger ones, but for meshes that become thinner. Planes,

@@ -97,12 +97,13 @@ void Straighten(MotionProver& prover, const std::function<bool()>& ended,
     return corners.begin() + static_cast<std::ptrdiff_t>(k);
   };
   for (std::size_t k = 0; k + 2 < corners.size(); ++k) {
-    std::size_t on = corners.size() - 1;
-    while (on > k + 1 && !ended() && !prover.IsFree(corners[k], corners[on])) {
-      on = k + 1 + (on - k - 1) / 2;
+    const std::size_t next = k + 1;
+    std::size_t last = corners.size() - 1;
+    for (; last > next; last = next + (last - next) / 2) {
+      if (ended()) return;
+      if (prover.IsFree(corners[k], corners[last])) break;
     }
-    if (ended()) return;
-    corners.erase(at(k + 1), at(on));
+    corners.erase(at(next), at(last));
   }
 }
 

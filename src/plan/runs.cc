@@ -44,7 +44,7 @@ std::int64_t Luby(std::int64_t k) {
 // the processor per path in runs of one kind: for a bridge with a hole of 0.29 m 1.0, 1.6, 6.8, for
 // slot.xml (models/passages) 2.3, 0.57, 2.9, for piano.xml 8.0, 9.9, 1.4; for a U in its hole
 // smaller geoms find a path in 0.4 and no other kind does (bench/README.md, plan_bench).
-enum class Kind { kOrdinary, kCareful, kSmallerBodies, kSmallerGeoms, kThinner };
+enum class Kind { kOrdinary, kCareful, kSmallerBodies, kSmallerGeoms, kThinnerGeoms };
 
 // Steps are whole, or so short that half of them move no body farther than kRadiiOfAShortStep: a
 // step is a share of the extent, in which an arm that swings counts for more than a hand that is to
@@ -74,7 +74,7 @@ std::vector<Turn> Round(const std::string& planner, std::int64_t number) {
           {kSmallerBodies, even ? kWhole : kShort},
           {kOrdinary, kShort},
           {kCareful, kWhole},
-          {kThinner, kWhole},
+          {kThinnerGeoms, kWhole},
           {kSmallerGeoms, even ? kShort : kWhole}};
 }
 
@@ -195,7 +195,7 @@ class Searching {
   std::span<const Scene> ScenesOf(Kind kind) {
     if (kind == Kind::kSmallerBodies) return shrunk_.Get(Shrunk::kBodies);
     if (kind == Kind::kSmallerGeoms) return shrunk_.Get(Shrunk::kGeoms);
-    if (kind == Kind::kThinner) return shrunk_.Get(Shrunk::kThickness);
+    if (kind == Kind::kThinnerGeoms) return shrunk_.Get(Shrunk::kThickness);
     return {&input_.scene, 1};
   }
 

@@ -22,7 +22,7 @@ constexpr double kLeash = 1.0;
 constexpr double kShareOfSamples = 0.05;
 // So many configurations in a row that are not reached end it: the wide path leads where what has
 // grown does not fit, and another run is cheaper than what is left of the samples. Of 24 searches
-// of arms with hands behind a wall 12 find a path within 10 s without this rule, and 16 with it
+// of arms, a gripper and a snake 12 find a path within 10 s without this rule, and 16 with it
 // (bench/README.md, Passages).
 constexpr int kMostMissed = 10;
 
