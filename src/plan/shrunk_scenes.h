@@ -20,9 +20,8 @@
 
 namespace mjcf_pdg {
 
-// What moves has a sixteenth of its size or thickness (model/shrunk_model.h), then twice as much,
-// up to a half; then it lacks half as much each time, down to 3 %. Empty if nothing that moves can
-// be smaller.
+// What moves has a sixteenth of its size or thickness (model/shrunk_model.h), then two, up to
+// fifteen. Empty if nothing that moves can be smaller.
 std::vector<Scene> ShrunkScenes(const Scene& scene, Shrunk what);
 
 }  // namespace mjcf_pdg

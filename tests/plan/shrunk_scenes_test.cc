@@ -20,6 +20,7 @@ const std::string kCube = R"(<mujoco><asset><mesh name="cube" vertex="
     -.4 -.4 .4  .4 -.4 .4  -.4 .4 .4  .4 .4 .4"/></asset>)";
 
 constexpr double kTouching = 0.4;  // z of the geom on the block [m]
+constexpr std::size_t kHalf = 7;   // the scene in which what moves has half of its size
 
 // The solver asks the verifier, the motion checker the contacts of the search.
 void ExpectTouchesAt(double z, const Scene& scene) {
@@ -33,7 +34,7 @@ void ExpectTouchesAt(double z, const Scene& scene) {
   EXPECT_EQ(moved_down_to(below), MotionOutcome::kContact);
 }
 
-TEST(ShrunkScenesTest, WhatMovesDoublesFromASixteenthThenLacksHalfAsMuch) {
+TEST(ShrunkScenesTest, WhatMovesGrowsBySixteenths) {
   for (const std::string geom : {"type='box' size='.3 .1 .4'", "type='sphere' size='.4'",
                                  "type='capsule' size='.1 .3'", "type='cylinder' size='.1 .4'",
                                  "type='ellipsoid' size='.1 .2 .4'", "type='mesh' mesh='cube'"}) {
@@ -42,13 +43,11 @@ TEST(ShrunkScenesTest, WhatMovesDoublesFromASixteenthThenLacksHalfAsMuch) {
         <geom type="box" size="2 2 2" pos="0 0 -2"/>
         <body><joint type="slide" axis="0 0 1"/><geom )" +
                                           geom + "/></body></worldbody></mujoco>");
-    const std::vector<double> sizes = {1.0 / 16, 1.0 / 8, 1.0 / 4,   1.0 / 2,
-                                       3.0 / 4,  7.0 / 8, 15.0 / 16, 31.0 / 32};
     for (const Shrunk what : {Shrunk::kBodies, Shrunk::kGeoms}) {
       const std::vector<Scene> shrunk = ShrunkScenes(scene, what);
-      ASSERT_EQ(shrunk.size(), sizes.size());
+      ASSERT_EQ(shrunk.size(), 15U);
       for (std::size_t k = 0; k < shrunk.size(); ++k) {
-        ExpectTouchesAt(sizes[k] * kTouching, shrunk[k]);
+        ExpectTouchesAt(static_cast<double>(k + 1) / 16.0 * kTouching, shrunk[k]);
         EXPECT_EQ(shrunk[k].tables().size, scene.tables().size);
       }
     }
@@ -82,7 +81,7 @@ TEST(ShrunkScenesTest, AGeomThatIsThinnerIsAsLongAsBefore) {
           Scene::FromString(bar + R"(<worldbody>
           <geom type="box" size="2 2 2" pos="0 0 -2"/><body><joint type="slide" axis="0 0 1"/><geom )" +
                             each.geom + " " + up[axis] + "/></body></worldbody></mujoco>");
-      ExpectTouchesAt(each.half[axis], ShrunkScenes(scene, Shrunk::kThickness).at(3));
+      ExpectTouchesAt(each.half[axis], ShrunkScenes(scene, Shrunk::kThickness).at(kHalf));
     }
   }
 }
@@ -99,13 +98,13 @@ TEST(ShrunkScenesTest, ABodyOfSeveralGeomsIsSmallerAsAWhole) {
         <geom type="box" size="2 2 2" pos="0 0 -2"/><geom type="box" size="2 2 2" pos="0 0 5"/>
         <body><joint type="slide" axis="0 0 1"/>)" +
                                           body + "</body></worldbody></mujoco>");
-    const Scene shrunk = ShrunkScenes(scene, Shrunk::kBodies).at(3);  // half as large
+    const Scene shrunk = ShrunkScenes(scene, Shrunk::kBodies).at(kHalf);
     ExpectTouchesAt(-0.2, shrunk);
     Solver smaller(shrunk);
     EXPECT_TRUE(smaller.IsFree(std::vector<double>{2.2 - 1e-4}));
     EXPECT_FALSE(smaller.IsFree(std::vector<double>{2.2 + 1e-4}));
     // By geoms, which stay where they are, its feet are lower.
-    ExpectTouchesAt(0.05, ShrunkScenes(scene, Shrunk::kGeoms).at(3));
+    ExpectTouchesAt(0.05, ShrunkScenes(scene, Shrunk::kGeoms).at(kHalf));
   }
 }
 
@@ -136,10 +135,10 @@ TEST(ShrunkScenesTest, AMeshOfTwoThatMoveIsSmallerForBoth) {
       <body pos="1 0 0"><joint type="slide" axis="0 0 1"/><geom type="mesh" mesh="cube"/></body>
       </worldbody></mujoco>)");
   Solver smaller(ShrunkScenes(scene, Shrunk::kBodies).front());
-  constexpr double kHalf = 0.4 / 16.0;
-  EXPECT_TRUE(smaller.IsFree(std::vector<double>{kHalf + 1e-4, kHalf + 1e-4}));
-  EXPECT_FALSE(smaller.IsFree(std::vector<double>{kHalf - 1e-4, kHalf + 1e-4}));
-  EXPECT_FALSE(smaller.IsFree(std::vector<double>{kHalf + 1e-4, kHalf - 1e-4}));
+  constexpr double kRadius = 0.4 / 16.0;
+  EXPECT_TRUE(smaller.IsFree(std::vector<double>{kRadius + 1e-4, kRadius + 1e-4}));
+  EXPECT_FALSE(smaller.IsFree(std::vector<double>{kRadius - 1e-4, kRadius + 1e-4}));
+  EXPECT_FALSE(smaller.IsFree(std::vector<double>{kRadius + 1e-4, kRadius - 1e-4}));
 }
 
 // Its size is part of the tendon's length.
