@@ -8,11 +8,11 @@
 namespace mjcf_pdg {
 namespace {
 
-// Of a body that grows, the last one its own: as many equal steps. Doubling up to a half and then
-// halving what is lacking, nine steps, adds a quarter of a body at a time: a thin hand that was
-// aslant in its hole is then put on this side of the wall or that, not straight. Of 138 searches
-// for passages 3 % wider than the body 133 find a path within 20 s so, 137 with 16 equal steps,
-// 137 with 10 and 135 with 25 (bench/README.md, Passages).
+// Sizes of what grows, its own included, equal steps apart. When a quarter of a hand that is thin
+// and aslant in its hole was added at once, PDg moved it to this side of the wall or that instead
+// of turning it. Of 138 searches for passages 3 % wider than the body 137 find a path within 20 s,
+// 137 with 10 sizes and 135 with 25, and 133 with 9 of which the first half doubled and the others
+// lacked half as much each time (bench/README.md, Passages).
 constexpr int kSizes = 16;
 
 }  // namespace
