@@ -135,10 +135,10 @@ TEST(ShrunkScenesTest, AMeshOfTwoThatMoveIsSmallerForBoth) {
       <body pos="1 0 0"><joint type="slide" axis="0 0 1"/><geom type="mesh" mesh="cube"/></body>
       </worldbody></mujoco>)");
   Solver smaller(ShrunkScenes(scene, Shrunk::kBodies).front());
-  constexpr double kRadius = 0.4 / 16.0;
-  EXPECT_TRUE(smaller.IsFree(std::vector<double>{kRadius + 1e-4, kRadius + 1e-4}));
-  EXPECT_FALSE(smaller.IsFree(std::vector<double>{kRadius - 1e-4, kRadius + 1e-4}));
-  EXPECT_FALSE(smaller.IsFree(std::vector<double>{kRadius + 1e-4, kRadius - 1e-4}));
+  constexpr double kHalfEdge = 0.4 / 16.0;
+  EXPECT_TRUE(smaller.IsFree(std::vector<double>{kHalfEdge + 1e-4, kHalfEdge + 1e-4}));
+  EXPECT_FALSE(smaller.IsFree(std::vector<double>{kHalfEdge - 1e-4, kHalfEdge + 1e-4}));
+  EXPECT_FALSE(smaller.IsFree(std::vector<double>{kHalfEdge + 1e-4, kHalfEdge - 1e-4}));
 }
 
 // Its size is part of the tendon's length.
