@@ -10,6 +10,15 @@ namespace mjcf_pdg {
 
 namespace ob = ompl::base;
 
+namespace {
+
+// A step that comes less near to where it goes ends the growth of a tree [share of the step], as in
+// careful slides (plan/retraction.cc). Steps that nothing brings back come as near as they are
+// long.
+constexpr double kLeastProgress = 0.01;
+
+}  // namespace
+
 RetractingRrtConnect::RetractingRrtConnect(const ob::SpaceInformationPtr& space,
                                            const std::string& name, Retractions retractions)
     : RRTConnect(space), retractions_(std::move(retractions)) {
@@ -42,8 +51,9 @@ RetractingRrtConnect::GrowState RetractingRrtConnect::Grow(TreeData& tree, const
   si_->getStateSpace()->interpolate(near->state, target, reaches ? 1.0 : maxDistance_ / distance,
                                     end.get());
   // Where a constraint can be met in two ways, steps towards the other are brought back, all of
-  // them.
-  if (!reaches && !(si_->distance(end.get(), target) < distance)) return TRAPPED;
+  // them, or lead a little nearer each time and never there.
+  const double left = si_->distance(end.get(), target);
+  if (!reaches && !(distance - left > kLeastProgress * maxDistance_)) return TRAPPED;
   if (si_->checkMotion(near->state, end.get())) {
     last = Add(tree, near, end.get());
     return reaches ? REACHED : ADVANCED;

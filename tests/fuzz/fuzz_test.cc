@@ -47,6 +47,7 @@ TEST(FuzzTest, PathsOfRandomModelsAreFree) {
 TEST(FuzzTest, TreesOnTwoSidesOfAConstraintDoNotGrowWithoutEnd) {
   const QuietMujoco quiet;
   EXPECT_EQ(PlanningCase(5139).wrong, "");
+  EXPECT_EQ(PlanningCase(4904).wrong, "");
 }
 #endif
 
