@@ -1,10 +1,12 @@
 // mjcf-pdg plan: a collision-free path between two configurations.
 #include "plan/plan.h"
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "apps/cli.h"
@@ -35,12 +37,18 @@
 namespace mjcf_pdg::app {
 namespace {
 
+constexpr unsigned kMaxThreads = 1024;
+
+unsigned long long AllProcessors() {
+  return std::clamp(std::thread::hardware_concurrency(), 1U, kMaxThreads);
+}
+
 struct PlanArguments {
   SceneArguments scene;
   std::string start, goal;
   PlanOptions plan;
   double time_limit_ms = 60e3;
-  unsigned long long seed = 0, threads = 1;
+  unsigned long long seed = 0, threads = AllProcessors();
   std::string json, out_qpos, out_mjcf, animation, html;
 #ifdef MJCF_PDG_HAVE_TIMING
   TrajectoryArguments trajectory;
@@ -295,8 +303,9 @@ Verb AddPlanVerb(CLI::App& program) {
              {"--threads",
               "N",
               "of birrt, birrt-r and birrt-pdg, at runs of their own",
-              {.low = 1.0, .high = 1024.0}},
-             arguments->threads);
+              {.low = 1.0, .high = kMaxThreads}},
+             arguments->threads)
+      ->default_str("all processors");
   AddMovable(*command, arguments->scene);
   AddPairs(*command, arguments->scene);
   AddExactMesh(*command, arguments->scene);
