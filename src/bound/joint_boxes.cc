@@ -175,9 +175,8 @@ bool JointBoxes::AllOverlap(bool& center_is_free, int& widest) {
         problem.required[near.pair] - problem.tolerances.user * (1.0 + kRounding);
     if (near.distance >= allowed) continue;
     const int bodies = body_pair_of_[near.pair];
-    const double reach = motion_.Moves(bodies)
-                             ? motion_.Geoms(work_.finder.posed(), bodies, near.pair, 1.0).closing
-                             : 0.0;
+    const double reach =
+        motion_.Moves(bodies) ? motion_.Closing(work_.finder.posed(), bodies, near.pair, 1.0) : 0.0;
     if (reach < allowed - near.distance) return true;
     if (allowed - near.distance <= deepest) continue;
     deepest = allowed - near.distance;

@@ -53,13 +53,14 @@ MotionBound::MotionBound(const SceneTables& tables)
     chain_.push_back(range);
   }
   active_.resize(chain_.size());
+  twists_.resize(chain_.size());
   path_.resize(tables.n);
   std::size_t longest = 0;
   for (const Range& range : chain_) {
     longest = std::max(longest, static_cast<std::size_t>(range.end - range.begin));
   }
   active_chains_.reserve(chains_.size());
-  for (auto* scratch : {&arms1_, &arms2_, &travels1_, &travels2_}) scratch->resize(longest);
+  for (auto* scratch : {&travels1_, &travels2_}) scratch->resize(longest);
 }
 
 void MotionBound::AppendMotions(int body, double sign, bool upwards) {
@@ -178,7 +179,7 @@ MotionBound::Shape& MotionBound::Geom(const PosedModel& posed, int geom) {
 }
 
 void MotionBound::FillMomentArms(Range range, bool from_first, Shape& shape, double horizon,
-                                 std::vector<double>& arms, std::vector<double>& travels) const {
+                                 std::vector<double>& travels) const {
   const int count = range.end - range.begin;
   double travel = 0.0;   // of the shape by the motions already walked past
   double stretch = 0.0;  // of the chain since the last anchor, by slides
@@ -188,7 +189,6 @@ void MotionBound::FillMomentArms(Range range, bool from_first, Shape& shape, dou
     const int k = from_first ? step : count - 1 - step;
     const Motion& motion = motions_[active_chains_[range.begin + k].motion];
     if (!motion.rotates) {
-      arms[k] = 1.0;
       travels[k] = motion.speed;
       stretch += motion.speed * horizon;
     } else {
@@ -200,21 +200,21 @@ void MotionBound::FillMomentArms(Range range, bool from_first, Shape& shape, dou
                any_axis ? anchor
                         : shape.extent.FarFromAxis(motion.anchor_W, motion.rate_W / motion.speed)};
       }
-      arms[k] = far.anchor + horizon * travel;
+      double arm = far.anchor + horizon * travel;
       if (previous) {
         const double chain = (motion.anchor_W - previous->anchor_W).norm() + stretch;
-        arms[k] = std::min(arms[k], chain + previous_arm);
+        arm = std::min(arm, chain + previous_arm);
       }
-      travels[k] = motion.speed * std::min(arms[k], far.axis + horizon * travel);
+      travels[k] = motion.speed * std::min(arm, far.axis + horizon * travel);
       previous = &motion;
-      previous_arm = arms[k];
+      previous_arm = arm;
       stretch = 0.0;
     }
     travel += travels[k];
   }
 }
 
-double MotionBound::Closing(Range range) const {
+double MotionBound::LeastTravels(Range range) const {
   double closing = 0.0;
   for (int k = 0; k < range.end - range.begin; ++k) {
     closing += std::min(travels1_[k], travels2_[k]);
@@ -222,37 +222,76 @@ double MotionBound::Closing(Range range) const {
   return closing;
 }
 
-// With Ω the turning rate of the frame that carries motion k, as seen from the resting shape:
-// x'' = Σ_k (Ω×ω_k)×(x - o_k) + ω_k×(Ω×(x - o_k)) + (Ω + ω_k)×(what k and later motions add to x').
-double MotionBound::Acceleration(Range range, bool of_first, const std::vector<double>& arms,
-                                 const std::vector<double>& travels) const {
+// The velocity of a point is a sum over the chain, x' = Σ_k c_k with c_k = ω_k × (x - o_k), or the
+// rate of a slide. With Ω_k the turning rate of the frame that carries motion k, as seen from the
+// resting shape, the sum of all ω_j before it,
+//   c_k' = Ω_k × c_k + ω_k × Σ_{j >= k} c_j,
+//   x'' = Σ_k ω_k × e_k, where e_k = c_k + 2 Σ_{j > k} c_j,
+//   x''' = Σ_k (Ω_k × ω_k) × e_k + ω_k × e_k'.
+// Of these the norms are summed, beginning at the shape that moves.
+double MotionBound::Jerk(Range range, bool of_first, const std::vector<double>& travels) const {
   const int count = range.end - range.begin;
-  double turning = 0.0, acceleration = 0.0;
-  for (int step = 0; step < count; ++step) {
-    const int k = of_first ? count - 1 - step : step;
-    const Motion& motion = motions_[active_chains_[range.begin + k].motion];
+  double before = 0.0;  // |Ω_k|
+  for (int k = 0; k < count; ++k) {
     if (std::isinf(travels[k])) return kInfinity;
+    before += TurningSpeed(range.begin + k);
+  }
+  double jerk = 0.0, beyond = 0.0, change_beyond = 0.0;  // Σ |c_j| and Σ |c_j'| of all j > k
+  for (int step = 0; step < count; ++step) {
+    const int k = of_first ? step : count - 1 - step;
+    const double speed = TurningSpeed(range.begin + k);
+    before = std::max(0.0, before - speed);
+    const double e = travels[k] + 2.0 * beyond;
+    beyond += travels[k];
+    const double change = before * travels[k] + speed * beyond;
+    jerk += speed * (before * e + change + 2.0 * change_beyond);
+    change_beyond += change;
+  }
+  return jerk;
+}
+
+// Of body 1 at the pose, body 2 at rest: motions nearer to that carry the axes and anchors of the
+// others.
+const Twist& MotionBound::TwistOfBodies(int body_pair) {
+  TwistAtPose& known = twists_[body_pair];
+  if (known.pose == pose_) return known.twist;
+  known = {pose_, {}};
+  Twist& twist = known.twist;
+  const Range range = active_[body_pair];
+  for (int k = range.end - 1; k >= range.begin; --k) {
+    const Motion& motion = motions_[active_chains_[k].motion];
+    const Vector3d rate_W = active_chains_[k].sign * motion.rate_W;
+    const Vector3d change_W = twist.omega_W.cross(rate_W);
     if (motion.rotates) {
-      acceleration += 2.0 * turning * motion.speed * arms[k];
-      turning += motion.speed;
-      acceleration += turning * travels[k];
+      const Vector3d anchor_rate_W = twist.v_W + twist.omega_W.cross(motion.anchor_W);
+      twist.omega_rate_W += change_W;
+      twist.v_rate_W -= change_W.cross(motion.anchor_W) + rate_W.cross(anchor_rate_W);
+      twist.omega_W += rate_W;
+      twist.v_W -= rate_W.cross(motion.anchor_W);
     } else {
-      acceleration += 2.0 * turning * motion.speed;
+      twist.v_rate_W += change_W;
+      twist.v_W += rate_W;
     }
   }
-  return acceleration;
+  return twist;
+}
+
+double MotionBound::TurningSpeed(int active) const {
+  const Motion& motion = motions_[active_chains_[active].motion];
+  return motion.rotates ? motion.speed : 0.0;
 }
 
 double MotionBound::BodiesClosing(const PosedModel& posed, int body_pair, double horizon,
                                   double& distance) {
   const BodyPair& bodies = tables_.body_pairs[body_pair];
   const Range range = active_[body_pair];
+  last_ = {};
   Shape &first = Body(posed, bodies.body1), &second = Body(posed, bodies.body2);
   distance = (first.extent.center_W - second.extent.center_W).norm() - first.extent.radius -
              second.extent.radius;
-  FillMomentArms(range, true, first, horizon, arms1_, travels1_);
-  FillMomentArms(range, false, second, horizon, arms2_, travels2_);
-  return Closing(range);
+  FillMomentArms(range, true, first, horizon, travels1_);
+  FillMomentArms(range, false, second, horizon, travels2_);
+  return LeastTravels(range);
 }
 
 void MotionBound::SharesOfLast(int body_pair, VectorXd& shares) const {
@@ -271,34 +310,38 @@ void MotionBound::SharesOfLast(int body_pair, VectorXd& shares) const {
   }
 }
 
+bool MotionBound::Swapped(const PosedModel& posed, int body_pair, int pair) const {
+  const int body1 = posed.model()->geom_bodyid[tables_.pairs[pair].geom1];
+  return body1 != tables_.body_pairs[body_pair].body1;
+}
+
+double MotionBound::Closing(const PosedModel& posed, int body_pair, int pair, double horizon) {
+  const Range range = active_[body_pair];
+  const Question question{pose_, pair, horizon};
+  if (question != last_) {
+    last_ = question;
+    int geom1 = tables_.pairs[pair].geom1, geom2 = tables_.pairs[pair].geom2;
+    if (Swapped(posed, body_pair, pair)) std::swap(geom1, geom2);
+    FillMomentArms(range, true, Geom(posed, geom1), horizon, travels1_);
+    FillMomentArms(range, false, Geom(posed, geom2), horizon, travels2_);
+  }
+  return LeastTravels(range);
+}
+
+Twist MotionBound::TwistOf(const PosedModel& posed, int body_pair, int pair) {
+  const Twist& twist = TwistOfBodies(body_pair);
+  return Swapped(posed, body_pair, pair) ? -twist : twist;
+}
+
 RelativeMotion MotionBound::Geoms(const PosedModel& posed, int body_pair, int pair,
                                   double horizon) {
   const Range range = active_[body_pair];
-  int geom1 = tables_.pairs[pair].geom1, geom2 = tables_.pairs[pair].geom2;
-  const bool swapped = posed.model()->geom_bodyid[geom1] != tables_.body_pairs[body_pair].body1;
-  Shape& first = Geom(posed, swapped ? geom2 : geom1);
-  Shape& second = Geom(posed, swapped ? geom1 : geom2);
-  FillMomentArms(range, true, first, horizon, arms1_, travels1_);
-  FillMomentArms(range, false, second, horizon, arms2_, travels2_);
   RelativeMotion motion;
-  motion.closing = Closing(range);
-  motion.acceleration1 = Acceleration(range, true, arms1_, travels1_);
-  motion.acceleration2 = Acceleration(range, false, arms2_, travels2_);
-  for (int k = range.begin; k < range.end; ++k) {
-    const Motion& m = motions_[active_chains_[k].motion];
-    const double sign = active_chains_[k].sign;
-    if (m.rotates) {
-      motion.omega_W += sign * m.rate_W;
-      motion.v_W -= sign * m.rate_W.cross(m.anchor_W);
-    } else {
-      motion.v_W += sign * m.rate_W;
-    }
-  }
-  if (swapped) {
-    std::swap(motion.acceleration1, motion.acceleration2);
-    motion.omega_W = -motion.omega_W;
-    motion.v_W = -motion.v_W;
-  }
+  motion.closing = Closing(posed, body_pair, pair, horizon);
+  motion.twist = TwistOf(posed, body_pair, pair);
+  motion.jerk1 = Jerk(range, true, travels1_);
+  motion.jerk2 = Jerk(range, false, travels2_);
+  if (Swapped(posed, body_pair, pair)) std::swap(motion.jerk1, motion.jerk2);
   return motion;
 }
 

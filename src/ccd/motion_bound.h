@@ -23,15 +23,25 @@
 
 namespace mjcf_pdg {
 
-// Geom 1 relative to geom 2, on [s, s + horizon].
+// The point x_W of a rigid body moves with x' = v_W + omega_W × x_W. Since these change as the
+// other two say, x'' = v_rate_W + omega_rate_W × x_W + omega_W × x'. Per unit of s and of s².
+struct Twist {
+  Vector3d omega_W = Vector3d::Zero(), v_W = Vector3d::Zero();
+  Vector3d omega_rate_W = Vector3d::Zero(), v_rate_W = Vector3d::Zero();
+
+  // Of the second body as seen from the first, if this is of the first as seen from the second.
+  Twist operator-() const { return {-omega_W, -v_W, -omega_rate_W, -v_rate_W}; }
+  // Of the motion run backwards.
+  Twist Backwards() const { return {-omega_W, -v_W, omega_rate_W, v_rate_W}; }
+};
+
+// Two geoms of a pair, on [s, s + horizon].
 struct RelativeMotion {
   double closing = 0.0;  // |d'| <= closing: the λ of conservative advancement [m]
-  // At s exactly: the point x_W fixed to geom 1 moves with v_W + omega_W × x_W, geom 2 at rest.
-  Vector3d omega_W = Vector3d::Zero();
-  Vector3d v_W = Vector3d::Zero();
-  // |x''| of any point of geom 1 (geom 2 at rest) and of geom 2 (geom 1 at rest) [m], of their
+  Twist twist;           // of geom 1 at s, geom 2 at rest
+  // |x'''| of any point of geom 1 (geom 2 at rest) and of geom 2 (geom 1 at rest) [m], of their
   // cores if round; infinite for planes.
-  double acceleration1 = 0.0, acceleration2 = 0.0;
+  double jerk1 = 0.0, jerk2 = 0.0;
 };
 
 // One per thread.
@@ -53,8 +63,12 @@ class MotionBound {
   // An upper bound of λ for all geoms of the two bodies, from the bodies' spheres, and the distance
   // of the spheres (-inf with a plane).
   double BodiesClosing(const PosedModel& posed, int body_pair, double horizon, double& distance);
+  // The same for the geoms of one of their pairs: `closing` of Geoms, for a part of its price.
+  double Closing(const PosedModel& posed, int body_pair, int pair, double horizon);
+  // Of the pair's geom 1 at s, geom 2 at rest.
+  Twist TwistOf(const PosedModel& posed, int body_pair, int pair);
   RelativeMotion Geoms(const PosedModel& posed, int body_pair, int pair, double horizon);
-  // After Geoms of that body pair: the part that each entry of dq has in `closing` [m] (n).
+  // After Closing of that body pair: the part that each entry of dq has in it [m] (n).
   void SharesOfLast(int body_pair, VectorXd& shares) const;
 
  private:
@@ -65,6 +79,18 @@ class MotionBound {
     double speed = 0.0;         // rad or m per unit s
     int turning = 0;            // its number among those that turn, if it does
     Vector3d anchor_W, rate_W;  // at the pose; rate_W of length `speed`
+  };
+  struct TwistAtPose {
+    std::int64_t pose = 0;  // that it is of
+    Twist twist;
+  };
+  // What Closing was asked last.
+  struct Question {
+    std::int64_t pose = 0;
+    int pair = -1;
+    double horizon = 0.0;
+
+    bool operator==(const Question&) const = default;
   };
   // A motion between two bodies; sign -1 when it carries body 2.
   struct Link {
@@ -109,12 +135,14 @@ class MotionBound {
   void AppendMotions(int body, double sign, bool upwards);
   Shape& Body(const PosedModel& posed, int body);
   Shape& Geom(const PosedModel& posed, int geom);
-  // arms_ and travels of the links in `range`, walked away from the shape.
+  // Travels of the links in `range`, walked away from the shape.
   void FillMomentArms(Range range, bool from_first, Shape& shape, double horizon,
-                      std::vector<double>& arms, std::vector<double>& travels) const;
-  double Closing(Range range) const;
-  double Acceleration(Range range, bool of_first, const std::vector<double>& arms,
-                      const std::vector<double>& travels) const;
+                      std::vector<double>& travels) const;
+  double LeastTravels(Range range) const;
+  bool Swapped(const PosedModel& posed, int body_pair, int pair) const;
+  double TurningSpeed(int active) const;
+  double Jerk(Range range, bool of_first, const std::vector<double>& travels) const;
+  const Twist& TwistOfBodies(int body_pair);
 
   const SceneTables& tables_;
   VectorXd path_;          // n
@@ -123,10 +151,11 @@ class MotionBound {
   std::vector<Range> motions_of_body_;        // nbody
   std::vector<Link> chains_, active_chains_;  // body 1 up to the common ancestor, down to body 2
   std::vector<Range> chain_, active_;         // per body pair, into the two above
+  std::vector<TwistAtPose> twists_;           // per body pair
   Shapes bodies_, geoms_;
   std::int64_t pose_ = 0;                    // counts SetPath and SetPose
-  std::vector<double> arms1_, arms2_;        // farthest point from the anchor [m], by link
   std::vector<double> travels1_, travels2_;  // fastest point by this motion alone [m per unit s]
+  Question last_;                            // that the two above are of; pair -1: of bodies
 };
 
 }  // namespace mjcf_pdg

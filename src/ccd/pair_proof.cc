@@ -60,7 +60,7 @@ double PairProof::BodiesReach(int body_pair, double distance, double horizon) {
 
 Reach PairProof::BoundsReach(int body_pair, int pair, double floor, double horizon) {
   Reach reach;
-  reach.lambda = motion_.Geoms(finder_.posed(), body_pair, pair, horizon).closing;
+  reach.lambda = motion_.Closing(finder_.posed(), body_pair, pair, horizon);
   reach.length = (finder_.DistanceBound(pair) - Required(pair) - floor) / reach.lambda;
   return reach;
 }
@@ -92,18 +92,17 @@ Reach PairProof::Prove(int body_pair, int pair, const Margin& margin, double flo
                        Direction direction, double horizon) {
   const PosedModel& posed = finder_.posed();
   const double slack = margin.value - floor;
+  Twist twist = motion_.TwistOf(posed, body_pair, pair);
+  if (direction == Direction::kEarlier) twist = twist.Backwards();
   Reach reach;
+  reach.rate = -margin.n_W.dot(twist.v_W + twist.omega_W.cross(margin.p1_W));
   for (int i = 0; i < tune::kHorizons; ++i) {
-    RelativeMotion motion = motion_.Geoms(posed, body_pair, pair, horizon);
-    if (direction == Direction::kEarlier) {
-      motion.v_W = -motion.v_W;
-      motion.omega_W = -motion.omega_W;
-    }
-    reach.lambda = motion.closing;
-    reach.rate = -margin.n_W.dot(motion.v_W + motion.omega_W.cross(margin.p1_W));
-    double proven = std::clamp(slack / motion.closing, 0.0, horizon);
-    if (i == 0 && motion.closing * horizon <= kNegligible * tolerance_) proven = horizon;
+    reach.lambda = motion_.Closing(posed, body_pair, pair, horizon);
+    double proven = std::clamp(slack / reach.lambda, 0.0, horizon);
+    if (i == 0 && reach.lambda * horizon <= kNegligible * tolerance_) proven = horizon;
     if (proven < horizon) {
+      RelativeMotion motion = motion_.Geoms(posed, body_pair, pair, horizon);
+      motion.twist = twist;
       const double by_plane = separation_.SafeStep(posed, tables_.pairs[pair], margin.n_W, motion,
                                                    floor + Required(pair), horizon);
       proven = std::max(proven, by_plane);

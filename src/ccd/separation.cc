@@ -10,35 +10,69 @@ namespace mjcf_pdg {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kMaxRootSteps = 10;
 // A height field counts as the hull of at most so many prisms: of more it would prove little.
 constexpr int kMostPrisms = 256;
-constexpr double kRootRatio = 0.8;  // a step this close to the largest one is good enough
+constexpr int kMostTries = 16;  // of the length of a step; two or three are usual
+// A step is so much shorter than up to where the plane may be met, that the next try may prove it.
+constexpr double kShorter = 0.999;
+constexpr int kNewtonSteps = 3;
 
-// The largest h in [0, horizon] found with f(h) >= 0, for a concave f. A chord of a concave
-// function lies below it, so a chord's zero is always on the safe side.
-template <typename Function>
-double ConcaveRoot(const Function& f, double horizon) {
-  double low = 0.0, f_low = f(0.0);
-  if (!(f_low >= 0.0)) return 0.0;
-  double high = horizon, f_high = f(horizon);
-  if (f_high >= 0.0) return horizon;
-  for (int i = 0; i < kMaxRootSteps && low < kRootRatio * high; ++i) {
-    if (!(f_high > -kInfinity)) return 0.0;
-    const double chord = low + (high - low) * f_low / (f_low - f_high);
-    const double middle = low > 0.0 ? std::sqrt(low * high) : std::sqrt(chord * high);
-    const double h = i % 2 == 0 ? chord : middle;
-    if (!(h > low && h < high)) break;
-    const double value = f(h);
-    if (value >= 0.0) {
-      low = h;
-      f_low = value;
-    } else {
-      high = h;
-      f_high = value;
+// How far a point is from a plane [m]: c - g s - b s² - j s³, with c, b and j not negative.
+struct Gap {
+  double c, g, b, j;
+
+  double At(double s) const { return c - s * (g + s * (b + s * j)); }
+  // Where it vanishes, or later, but not beyond `s`, where it is negative: a root without j, and
+  // what Newton's method makes of that. The function is concave, so that it comes from above.
+  double UpToZero(double s) const {
+    const double root = std::sqrt(g * g + 4.0 * b * c);
+    if (g > 0.0) s = std::min(s, 2.0 * c / (g + root));
+    if (g <= 0.0 && b > 0.0) s = std::min(s, (root - g) / (2.0 * b));
+    for (int k = 0; k < kNewtonSteps; ++k) {
+      const double slope = g + s * (2.0 * b + 3.0 * s * j);
+      if (slope > 0.0) s = std::min(s, s + At(s) / slope);
     }
+    return std::max(s, 0.0);
   }
-  return low;
+};
+
+// A geom that moves towards a plane at rest.
+struct Approach {
+  Vector3d n_W;        // the plane's normal, away from the geom
+  double distance;     // now [m], not negative
+  const Twist& twist;  // of the geom
+  double jerk;         // |x'''| of its points, at most [m]
+};
+
+// The largest s <= horizon found so that the geom does not meet the plane on [0, s]. Of its points
+// the least Gap counts, which is concave; it is that of the support point along a direction that
+// turns. Where it is negative, the Gap of that one point says what to try next. What n·x'' makes of
+// a point is linear in x, so that its maximum is a support, too; it counts for all points.
+template <typename SupportPoint>
+double SafeStep(const PosedModel& posed, int geom, const Approach& approach,
+                const SupportPoint& support_point, double horizon) {
+  const Vector3d &n_W = approach.n_W, &w = approach.twist.omega_W, &v = approach.twist.v_W;
+  const Vector3d tilt_W = n_W.cross(w);
+  const Vector3d bend_W =
+      n_W.cross(approach.twist.omega_rate_W) + n_W.dot(w) * w - w.squaredNorm() * n_W;
+  const auto p_W = AsVector(posed.data()->geom_xpos + 3 * geom);
+  const Matrix3d R_GW = AsMatrix(posed.data()->geom_xmat + 9 * geom).transpose();
+  const Vector3d n = R_GW * n_W, tilt = R_GW * tilt_W, bend = R_GW * bend_W;
+
+  const double support = n.dot(support_point(n));
+  const double speed = n_W.dot(v) + tilt_W.dot(p_W);
+  const double acceleration = n_W.dot(approach.twist.v_rate_W + w.cross(v)) + bend_W.dot(p_W) +
+                              bend.dot(support_point(bend));
+  Gap gap{0.0, 0.0, 0.5 * std::max(0.0, acceleration), approach.jerk / 6.0};
+  double s = horizon;
+  for (int k = 0; k < kMostTries; ++k) {
+    const Vector3d x = support_point(n + s * tilt);
+    gap.c = approach.distance + std::max(0.0, support - n.dot(x));
+    gap.g = speed + tilt.dot(x);
+    if (gap.At(s) >= 0.0) return s;
+    s = kShorter * gap.UpToZero(s);
+  }
+  return 0.0;
 }
 
 }  // namespace
@@ -77,12 +111,19 @@ bool Separation::CollectTerrain(const PosedModel& posed, const KeptPair& pair, d
   return true;
 }
 
-double Separation::TerrainSupport(const PosedModel& posed, int field,
-                                  const Vector3d& direction_W) const {
-  const Vector3d u = AsMatrix(posed.data()->geom_xmat + 9 * field).transpose() * direction_W;
-  double farthest = -kInfinity;
-  for (const NearPrism& near : prisms_) farthest = std::max(farthest, u.dot(near.prism.Support(u)));
-  return direction_W.dot(AsVector(posed.data()->geom_xpos + 3 * field)) + farthest;
+// The corner of prisms_ that is farthest along a direction in the frame of the field.
+Vector3d Separation::FarthestOfPrisms(const Vector3d& u_F) const {
+  Vector3d farthest = prisms_.front().prism.Support(u_F);
+  for (const NearPrism& near : prisms_) {
+    const Vector3d x = near.prism.Support(u_F);
+    if (u_F.dot(x) > u_F.dot(farthest)) farthest = x;
+  }
+  return farthest;
+}
+
+double Separation::TerrainSupport(const PosedModel& posed, int field, const Vector3d& n_W) const {
+  const Vector3d n_F = AsMatrix(posed.data()->geom_xmat + 9 * field).transpose() * n_W;
+  return n_W.dot(AsVector(posed.data()->geom_xpos + 3 * field)) + n_F.dot(FarthestOfPrisms(n_F));
 }
 
 double Separation::SafeStep(const PosedModel& posed, const KeptPair& pair, const Vector3d& n_W,
@@ -94,34 +135,26 @@ double Separation::SafeStep(const PosedModel& posed, const KeptPair& pair, const
     if (!CollectTerrain(posed, pair, std::abs(floor) + motion.closing * horizon)) return 0.0;
     if (prisms_.empty()) return horizon;
   }
-  const auto support1 = [&](const Vector3d& direction_W) {
-    return terrain ? TerrainSupport(posed, pair.geom1, direction_W)
-                   : CoreSupport(posed, pair.geom1, direction_W);
+  const auto point1 = [&](const Vector3d& u) -> Vector3d {
+    return terrain ? FarthestOfPrisms(u) : support_.Support(pair.geom1, u);
   };
-  const double speed = n_W.dot(motion.v_W);
-  const Vector3d tilt = n_W.cross(motion.omega_W);
-  const double radii =
-      CoreRadius(*posed.model(), pair.geom1) + CoreRadius(*posed.model(), pair.geom2);
-  double best = 0.0;
-  if (std::isfinite(motion.acceleration1)) {  // geom 1 moves, geom 2 and the plane rest
-    const double other = -CoreSupport(posed, pair.geom2, -n_W) - radii - floor;
-    best = ConcaveRoot(
-        [&](double h) {
-          return other - support1(n_W + h * tilt) - h * speed - 0.5 * h * h * motion.acceleration1;
-        },
-        horizon);
+  const auto point2 = [&](const Vector3d& u) { return support_.Support(pair.geom2, u); };
+  const double support1 =
+      terrain ? TerrainSupport(posed, pair.geom1, n_W) : Support(posed, pair.geom1, n_W);
+  const double distance = -Support(posed, pair.geom2, -n_W) - support1 - floor;
+  if (!(distance >= 0.0)) return 0.0;
+  double step = 0.0;
+  // Geom 1 moves, geom 2 and the plane rest; where geom 1 is a plane, it is the one to rest.
+  if (std::isfinite(motion.jerk1) && (terrain || support_.Knows(pair.geom1))) {
+    step = mjcf_pdg::SafeStep(posed, pair.geom1, {n_W, distance, motion.twist, motion.jerk1},
+                              point1, horizon);
   }
-  if (best < horizon && std::isfinite(motion.acceleration2)) {  // the other way round
-    const double other = -support1(n_W) - radii - floor;
-    const double step = ConcaveRoot(
-        [&](double h) {
-          return other - CoreSupport(posed, pair.geom2, -n_W + h * tilt) - h * speed -
-                 0.5 * h * h * motion.acceleration2;
-        },
-        horizon);
-    best = std::max(best, step);
+  if (step < horizon && std::isfinite(motion.jerk2)) {  // the other way round
+    step = std::max(
+        step, mjcf_pdg::SafeStep(posed, pair.geom2, {-n_W, distance, -motion.twist, motion.jerk2},
+                                 point2, horizon));
   }
-  return best;
+  return step;
 }
 
 }  // namespace mjcf_pdg

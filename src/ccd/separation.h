@@ -2,12 +2,12 @@
 //
 // With n a unit normal from geom 1 to geom 2 and h the support function, -h_2(-n) - h_1(n) is a
 // lower bound of the signed distance of two convex geoms, whatever n; at the witness normal it is
-// the distance. Along a motion x(s) = x + s (v + ω×x) + (at most ½ a s²) the support function is
-// asked in the tilted direction n + s n×ω, so that the bound is exact to first order: geoms that
-// slide along each other, or part, are passed in few steps. An exact mesh counts as its convex
-// hull, which only lowers the bound; and so does a height field, as the hull of those of its prisms
-// that the geom can come near on the step. For a step backwards, v and ω are given with opposite
-// signs.
+// the distance. Along a motion x(s) = x + s x' + ½ s² x'' + (at most j s³ / 6), x' = v + ω×x, the
+// support function is asked in the tilted direction n + s n×ω, and n·x'' is bounded by a support of
+// its own, so that the bound is exact to first order and nearly to second: geoms that slide along
+// each other, or part, are passed in few steps. An exact mesh counts as its convex hull, which only
+// lowers the bound; and so does a height field, as the hull of those of its prisms that the geom
+// can come near on the step.
 #ifndef MJCF_PDG_SRC_CCD_SEPARATION_H_
 #define MJCF_PDG_SRC_CCD_SEPARATION_H_
 
@@ -40,7 +40,8 @@ class Separation {
  private:
   double CoreSupport(const PosedModel& posed, int geom, const Vector3d& direction_W) const;
   bool CollectTerrain(const PosedModel& posed, const KeptPair& pair, double reach);
-  double TerrainSupport(const PosedModel& posed, int field, const Vector3d& direction_W) const;
+  Vector3d FarthestOfPrisms(const Vector3d& u_F) const;
+  double TerrainSupport(const PosedModel& posed, int field, const Vector3d& n_W) const;
 
   const SceneTables& tables_;
   const SupportPoints& support_;

@@ -189,8 +189,9 @@ TEST_F(MotionBoundTest, WithinAReachNoSignedDistanceChangesByMoreWhateverTheLine
   EXPECT_GT(Median(tightness), 0.1);
 }
 
-// x(s + h) = x(s) + h (v + ω×x) + at most ½ a h², for points of either geom seen from the other.
-TEST_F(MotionBoundTest, NoPointLeavesItsTangentFasterThanTheAccelerationAllows) {
+// x(s + h) = x(s) + h x' + ½ h² x'' + at most j h³ / 6, for points of either geom seen from the
+// other, and the same backwards.
+TEST_F(MotionBoundTest, NoPointLeavesItsParabolaFasterThanTheJerkAllows) {
   Random rng(2);
   std::vector<double> tightness;
   for (const Scene& scene : Scenes(rng)) {
@@ -203,29 +204,33 @@ TEST_F(MotionBoundTest, NoPointLeavesItsTangentFasterThanTheAccelerationAllows) 
       int seen = line.tables.pairs[pair].geom1, from = line.tables.pairs[pair].geom2;
       if (!first) std::swap(seen, from);
       if (line.tables.model->geom_type[seen] == mjGEOM_PLANE) continue;
-      const double start = rng.Uniform(0.0, 0.8), horizon = 1.0 - start;
+      const double start = rng.Uniform(0.0, 1.0), direction = rng.Chance(0.5) ? 1.0 : -1.0;
+      const double horizon = direction > 0.0 ? 1.0 - start : start;
       line.Pose(start);
       const RelativeMotion motion = line.bound.Geoms(line.finder.posed(), bodies, pair, horizon);
-      const double acceleration = first ? motion.acceleration1 : motion.acceleration2;
-      const double sign = first ? 1.0 : -1.0;
+      const double jerk = first ? motion.jerk1 : motion.jerk2;
+      Twist twist = first ? motion.twist : -motion.twist;
+      if (direction < 0.0) twist = twist.Backwards();
       const GeomPose seen0(line.finder.posed(), seen), from0(line.finder.posed(), from);
       double worst = 0.0;
       for (int i = 0; i < 40; ++i) {
-        const double h = i == 0 ? 1e-3 : rng.Uniform(0.0, horizon);
-        line.Pose(start + h);
+        const double h = i == 0 ? std::min(1e-3, horizon) : rng.Uniform(0.0, horizon);
+        line.Pose(start + direction * h);
         const GeomPose seen1(line.finder.posed(), seen), from1(line.finder.posed(), from);
         const Vector3d x = SurfacePoint(*line.tables.model, seen, rng.UnitVector());
         const Vector3d x0 = seen0.ToWorld(x);
-        const Vector3d v = sign * (motion.v_W + motion.omega_W.cross(x0));
+        const Vector3d v = twist.v_W + twist.omega_W.cross(x0);
+        const Vector3d a = twist.v_rate_W + twist.omega_rate_W.cross(x0) + twist.omega_W.cross(v);
         const Vector3d moved = from0.ToWorld(from1.ToLocal(seen1.ToWorld(x)));
-        const double error = (moved - x0 - h * v).norm();
-        EXPECT_LE(error, 0.5 * acceleration * h * h + 1e-12);
-        if (acceleration > 0.0) worst = std::max(worst, error / (0.5 * acceleration * h * h));
+        const double error = (moved - x0 - h * v - 0.5 * h * h * a).norm();
+        const double most = jerk * h * h * h / 6.0;
+        EXPECT_LE(error, most + 1e-12);
+        if (h > 0.01 && jerk > 0.0) worst = std::max(worst, error / most);
       }
-      if (acceleration > 0.0) tightness.push_back(worst);
+      if (jerk > 0.0) tightness.push_back(worst);
     }
   }
-  std::printf("  deviation from the tangent / bound: median %.2f, %zu lines\n", Median(tightness),
+  std::printf("  deviation from the parabola / bound: median %.2f, %zu lines\n", Median(tightness),
               tightness.size());
   EXPECT_GT(tightness.size(), 200u);
   EXPECT_GT(Median(tightness), 0.05);
