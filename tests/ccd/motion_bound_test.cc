@@ -236,6 +236,39 @@ TEST_F(MotionBoundTest, NoPointLeavesItsParabolaFasterThanTheJerkAllows) {
   EXPECT_GT(Median(tightness), 0.05);
 }
 
+// What is known of a pair is kept for the next question, and not for one about another.
+TEST_F(MotionBoundTest, AnswersDoNotHangOnWhatWasAskedBefore) {
+  Random rng(6);
+  int asked = 0;
+  for (const Scene& scene : Scenes(rng)) {
+    Line line(scene), fresh(scene);
+    line.Set(RandomConfiguration(scene, rng), RandomTangent(line, rng));
+    double t = 0.0;
+    line.Pose(t);
+    for (int k = 0; k < 200; ++k) {
+      const int pair = rng.Index(scene.num_kept_pairs()), bodies = line.BodyPairOf(pair);
+      if (!line.bound.Moves(bodies)) continue;
+      if (rng.Chance(0.2)) line.Pose(t = rng.Uniform(0.0, 1.0));
+      const PosedModel& posed = line.finder.posed();
+      const double horizon = rng.Chance(0.5) ? 0.1 : 0.2;
+      double distance = 0.0;
+      line.bound.Closing(posed, bodies, pair, horizon);
+      if (rng.Chance(0.5)) line.bound.BodiesClosing(posed, bodies, 2.0 * horizon, distance);
+      const RelativeMotion motion = line.bound.Geoms(posed, bodies, pair, horizon);
+      fresh.Set(line.q0, line.dq);
+      fresh.Pose(t);
+      const RelativeMotion expected =
+          fresh.bound.Geoms(fresh.finder.posed(), bodies, pair, horizon);
+      EXPECT_EQ(motion.closing, expected.closing);
+      EXPECT_EQ(motion.jerk1, expected.jerk1);
+      EXPECT_EQ(motion.jerk2, expected.jerk2);
+      EXPECT_EQ(motion.twist.v_rate_W, expected.twist.v_rate_W);
+      ++asked;
+    }
+  }
+  EXPECT_GT(asked, 1000);
+}
+
 struct Rates {
   double geoms = 0.0, bodies = 0.0;
 };
