@@ -68,6 +68,21 @@ inline std::string DiscAndGap(double slack) {
     </body></worldbody></mujoco>)";
 }
 
+// A bar of 0.6 × 0.2 m in the plane and a gap of `gap` m in a wall that is as thick as the bar is
+// wide.
+inline Scene BarAndGap(double gap) {
+  const std::string y = std::to_string(2.0 + 0.5 * gap);
+  return Scene::FromString(R"(<mujoco><worldbody>
+    <geom type="box" size=".1 2 .5" pos="0 )" +
+                           y + R"( 0"/>
+    <geom type="box" size=".1 2 .5" pos="0 -)" +
+                           y + R"( 0"/>
+    <body><joint type="slide" axis="1 0 0" range="-2 2" limited="true"/>
+      <joint type="slide" axis="0 1 0" range="-2 2" limited="true"/>
+      <joint type="hinge" axis="0 0 1" range="-90 90" limited="true"/>
+      <geom type="box" size=".3 .1 .2"/></body></worldbody></mujoco>)");
+}
+
 class EveryPlanner : public testing::TestWithParam<const char*> {};
 
 }  // namespace mjcf_pdg

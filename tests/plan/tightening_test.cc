@@ -12,21 +12,6 @@
 namespace mjcf_pdg {
 namespace {
 
-// A bar of 0.6 × 0.2 m in the plane and a gap of `gap` m in a wall that is as thick as the bar is
-// wide.
-Scene BarAndGap(double gap) {
-  const std::string y = std::to_string(2.0 + 0.5 * gap);
-  return Scene::FromString(R"(<mujoco><worldbody>
-    <geom type="box" size=".1 2 .5" pos="0 )" +
-                           y + R"( 0"/>
-    <geom type="box" size=".1 2 .5" pos="0 -)" +
-                           y + R"( 0"/>
-    <body><joint type="slide" axis="1 0 0" range="-2 2" limited="true"/>
-      <joint type="slide" axis="0 1 0" range="-2 2" limited="true"/>
-      <joint type="hinge" axis="0 0 1" range="-90 90" limited="true"/>
-      <geom type="box" size=".3 .1 .2"/></body></worldbody></mujoco>)");
-}
-
 std::vector<VectorXd> Tightened(const Scene& scene, const std::vector<VectorXd>& wide,
                                 std::int64_t samples = 1000) {
   const PlanOptions options = With("birrt-pdg");
@@ -67,43 +52,6 @@ TEST(TighteningTest, APathThatOverlapsIsMadeFree) {
 // The bar touches one wall. Its nearest free configurations, from each by itself, are no path.
 TEST(TighteningTest, APathThatIsFollowedAlongContactsTakesNoSamples) {
   EXPECT_FALSE(Tightened(BarAndGap(0.35), SlantedWay(), 0).empty());
-}
-
-// Of a path through the gap the corners that it needs are left, of one beside the wall its ends.
-TEST(MotionProverTest, StraightenedPathsKeepTheCornersThatTheyNeed) {
-  const Scene scene = BarAndGap(0.25);
-  const std::vector<VectorXd> through = {VectorXd{{-1.0, 0.8, 0.0}}, VectorXd{{-1.0, 0.4, 0.0}},
-                                         VectorXd{{-0.9, 0.0, 0.0}}, VectorXd{{-0.6, 0.0, 0.0}},
-                                         VectorXd{{0.1, 0.02, 0.0}}, VectorXd{{0.6, 0.0, 0.0}},
-                                         VectorXd{{0.8, 0.1, 0.0}},  VectorXd{{0.9, -0.8, 0.0}}};
-  const std::vector<VectorXd> beside(through.begin(), through.begin() + 4);
-  const auto space =
-      std::make_shared<ConfigurationSpace>(scene, MocapPoses{}, through.front(), through.back());
-  MotionProver prover(scene, {}, space);
-  const auto straightened = [&](std::vector<VectorXd> corners) {
-    Straighten(prover, [] { return false; }, corners);
-    return corners;
-  };
-  EXPECT_EQ(straightened(beside).size(), 2u);
-  const std::vector<VectorXd> path = straightened(through);
-  ASSERT_GE(path.size(), 4u);
-  EXPECT_LT(path.size(), through.size());
-  EXPECT_EQ(path.front(), through.front());
-  EXPECT_EQ(path.back(), through.back());
-  for (std::size_t k = 1; k < path.size(); ++k) EXPECT_TRUE(prover.IsFree(path[k - 1], path[k]));
-  for (std::size_t k = 2; k < path.size(); ++k) EXPECT_FALSE(prover.IsFree(path[k - 2], path[k]));
-}
-
-TEST(TreeSearchTest, AShareOfAStep) {
-  const Scene scene = BarAndGap(0.25);
-  const PlanOptions options = With("birrt-pdg");
-  const std::vector<VectorXd> way = SlantedWay();
-  const auto space =
-      std::make_shared<ConfigurationSpace>(scene, MocapPoses{}, way.front(), way.back());
-  const auto never = [] { return false; };
-  const TreeSearch whole({scene, options, space, 1e-4, true, 1.0, never});
-  const TreeSearch quarter({scene, options, space, 1e-4, true, 0.25, never});
-  EXPECT_NEAR(quarter.step(), 0.25 * whole.step(), 1e-12);
 }
 
 TEST(TighteningTest, APathThatIsFreeIsKept) {
