@@ -310,8 +310,8 @@ void MotionBound::SharesOfLast(int body_pair, VectorXd& shares) const {
   }
 }
 
-bool MotionBound::Swapped(const PosedModel& posed, int body_pair, int pair) const {
-  const int body1 = posed.model()->geom_bodyid[tables_.pairs[pair].geom1];
+bool MotionBound::Swapped(int body_pair, int pair) const {
+  const int body1 = tables_.model->geom_bodyid[tables_.pairs[pair].geom1];
   return body1 != tables_.body_pairs[body_pair].body1;
 }
 
@@ -321,16 +321,16 @@ double MotionBound::Closing(const PosedModel& posed, int body_pair, int pair, do
   if (question != last_) {
     last_ = question;
     int geom1 = tables_.pairs[pair].geom1, geom2 = tables_.pairs[pair].geom2;
-    if (Swapped(posed, body_pair, pair)) std::swap(geom1, geom2);
+    if (Swapped(body_pair, pair)) std::swap(geom1, geom2);
     FillMomentArms(range, true, Geom(posed, geom1), horizon, travels1_);
     FillMomentArms(range, false, Geom(posed, geom2), horizon, travels2_);
   }
   return LeastTravels(range);
 }
 
-Twist MotionBound::TwistOf(const PosedModel& posed, int body_pair, int pair) {
+Twist MotionBound::TwistOf(int body_pair, int pair) {
   const Twist& twist = TwistOfBodies(body_pair);
-  return Swapped(posed, body_pair, pair) ? -twist : twist;
+  return Swapped(body_pair, pair) ? -twist : twist;
 }
 
 RelativeMotion MotionBound::Geoms(const PosedModel& posed, int body_pair, int pair,
@@ -338,10 +338,10 @@ RelativeMotion MotionBound::Geoms(const PosedModel& posed, int body_pair, int pa
   const Range range = active_[body_pair];
   RelativeMotion motion;
   motion.closing = Closing(posed, body_pair, pair, horizon);
-  motion.twist = TwistOf(posed, body_pair, pair);
+  motion.twist = TwistOf(body_pair, pair);
   motion.jerk1 = Jerk(range, true, travels1_);
   motion.jerk2 = Jerk(range, false, travels2_);
-  if (Swapped(posed, body_pair, pair)) std::swap(motion.jerk1, motion.jerk2);
+  if (Swapped(body_pair, pair)) std::swap(motion.jerk1, motion.jerk2);
   return motion;
 }
 

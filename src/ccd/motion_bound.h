@@ -66,7 +66,7 @@ class MotionBound {
   // The same for the geoms of one of their pairs: `closing` of Geoms, for a part of its price.
   double Closing(const PosedModel& posed, int body_pair, int pair, double horizon);
   // Of the pair's geom 1 at s, geom 2 at rest.
-  Twist TwistOf(const PosedModel& posed, int body_pair, int pair);
+  Twist TwistOf(int body_pair, int pair);
   RelativeMotion Geoms(const PosedModel& posed, int body_pair, int pair, double horizon);
   // After Closing of that body pair: the part that each entry of dq has in it [m] (n).
   void SharesOfLast(int body_pair, VectorXd& shares) const;
@@ -139,7 +139,7 @@ class MotionBound {
   void FillMomentArms(Range range, bool from_first, Shape& shape, double horizon,
                       std::vector<double>& travels) const;
   double LeastTravels(Range range) const;
-  bool Swapped(const PosedModel& posed, int body_pair, int pair) const;
+  bool Swapped(int body_pair, int pair) const;
   double TurningSpeed(int active) const;
   double Jerk(Range range, bool of_first, const std::vector<double>& travels) const;
   const Twist& TwistOfBodies(int body_pair);

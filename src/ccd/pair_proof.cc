@@ -92,7 +92,7 @@ Reach PairProof::Prove(int body_pair, int pair, const Margin& margin, double flo
                        Direction direction, double horizon) {
   const PosedModel& posed = finder_.posed();
   const double slack = margin.value - floor;
-  Twist twist = motion_.TwistOf(posed, body_pair, pair);
+  Twist twist = motion_.TwistOf(body_pair, pair);
   if (direction == Direction::kEarlier) twist = twist.Backwards();
   Reach reach;
   reach.rate = -margin.n_W.dot(twist.v_W + twist.omega_W.cross(margin.p1_W));
@@ -102,7 +102,7 @@ Reach PairProof::Prove(int body_pair, int pair, const Margin& margin, double flo
     if (i == 0 && reach.lambda * horizon <= kNegligible * tolerance_) proven = horizon;
     if (proven < horizon) {
       RelativeMotion motion = motion_.Geoms(posed, body_pair, pair, horizon);
-      motion.twist = twist;
+      motion.twist = twist;  // in the direction that is asked for
       const double by_plane = separation_.SafeStep(posed, tables_.pairs[pair], margin.n_W, motion,
                                                    floor + Required(pair), horizon);
       proven = std::max(proven, by_plane);

@@ -38,10 +38,11 @@ struct Gap {
   }
 };
 
-// A geom that moves towards a plane at rest.
+// A geom, or its core if it is round, that moves towards a plane at rest.
 struct Approach {
   Vector3d n_W;        // the plane's normal, away from the geom
-  double distance;     // now [m], not negative
+  double plane;        // where the geom must not come along n_W: n_W · x [m]
+  double distance;     // of the geom from there, now [m], not negative
   const Twist& twist;  // of the geom
   double jerk;         // |x'''| of its points, at most [m]
 };
@@ -51,8 +52,8 @@ struct Approach {
 // n×ω. Where it is negative, what is left of the Gap of that one point says what to try next. n·x''
 // is linear in x, so that its maximum is a support, too; it counts for all points.
 template <typename SupportPoint>
-double SafeStep(const PosedModel& posed, int geom, const Approach& approach,
-                const SupportPoint& support_point, double horizon) {
+double StepTowardsPlane(const PosedModel& posed, int geom, const Approach& approach,
+                        const SupportPoint& support_point, double horizon) {
   const Vector3d &n_W = approach.n_W, &w = approach.twist.omega_W, &v = approach.twist.v_W;
   const Vector3d tilt_W = n_W.cross(w);
   const Vector3d bend_W =
@@ -61,15 +62,14 @@ double SafeStep(const PosedModel& posed, int geom, const Approach& approach,
   const Matrix3d R_GW = AsMatrix(posed.data()->geom_xmat + 9 * geom).transpose();
   const Vector3d n = R_GW * n_W, tilt = R_GW * tilt_W, bend = R_GW * bend_W;
 
-  const double support = n.dot(support_point(n));
-  const double speed = n_W.dot(v) + tilt_W.dot(p_W);
+  const double origin = approach.plane - n_W.dot(p_W), speed = n_W.dot(v) + tilt_W.dot(p_W);
   const double acceleration = n_W.dot(approach.twist.v_rate_W + w.cross(v)) + bend_W.dot(p_W) +
                               bend.dot(support_point(bend));
   Gap gap{0.0, 0.0, 0.5 * std::max(0.0, acceleration), approach.jerk / 6.0};
   double s = horizon;
   for (int k = 0; k < kMostTries; ++k) {
     const Vector3d x = support_point(n + s * tilt);
-    gap.c = approach.distance + std::max(0.0, support - n.dot(x));
+    gap.c = std::max(approach.distance, origin - n.dot(x));
     gap.g = speed + tilt.dot(x);
     if (gap.At(s) >= 0.0) return s;
     s = kShorter * gap.UpToZero(s);
@@ -142,19 +142,24 @@ double Separation::SafeStep(const PosedModel& posed, const KeptPair& pair, const
   };
   const auto point2 = [&](const Vector3d& u) { return support_.Support(pair.geom2, u); };
   const double support1 =
-      terrain ? TerrainSupport(posed, pair.geom1, n_W) : Support(posed, pair.geom1, n_W);
-  const double distance = -Support(posed, pair.geom2, -n_W) - support1 - floor;
+      terrain ? TerrainSupport(posed, pair.geom1, n_W) : CoreSupport(posed, pair.geom1, n_W);
+  const double support2 = CoreSupport(posed, pair.geom2, -n_W);
+  const double required =
+      floor + CoreRadius(*posed.model(), pair.geom1) + CoreRadius(*posed.model(), pair.geom2);
+  const double distance = -support1 - support2 - required;
   if (!(distance >= 0.0)) return 0.0;
   double step = 0.0;
   // Geom 1 moves, geom 2 and the plane rest; where geom 1 is a plane, it is the one to rest.
   if (std::isfinite(motion.jerk1) && (terrain || support_.Knows(pair.geom1))) {
-    step = mjcf_pdg::SafeStep(posed, pair.geom1, {n_W, distance, motion.twist, motion.jerk1},
-                              point1, horizon);
+    step = StepTowardsPlane(posed, pair.geom1,
+                            {n_W, -support2 - required, distance, motion.twist, motion.jerk1},
+                            point1, horizon);
   }
   if (step < horizon && std::isfinite(motion.jerk2)) {  // the other way round
     step = std::max(
-        step, mjcf_pdg::SafeStep(posed, pair.geom2, {-n_W, distance, -motion.twist, motion.jerk2},
-                                 point2, horizon));
+        step, StepTowardsPlane(posed, pair.geom2,
+                               {-n_W, -support1 - required, distance, -motion.twist, motion.jerk2},
+                               point2, horizon));
   }
   return step;
 }
