@@ -182,6 +182,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--amplitude", type=float, default=0.35, help="of the sinusoids, share of a joint's range")
     parser.add_argument("--clearance", type=float, default=0.002, help="that filters keep, for the servos' errors [m]")
     parser.add_argument("--steps", type=float, default=3.0, help="max_step over the targets' fastest step")
+    parser.add_argument("--queries", type=int, default=12, help="of a tracker's tick, at most")
     parser.add_argument("--bandwidth", type=float, default=6.0, help="of governed: its reference model's poles [1/s]")
     parser.add_argument("--cushion", type=float, default=0.1,
                         help="of governed, beyond the clearance, share of a typical link's radius")  # fmt: skip
@@ -196,6 +197,11 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     for name in arguments.filters:
         if name not in FILTERS:
             parser.error(f"--filters: '{name}' is none of {','.join(FILTERS)}")
+    if arguments.error_every < 1:
+        parser.error("--error-every: at least 1 is needed")
+    fewest = round(RAMP / TIMESTEP) + arguments.error_every + 1
+    if arguments.ticks < fewest:
+        parser.error(f"--ticks: at least {fewest} are needed, of which those of the first {RAMP:g} s do not count")
     return arguments
 
 

@@ -81,6 +81,7 @@ class Tracker(Filter):
     def __init__(self, model: mujoco.MjModel, robot: Robot, arguments: argparse.Namespace):
         super().__init__(model, robot, arguments)
         self.widest = arguments.clearance + self.cushion(arguments)
+        self.queries = arguments.queries
         self.tracker = self.tracker_with(model, arguments.clearance, arguments.steps)
         self.last = robot.home
 
@@ -90,7 +91,8 @@ class Tracker(Filter):
 
     def tracker_with(self, model: mujoco.MjModel, clearance: float, steps: float) -> mjcf_pdg.Tracker:
         options = scene_options(model, self.robot, clearance, self.widest)
-        tracker = mjcf_pdg.Tracker(model, max_step=steps * self.robot.fastest_step, **options)
+        max_step = steps * self.robot.fastest_step
+        tracker = mjcf_pdg.Tracker(model, queries=self.queries, max_step=max_step, **options)
         tracker.reset(self.robot.home)
         return tracker
 

@@ -153,6 +153,9 @@ def test_a_joint_without_servo_beyond_its_limit_does_not_count():
         (["nowhere.xml"], "nowhere.xml"),
         ([ROOT / "models/figure/figure_bench.xml"], "no position actuators"),
         ([ROOT / "models/puma/puma_car.xml", "--filters", "raw,magic"], "magic"),
+        ([ROOT / "models/puma/puma_car.xml", "--ticks", 1010], "--ticks"),
+        ([ROOT / "models/puma/puma_car.xml", "--error-every", 0], "--error-every"),
+        ([ROOT / "models/puma/puma_car.xml", "--ticks", 1011, "--filters", "tracker", "--queries", 5], "6 queries"),
     ],
 )
 def test_bad_input_is_one_clear_line(arguments, word):

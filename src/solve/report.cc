@@ -148,6 +148,9 @@ void Reporter::AnswerUnmeasured(Result& result) const {
 
 void Reporter::Unsolved(const std::vector<double>& q_in, const Outcome* outcome, bool frozen,
                         Result& result) {
+  const auto check = [&](const std::vector<double>& q) -> const Verdict& {
+    return verifier_.Check(q, q_in, depths_of_unsolved);
+  };
   work_.ReferNorm();
   VectorXd inside = problem_.q_in;
   TurnInsideLimits(problem_.tables, inside);
@@ -159,20 +162,20 @@ void Reporter::Unsolved(const std::vector<double>& q_in, const Outcome* outcome,
     candidate = &outcome->least_overlap;
   }
   // Once the budget is spent the depth that the search knows is good enough.
-  if (!Reports() && !work_.Spent()) result.depth_in = verifier_.Check(q_in, q_in).min_distance;
+  if (!Reports() && !work_.Spent()) result.depth_in = check(q_in).min_distance;
   Assign(candidate ? candidate->q : inside, result.q);
   result.start = NameOf(candidate ? candidate->start : Component::kNone);
-  Verdict verdict = verifier_.Check(result.q, q_in);
+  Verdict verdict = check(result.q);
   if (candidate) {
     std::vector<double> q_inside;
     Assign(inside, q_inside);
-    const Verdict& at_start = verifier_.Check(q_inside, q_in);
+    const Verdict& at_start = check(q_inside);
     if (!Improves(verdict, at_start, problem_.options)) {
       verdict = at_start;
       result.q = q_inside;
       result.start = NameOf(Component::kNone);
     } else if (problem_.options.report_contacts) {
-      verifier_.Check(result.q, q_in);  // whose contacts are counted
+      check(result.q);  // whose contacts are counted
     }
   }
   result.status = Status::kUnsolved;

@@ -40,6 +40,9 @@ class Reporter {
   // searched. `frozen`: pairs overlap that no movable joint can part.
   void Unsolved(const std::vector<double>& q_in, const Outcome* outcome, bool frozen,
                 Result& result);
+  // How exactly Unsolved measures overlaps: with kSkipped depths may come out too large, in a
+  // fraction of the time.
+  verify::Depths depths_of_unsolved = verify::Depths::kMeasured;
   // Whether contacts or distances are to be reported.
   bool Reports() const {
     return problem_.options.report_contacts || problem_.options.report_distances_to > 0.0;

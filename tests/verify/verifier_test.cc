@@ -105,6 +105,33 @@ TEST_F(VerifierTest, SignedDistancesAreThoseOfTheSlowOracle) {
   EXPECT_LT(overlaps, cases);
 }
 
+// Whatever clearance is asked for: a tracker that finds nothing free has no time for depths.
+TEST_F(VerifierTest, DepthsThatAreNotMeasuredAreNotTooSmallAndDistancesAreTheSame) {
+  Random rng(8);
+  Options options;
+  options.clearance = 0.01;
+  int apart = 0, deeper = 0;
+  for (int i = 0; i < 400; ++i) {
+    TwoGeoms geoms;
+    geoms.first = RandomShape(mjGEOM_MESH, rng);
+    geoms.second = RandomShape(mjGEOM_MESH, rng);
+    const Scene scene = Scene::FromString(TwoGeomXml(geoms));
+    Verifier verifier(scene.verifier_model(), options);
+    const std::vector<double> q = FreePose(rng.InBox(0.25), rng.UnitQuat());
+    const Verdict measured = verifier.Check(q);
+    const Verdict& skipped = verifier.Check(q, {}, verify::Depths::kSkipped);
+    EXPECT_EQ(skipped.free, measured.free);
+    EXPECT_LE(skipped.min_distance, measured.min_distance + 1e-9);
+    if (measured.min_distance >= 0.0) {
+      EXPECT_NEAR(skipped.min_distance, measured.min_distance, 1e-9);
+      ++apart;
+    }
+    deeper += skipped.min_distance < measured.min_distance - 1e-6;
+  }
+  EXPECT_GT(apart, 50);
+  EXPECT_GT(deeper, 0);
+}
+
 TEST_F(VerifierTest, NumbersThatAreNoNumbersAreErrors) {
   const Scene scene = Scene::FromString(TwoBoxes());
   const double nan = std::numeric_limits<double>::quiet_NaN();
