@@ -64,6 +64,7 @@ SupportPoints::SupportPoints(const mjModel& model, const std::vector<KeptPair>& 
     if (wanted[mesh]) AddHull(mesh);
   }
   first_neighbour_.push_back(static_cast<int>(neighbours_.size()));
+  for (Hull& hull : hulls_) AddStarts(hull);
 }
 
 void SupportPoints::AddHull(int mesh) {
@@ -85,10 +86,19 @@ void SupportPoints::AddHull(int mesh) {
       neighbours_.push_back({vertices_[hull.begin + *edge], *edge});
     }
   }
+}
+
+// In the cell before, or at the beginning of the row before, the farthest vertex is the same or
+// near. (To look at all vertices for each cell took more than half of the time to make a scene.)
+void SupportPoints::AddStarts(Hull& hull) {
+  const bool has_edges =
+      hull.end > hull.begin && first_neighbour_[hull.begin + 1] > first_neighbour_[hull.begin];
   if (!has_edges) return;
   hull.starts = static_cast<int>(starts_.size());
-  for (int cell = 0; cell < 6 * kCells * kCells; ++cell) {
-    starts_.push_back(LookAtAll(hull, MiddleOf(cell)));
+  starts_.push_back(LookAtAll(hull, MiddleOf(0)));
+  for (int cell = 1; cell < 6 * kCells * kCells; ++cell) {
+    const int before = cell % kCells == 0 ? cell - kCells : cell - 1;
+    starts_.push_back(Climb(hull, MiddleOf(cell), starts_[hull.starts + before]));
   }
 }
 

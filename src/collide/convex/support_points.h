@@ -47,6 +47,7 @@ class SupportPoints {
   };
 
   void AddHull(int mesh);
+  void AddStarts(Hull& hull);
   // The farthest vertex of a hull along the direction, by hill climbing from `vertex` (Climb) or by
   // looking at all vertices.
   int Climb(const Hull& hull, const Eigen::Vector3d& direction, int vertex) const;
