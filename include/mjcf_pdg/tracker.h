@@ -57,9 +57,10 @@ class MJCF_PDG_API Tracker {
   // kAlreadyFree if it is q_command itself, kSolved if it is another one, which includes a free
   // command that max_step or certify_motion does not let it reach yet. If the last answer is still
   // free, so is this one. If it is not (obstacles move) and nothing free is found within the
-  // budget, the status is kUnsolved. Result::sigma is from q_command. The first step, unless Reset
-  // came before, solves as Solver does, without the tick's budget. Throws Error for a bad
-  // q_command.
+  // budget, the status is kUnsolved, and overlaps of convex geoms may be told as deeper than they
+  // are: to measure them takes longer than a tick. Result::sigma is from q_command. The first step,
+  // unless Reset came before, solves as Solver does, without the tick's budget. Throws Error for a
+  // bad q_command.
   Status Step(std::span<const double> q_command, Result& result);
   // The same with mocap poses, active equality constraints and frozen joints as in `data`, which is
   // only read. Also throws Error if `data` is null.
