@@ -2,7 +2,7 @@
 // `Solve` that returns its q_in. On configurations that touch (answers of solves) and on random
 // ones that are free; asked again and again, as of a robot that stands, and one configuration after
 // the other (`anew`), which no memory of the last one helps. And what a Scene of a loaded model and
-// its first Solver take. README.md beside this file shows results.
+// a Solver take. README.md beside this file shows results.
 #include <mujoco/mujoco.h>
 
 #include <CLI/CLI.hpp>
@@ -10,7 +10,6 @@
 #include <cstdio>
 #include <limits>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "measure.h"
@@ -75,20 +74,11 @@ void PrintRows(const Workload& workload) {
   if (!apart.empty()) PrintRow(scene, workload.set.name.c_str(), "apart", apart);
 }
 
-// Processor time of making a Scene of a loaded model, and a Solver, the least of several.
-void PrintConstruction(const Scene& scene, const std::string& name) {
-  constexpr int kRuns = 11;
-  double of_scene = std::numeric_limits<double>::infinity(), of_solver = of_scene;
-  for (int run = 0; run < kRuns; ++run) {
-    const double begin = CpuSeconds();
-    const Scene made = Scene::FromModel(scene.model());
-    const double between = CpuSeconds();
-    const Solver solver(made);
-    of_scene = std::min(of_scene, 1e3 * (between - begin));
-    of_solver = std::min(of_solver, 1e3 * (CpuSeconds() - between));
-  }
-  std::printf("%-40s a Scene of it takes %.2f ms, a Solver %.2f\n", name.c_str(), of_scene,
-              of_solver);
+void PrintConstruction(const Scene& scene, const char* name) {
+  const double of_scene = Microseconds([&] { Scene::FromModel(scene.model()); });
+  const double of_solver = Microseconds([&] { Solver solver(scene); });
+  std::printf("%-40s a Scene of it takes %.2f ms, a Solver %.2f\n", name, 1e-3 * of_scene,
+              1e-3 * of_solver);
 }
 
 }  // namespace
@@ -104,7 +94,7 @@ int main(int argc, char** argv) {
                 "p95", "Solve", "p95", "anew");
     for (const Workload& workload : LoadSoundWorkloads(sets)) {
       PrintRows(workload);
-      PrintConstruction(*workload.scene, workload.set.name);
+      PrintConstruction(*workload.scene, workload.set.name.c_str());
     }
   });
 }

@@ -31,9 +31,9 @@ struct TrackOptions {
   // Another optimum is taken if its √σ is smaller by this share, in [0, 1).
   double switch_gain = 0.05;
   // No joint moves farther in a tick [rad or m], > 0. A free joint's translation and rotation, and
-  // a ball's rotation, count by their length. An optimum that lies farther away is gone to straight,
-  // along what is in the way, or by a way round it that is sought in what ticks have left of their
-  // queries; until there is one that pays, the answer follows the optimum on its own side.
+  // a ball's rotation, count by their length. An optimum that lies farther away is gone to
+  // straight, along what is in the way, or by a way round it that is sought in what ticks have left
+  // of their queries; until there is one that pays, the answer follows the optimum on its own side.
   double max_step = std::numeric_limits<double>::infinity();
   // The straight motion from each answer to the next is proven free (mjcf_pdg/motion.h) and cut
   // short where it is not.
@@ -58,9 +58,9 @@ class MJCF_PDG_API Tracker {
   // command that max_step or certify_motion does not let it reach yet. If the last answer is still
   // free, so is this one. If it is not (obstacles move) and nothing free is found within the
   // budget, the status is kUnsolved, and overlaps of convex geoms may be told as deeper than they
-  // are: to measure them takes longer than a tick. Result::sigma is from q_command. The first step,
-  // unless Reset came before, solves as Solver does, without the tick's budget. Throws Error for a
-  // bad q_command.
+  // are: to measure them takes longer than the rest of a tick. Result::sigma is from q_command. The
+  // first step, unless Reset came before, solves as Solver does, without the tick's budget. Throws
+  // Error for a bad q_command.
   Status Step(std::span<const double> q_command, Result& result);
   // The same with mocap poses, active equality constraints and frozen joints as in `data`, which is
   // only read. Also throws Error if `data` is null.

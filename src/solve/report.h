@@ -40,8 +40,7 @@ class Reporter {
   // searched. `frozen`: pairs overlap that no movable joint can part.
   void Unsolved(const std::vector<double>& q_in, const Outcome* outcome, bool frozen,
                 Result& result);
-  // How exactly Unsolved measures overlaps: with kSkipped depths may come out too large, in a
-  // fraction of the time.
+  // How exactly Unsolved measures overlaps.
   verify::Depths depths_of_unsolved = verify::Depths::kMeasured;
   // Whether contacts or distances are to be reported.
   bool Reports() const {

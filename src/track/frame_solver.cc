@@ -27,7 +27,8 @@ FrameSolver::FrameSolver(const Scene& scene, const Options& options, bool search
                                .more = tuning::track::kMoreFrameSteps,
                                .enough = 0.0},
                     .searches = searches,
-                    .bounds = options.report_lower_bound};
+                    .bounds = options.report_lower_bound,
+                    .depths = verify::Depths::kMeasured};
     tracker_ = std::make_unique<TrackerCore>(scene, track, pace);
     if (!TrianglesCollide(tracker_->work)) return;
     tracker_.reset();

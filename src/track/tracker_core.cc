@@ -295,7 +295,7 @@ void TrackerCore::FallBack(Result& result) {
   const double left_s = std::max(options.options.time_limit - work.budget.Elapsed(),
                                  std::numeric_limits<double>::min());  // 0 would be no limit
   core.budget = {.queries = static_cast<int>(left), .seconds = left_s};
-  core.reporter.depths_of_unsolved = verify::Depths::kSkipped;
+  core.reporter.depths_of_unsolved = pace.depths;
   Solve(result);
   if (result.status == Status::kUnsolved) return;
   optimum = ToEigen(result.q);
@@ -323,8 +323,7 @@ void TrackerCore::Stand(const VectorXd& q, Result& result) {
   result.sigma = work.norm.Sigma(q);
   if (Left() > 0) {
     result.min_distance =
-        core.verifier.Check(result.q, q_in, verify::Depths::kSkipped, verify::Words::kSkipped)
-            .min_distance;
+        core.verifier.Check(result.q, q_in, pace.depths, verify::Words::kSkipped).min_distance;
   }
   result.cause = Cause::kBudget;
   result.reason = "no free configuration found that a tick reaches within its queries and max_step";

@@ -26,6 +26,8 @@ struct Pace {
   FollowPace follow = {};
   bool searches = true;  // for another optimum, beside
   bool bounds = false;   // computes Result::sigma_lower_bound
+  // Of what is unsolved. To measure depths takes several times as long as the rest of a tick.
+  verify::Depths depths = verify::Depths::kRough;
 };
 
 // `optimum` is the local optimum that is followed; `at` is where the follower stands. They differ

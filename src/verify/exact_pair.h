@@ -26,9 +26,11 @@
 
 namespace mjcf_pdg::verify {
 
-// What is asked of an exact pair: its distance or depth with witness points, which is slow; or only
-// whether it overlaps by more than is permitted.
-enum class Depths { kMeasured, kSkipped };
+// What is asked of pairs that overlap: the depth with witness points, which is slow. kRough: of
+// convex pairs that of a few local searches, in a fraction of the time, which may be too large; of
+// exact pairs as kMeasured. kSkipped: of exact pairs only whether they overlap by more than is
+// permitted, of convex pairs as kRough.
+enum class Depths { kMeasured, kRough, kSkipped };
 
 class ExactPairs {
  public:

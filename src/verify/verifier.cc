@@ -348,7 +348,7 @@ void Verifier::CheckPairs(Depths depths) {
     const double cutoff = std::max(verdict_.min_distance, matters);
     if (bound > cutoff) break;
     if (posed.BoxBound().gap > cutoff) continue;
-    const bool needs_distance = posed.pair.exact && required_[k] > 0.0;
+    const bool needs_distance = depths == Depths::kSkipped && required_[k] > 0.0;
     const Reading reading = Read(k, cutoff, needs_distance ? Depths::kMeasured : depths);
     if (reading.distance >= cutoff) continue;
     verdict_.min_distance = std::min(verdict_.min_distance, reading.distance);

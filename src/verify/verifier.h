@@ -69,8 +69,8 @@ class Verifier {
 
   // Returns the whole verdict on q, valid until the next call. `q_in` is the configuration whose
   // contacts may keep their depths (Options::rest); if it is empty, none may. Both have nq entries.
-  // With Depths::kSkipped, contacts and min_distance say of an exact pair only whether it overlaps,
-  // and the depth of a convex pair may come out too large. A q that is free, with no more contacts
+  // With Depths::kSkipped, contacts and min_distance say of an exact pair only whether it overlaps;
+  // with that or Depths::kRough, the depth of a convex pair may come out too large. A q that is free, with no more contacts
   // than in earlier calls, costs no allocation unless meshes collide as their triangles.
   const Verdict& Check(std::span<const double> q, std::span<const double> q_in = {},
                        verify::Depths depths = verify::Depths::kMeasured,

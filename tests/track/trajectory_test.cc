@@ -10,9 +10,11 @@
 #include <numbers>
 
 #include "mjcf_pdg/pdg.h"
+#include "mjcf_pdg/tracker.h"
 #include "model/kinematics.h"
 #include "norm/change.h"
 #include "norm/norm_evaluator.h"
+#include "tests/support/mesh_shapes.h"
 #include "tests/support/test_support.h"
 
 namespace mjcf_pdg::test {
@@ -249,6 +251,42 @@ TEST_F(TrajectoryTest, FramesThatCannotBeFreeStayUnsolvedBesideOthers) {
     }
     EXPECT_GT(unsolved, 5);
   }
+}
+
+// A mesh that may slide by a millimetre, and one that goes through it. A tick has no time to
+// measure how deep, frames have.
+TEST_F(TrajectoryTest, DepthsOfUnsolvedFramesAreMeasuredWhereATicksAreRough) {
+  Random rng(8);
+  int unsolved = 0, deeper = 0;
+  for (int i = 0; i < 40; ++i) {
+    TwoGeoms geoms{.first = RandomShape(mjGEOM_MESH, rng), .second = RandomShape(mjGEOM_MESH, rng)};
+    geoms.joint2 = "<joint type='slide' range='-.001 .001' limited='true'/>";
+    const Scene scene = Scene::FromString(TwoGeomXml(geoms), {.movable = {"b2"}});
+    Q frames = FreePose({5.0, 0.0, 0.0}, rng.UnitQuat());
+    frames.push_back(0.0);
+    for (int k = 0; k < 10; ++k) {
+      const Q pose = FreePose(rng.InBox(0.1), rng.UnitQuat());
+      frames.insert(frames.end(), pose.begin(), pose.end());
+      frames.push_back(0.0);
+    }
+    const std::vector<Result> results = Solve(scene, {}, frames);
+    Tracker tracker(scene);
+    for (std::size_t k = 0; k < results.size(); ++k) {
+      const Result& frame = results[k];
+      Result tick;
+      tracker.Step(std::span(frames).subspan(8 * k, 8), tick);
+      if (frame.status == Status::kUnsolved) {
+        EXPECT_NEAR(frame.min_distance, Verify(scene, frame.q).min_distance, 1e-9);
+        ++unsolved;
+      }
+      if (tick.status != Status::kUnsolved) continue;
+      const double depth = Verify(scene, tick.q).min_distance;
+      EXPECT_LE(tick.min_distance, depth + 1e-9);
+      deeper += tick.min_distance < depth - 1e-6;
+    }
+  }
+  EXPECT_GT(unsolved, 100);
+  EXPECT_GT(deeper, 0);
 }
 
 TEST_F(TrajectoryTest, GoOnEndsItBetweenFrames) {

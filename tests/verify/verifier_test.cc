@@ -106,7 +106,7 @@ TEST_F(VerifierTest, SignedDistancesAreThoseOfTheSlowOracle) {
 }
 
 // Whatever clearance is asked for: a tracker that finds nothing free has no time for depths.
-TEST_F(VerifierTest, DepthsThatAreNotMeasuredAreNotTooSmallAndDistancesAreTheSame) {
+TEST_F(VerifierTest, RoughDepthsAreNotTooSmallAndDistancesAreTheSame) {
   Random rng(8);
   Options options;
   options.clearance = 0.01;
@@ -119,14 +119,14 @@ TEST_F(VerifierTest, DepthsThatAreNotMeasuredAreNotTooSmallAndDistancesAreTheSam
     Verifier verifier(scene.verifier_model(), options);
     const std::vector<double> q = FreePose(rng.InBox(0.25), rng.UnitQuat());
     const Verdict measured = verifier.Check(q);
-    const Verdict& skipped = verifier.Check(q, {}, verify::Depths::kSkipped);
-    EXPECT_EQ(skipped.free, measured.free);
-    EXPECT_LE(skipped.min_distance, measured.min_distance + 1e-9);
+    const Verdict& rough = verifier.Check(q, {}, verify::Depths::kRough);
+    EXPECT_EQ(rough.free, measured.free);
+    EXPECT_LE(rough.min_distance, measured.min_distance + 1e-9);
     if (measured.min_distance >= 0.0) {
-      EXPECT_NEAR(skipped.min_distance, measured.min_distance, 1e-9);
+      EXPECT_NEAR(rough.min_distance, measured.min_distance, 1e-9);
       ++apart;
     }
-    deeper += skipped.min_distance < measured.min_distance - 1e-6;
+    deeper += rough.min_distance < measured.min_distance - 1e-6;
   }
   EXPECT_GT(apart, 50);
   EXPECT_GT(deeper, 0);
